@@ -1,0 +1,3 @@
+"""homebot: the home runtime for robots."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,208 @@
+"""Every error homebot raises, in one tree, split by what the catcher can do.
+
+::
+
+    HomebotError
+    ├── UsageError                  our own mistake: mend the program or the configuration
+    │   ├── InvalidNameError        a name breaks the rules for names
+    │   ├── DuplicateNameError      the name is taken
+    │   ├── TypeMismatchError       a message is not of the type of its topic or service
+    │   ├── QosError                a QoS profile contradicts itself
+    │   ├── ParameterError          a parameter is unknown, read-only or out of its range
+    │   ├── ClosedError             the node, topic or connection was closed before
+    │   ├── ConfigError             a configuration file, key or value is wrong
+    │   └── PluginError             a plug-in cannot be found, loaded or made
+    ├── PeerError                   somebody outside is wrong or says no: repeating does not help
+    │   ├── WireError               bytes that do not follow their protocol
+    │   └── RefusedError            a login, subscription, publish or command was answered with no
+    ├── LinkError                   the way to somebody outside is not there: try again later
+    └── ServiceError                a service call brought no response
+        ├── ServiceUnavailableError no server has this name
+        ├── ServiceFailedError      the server raised
+        ├── ServiceGoneError        the server went away while it worked
+        └── ServiceTimeoutError     the server was too slow
+"""
+
+from __future__ import annotations
+
+__all__ = [
+    "ClosedError",
+    "ConfigError",
+    "DuplicateNameError",
+    "HomebotError",
+    "InvalidNameError",
+    "LinkError",
+    "ParameterError",
+    "PeerError",
+    "PluginError",
+    "QosError",
+    "RefusedError",
+    "ServiceError",
+    "ServiceFailedError",
+    "ServiceGoneError",
+    "ServiceTimeoutError",
+    "ServiceUnavailableError",
+    "TypeMismatchError",
+    "UsageError",
+    "WireError",
+]
+
+
+class HomebotError(Exception):
+    """The base of all errors that homebot raises."""
+
+
+class UsageError(HomebotError):
+    """The program or its configuration asks for something that cannot be."""
+
+
+class InvalidNameError(UsageError):
+    """A name breaks the rules for its kind of name.
+
+    Attributes:
+        name: The rejected name.
+        problem: What is wrong with it.
+        position: Index of the first bad character, or None where the whole name is wrong.
+    """
+
+    def __init__(self, kind: str, name: str, problem: str, position: int | None = None) -> None:
+        where = "" if position is None else f" at character {position + 1} ({name[position : position + 1]!r})"
+        super().__init__(f"{kind} {name!r} {problem}{where}")
+        self.name = name
+        self.problem = problem
+        self.position = position
+
+
+class DuplicateNameError(UsageError):
+    """A name that must be unique is taken."""
+
+
+class TypeMismatchError(UsageError):
+    """A message, or an endpoint, is not of the type of its topic or service."""
+
+
+class QosError(UsageError):
+    """A QoS profile contradicts itself."""
+
+
+class ParameterError(UsageError):
+    """A parameter is not declared, declared twice, read-only, of another type, or out of its range."""
+
+
+class ClosedError(UsageError):
+    """The thing was closed and cannot be used any more."""
+
+
+class ConfigError(UsageError):
+    """A configuration cannot be used.
+
+    Attributes:
+        source: The file (or the option) the value came from.
+        key: Dotted path of the culprit, for example ``gateways.mqtt.url``; empty for the whole file.
+        reason: What is wrong, and what to do.
+    """
+
+    def __init__(self, source: str, key: str, reason: str) -> None:
+        super().__init__(f"{source}: {key}: {reason}" if key else f"{source}: {reason}")
+        self.source = source
+        self.key = key
+        self.reason = reason
+
+
+class PluginError(UsageError):
+    """A plug-in cannot be found, loaded or made.
+
+    Attributes:
+        name: The name it was asked for by.
+    """
+
+    def __init__(self, name: str, reason: str) -> None:
+        super().__init__(f"plug-in {name!r}: {reason}")
+        self.name = name
+
+
+class PeerError(HomebotError):
+    """Somebody outside sent something unusable or said no; the same again will fail again."""
+
+
+class WireError(PeerError):
+    """A peer sent bytes that do not follow their protocol.
+
+    Attributes:
+        problem: What is wrong.
+        frame: The rejected bytes; at most the first 64 are shown in the message.
+    """
+
+    def __init__(self, problem: str, frame: bytes = b"") -> None:
+        shown = frame[:64].hex(" ") + (" …" if len(frame) > 64 else "")
+        super().__init__(f"{problem} (frame: {shown})" if frame else problem)
+        self.problem = problem
+        self.frame = frame
+
+
+class RefusedError(PeerError):
+    """A peer, or a policy of ours, answered a request with no.
+
+    Attributes:
+        reason: Why, in words; never holds a secret.
+        code: The protocol's reason code where there is one.
+    """
+
+    def __init__(self, what: str, reason: str, code: int | None = None) -> None:
+        super().__init__(f"{what} was refused: {reason}")
+        self.reason = reason
+        self.code = code
+
+
+class LinkError(HomebotError):
+    """The link to a peer is absent, broke, or timed out; it may work later."""
+
+
+class ServiceError(HomebotError):
+    """A service call brought no response.
+
+    Attributes:
+        service: Full name of the service.
+    """
+
+    def __init__(self, service: str, problem: str) -> None:
+        super().__init__(f"service {service} {problem}")
+        self.service = service
+
+
+class ServiceUnavailableError(ServiceError):
+    """No server offers the service now."""
+
+    def __init__(self, service: str) -> None:
+        super().__init__(service, "has no server; wait for it with `await client.wait_for_service(timeout)`")
+
+
+class ServiceFailedError(ServiceError):
+    """The server raised while it served the call; the cause is chained.
+
+    Attributes:
+        reason: The server's exception in words.
+    """
+
+    def __init__(self, service: str, reason: str) -> None:
+        super().__init__(service, f"failed: {reason}")
+        self.reason = reason
+
+
+class ServiceGoneError(ServiceError):
+    """The server was closed while it served the call; whether it acted is unknown."""
+
+    def __init__(self, service: str) -> None:
+        super().__init__(service, "went away during the call; whether it acted is unknown")
+
+
+class ServiceTimeoutError(ServiceError, TimeoutError):
+    """The server did not answer in time; whether it acted is unknown.
+
+    Attributes:
+        timeout: The limit that passed, in seconds.
+    """
+
+    def __init__(self, service: str, timeout: float) -> None:
+        super().__init__(service, f"did not answer within {timeout:g} s; whether it acted is unknown")
+        self.timeout = timeout
