@@ -1,0 +1,190 @@
+"""The calling end of a service."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Coroutine, Generator
+from inspect import isawaitable
+from typing import Generic, TypeVar
+
+import anyio
+
+from homebot.errors import (
+    ServiceError,
+    ServiceFailedError,
+    ServiceGoneError,
+    ServiceTimeoutError,
+    ServiceUnavailableError,
+    TypeMismatchError,
+)
+from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.service import Service, ServiceSlot
+from homebot.messages.message import Message
+from homebot.messages.service_type import ServiceType
+
+__all__ = ["Client"]
+
+RequestT = TypeVar("RequestT", bound=Message)
+ResponseT = TypeVar("ResponseT", bound=Message)
+
+DEFAULT_TIMEOUT = 5.0
+
+
+class Client(Generic[RequestT, ResponseT]):
+    """Calls one service, from anywhere, as often and as much side by side as you like.
+
+    Attributes:
+        info: The endpoint as the graph shows it.
+    """
+
+    def __init__(
+        self,
+        slot: ServiceSlot,
+        service_type: ServiceType[RequestT, ResponseT],
+        node: str,
+        on_close: Callable[[], None],
+    ) -> None:
+        """Not for use by hand: see :meth:`homebot.graph.Node.create_client`."""
+        self.info = EndpointInfo(EntityKind.CLIENT, node, slot.name, service_type.ros_type)
+        self._slot = slot
+        self._on_close = on_close
+        self._closed = False
+        self._request_type = service_type.Request
+        self._response_type = service_type.Response
+
+    @property
+    def service_name(self) -> str:
+        """Full name of the service."""
+        return self.info.name
+
+    def service_is_ready(self) -> bool:
+        """Whether the service has a server now."""
+        return self._slot.server is not None
+
+    async def wait_for_service(self, timeout: float | None = None) -> bool:  # noqa: ASYNC109  # rclpy's spelling
+        """Wait until the service has a server; return False when *timeout* seconds pass first."""
+        with anyio.move_on_after(timeout):
+            await self._slot.wait_for_server()
+        return self.service_is_ready()
+
+    async def call(self, request: RequestT, timeout: float = DEFAULT_TIMEOUT) -> ResponseT:  # noqa: ASYNC109
+        """Return the server's response to *request*.
+
+        Args:
+            request: What to ask.
+            timeout: Seconds that the server may take, its waiting line included.
+
+        Raises:
+            ServiceUnavailableError: There is no server (at once, without waiting).
+            ServiceFailedError: The server raised; its exception is the cause.
+            ServiceGoneError: The server was closed while it worked.
+            ServiceTimeoutError: No response within *timeout*.
+            TypeMismatchError: *request* is not exactly of the service's request type.
+        """
+        server = self._slot.server
+        if server is None:
+            raise ServiceUnavailableError(self.info.name)
+        if request.__class__ is not self._request_type:
+            raise TypeMismatchError(f"{self.info.name} takes {self._request_type.__name__}, got {request!r}")
+        if server.is_busy:
+            timeout = await self._take_turn(server, timeout)
+        else:
+            server.is_busy = server.is_exclusive
+        try:
+            response = server.callback(request)
+            if response.__class__ is not self._response_type:
+                response = await self._finish(server, response, timeout)
+        except Exception as exc:
+            raise ServiceFailedError(self.info.name, _in_words(exc)) from exc
+        finally:
+            if server.line:
+                server.end_turn()
+            else:
+                server.is_busy = False
+        if response.__class__ is self._response_type:
+            return response
+        raise _no_response(self.info.name, response)
+
+    def close(self) -> None:
+        """Let go of the service name. Twice is fine."""
+        if not self._closed:
+            self._closed = True
+            self._on_close()
+
+    async def _take_turn(self, server: Service[RequestT, ResponseT], timeout: float) -> float:  # noqa: ASYNC109
+        """Wait in the server's line; return what is left of *timeout*."""
+        now = asyncio.get_running_loop().time
+        started = now()
+        try:
+            async with asyncio.timeout(timeout):
+                await server.take_turn()
+        except TimeoutError:
+            raise ServiceTimeoutError(self.info.name, timeout) from None
+        return timeout - (now() - started)
+
+    async def _finish(self, server: Service[RequestT, ResponseT], handler: object, timeout: float) -> object:  # noqa: ASYNC109
+        """Run an asynchronous handler to its end; return its response, or the ServiceError that ended the call.
+
+        The first step is taken without a time limit in place: most handlers need no second one, and a timer costs
+        more than such a call. Handing the error back keeps it apart from an error that the handler raised.
+        """
+        if not isinstance(handler, Coroutine):
+            if not isawaitable(handler):
+                return handler
+            handler = _as_coroutine(handler)
+        try:
+            waits_for = handler.send(None)
+        except StopIteration as stop:
+            return stop.value
+        try:
+            async with asyncio.timeout(timeout) as deadline:
+                server.watch(deadline)
+                try:
+                    return await _Started(handler, waits_for)
+                except TimeoutError as exc:
+                    return ServiceFailedError(self.info.name, _in_words(exc))
+                finally:
+                    server.unwatch(deadline)
+        except TimeoutError:
+            return (
+                ServiceGoneError(self.info.name) if server.is_closed else ServiceTimeoutError(self.info.name, timeout)
+            )
+
+
+class _Started:
+    """The rest of a coroutine whose first step was taken by hand, to be awaited in the same task."""
+
+    def __init__(self, coroutine: Coroutine[object, object, object], waits_for: object) -> None:
+        self._coroutine = coroutine
+        self._waits_for = waits_for
+
+    def __await__(self) -> Generator[object, object, object]:
+        coroutine, waits_for = self._coroutine, self._waits_for
+        while True:
+            try:
+                try:
+                    value = yield waits_for
+                except GeneratorExit:
+                    coroutine.close()
+                    raise
+                except BaseException as exc:  # noqa: BLE001  # whatever the task is told belongs to the coroutine
+                    waits_for = coroutine.throw(exc)
+                else:
+                    waits_for = coroutine.send(value)
+            except StopIteration as stop:
+                return stop.value
+
+
+async def _as_coroutine(awaitable: Awaitable[object]) -> object:
+    return await awaitable
+
+
+def _no_response(service: str, outcome: object) -> ServiceError:
+    if isinstance(outcome, ServiceError):
+        return outcome
+    return ServiceFailedError(service, f"the server returned {outcome!r}, which is not its response type")
+
+
+def _in_words(error: BaseException) -> str:
+    text = str(error)
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -1,0 +1,167 @@
+"""The computation graph: every node, topic and service of the process, and a stream of what comes and goes.
+
+It does the ROS master's job. One graph belongs to one event loop; nothing here may be called from another thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from homebot.clock import Clock, LoopClock
+from homebot.errors import DuplicateNameError, TypeMismatchError
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphChange
+from homebot.graph.mailbox import Mailbox
+from homebot.graph.service import ServiceSlot
+from homebot.graph.topic import Topic
+from homebot.messages.message import Message
+from homebot.messages.service_type import ServiceType
+
+if TYPE_CHECKING:
+    from homebot.graph.node import Node
+
+__all__ = ["Graph"]
+
+WATCH_DEPTH = 10_000  # a house has some thousand entities; a watcher that is this far behind asks anew
+
+
+class Graph:
+    """The look-up directory of everything on the graph.
+
+    Args:
+        clock: The time that nodes, timers and lifespans go by; by default that of the running loop.
+
+    Attributes:
+        clock: That clock.
+    """
+
+    def __init__(self, clock: Clock | None = None) -> None:
+        self.clock = clock or LoopClock()
+        self._nodes: dict[str, Node] = {}
+        self._topics: dict[str, Topic] = {}
+        self._services: dict[str, ServiceSlot] = {}
+        self._endpoints: dict[int, EndpointInfo] = {}
+        self._watchers: list[Mailbox[GraphChange]] = []
+
+    def get_node_names(self) -> tuple[str, ...]:
+        """Return the full names of all nodes, sorted."""
+        return tuple(sorted(self._nodes))
+
+    def get_node(self, name: str) -> Node | None:
+        """Return the node with the full name *name*, if there is one."""
+        return self._nodes.get(name)
+
+    def get_topic_names_and_types(self) -> dict[str, str]:
+        """Return the ROS type of every topic by its full name, sorted by name."""
+        return {name: topic.message_type.ros_type for name, topic in sorted(self._topics.items())}
+
+    def get_service_names_and_types(self) -> dict[str, str]:
+        """Return the ROS type of every service that has a server, by its full name, sorted by name."""
+        return {name: slot.service_type.ros_type for name, slot in sorted(self._services.items()) if slot.server}
+
+    def get_message_type(self, topic: str) -> type[Message] | None:
+        """Return what the topic with the full name *topic* carries, or None when nobody uses it."""
+        found = self._topics.get(topic)
+        return found.message_type if found else None
+
+    def get_service_type(self, service: str) -> ServiceType[Any, Any] | None:  # either type may be any message
+        """Return the type of the service with the full name *service*, or None when nobody uses it."""
+        slot = self._services.get(service)
+        return slot.service_type if slot else None
+
+    def get_endpoints(
+        self, *, kind: EntityKind | None = None, name: str | None = None, node: str | None = None
+    ) -> tuple[EndpointInfo, ...]:
+        """Return the entities of one *kind*, under one full *name*, and of one *node*; None means any."""
+        return tuple(
+            info
+            for info in self._endpoints.values()
+            if (kind is None or info.kind is kind)
+            and (name is None or info.name == name)
+            and (node is None or info.node == node)
+        )
+
+    @contextmanager
+    def watch(self) -> Iterator[Mailbox[GraphChange]]:
+        """Give a stream of every change from now on: ``with graph.watch() as changes: async for change in changes``.
+
+        10,000 changes may wait; then the oldest is dropped and counted in ``changes.lost``.
+        """
+        changes: Mailbox[GraphChange] = Mailbox(WATCH_DEPTH)
+        self._watchers.append(changes)
+        try:
+            yield changes
+        finally:
+            self._watchers.remove(changes)
+            changes.close()
+
+    # What follows is for nodes.
+
+    def add_node(self, node: Node) -> None:
+        """Take *node* in.
+
+        Raises:
+            DuplicateNameError: A node of this name is there.
+        """
+        if node.full_name in self._nodes:
+            raise DuplicateNameError(f"a node {node.full_name} is running already; give one of the two another name")
+        self._nodes[node.full_name] = node
+        self.add_endpoint(node, EndpointInfo(EntityKind.NODE, node.full_name, node.full_name))
+
+    def remove_node(self, node: Node) -> None:
+        """Let *node* go."""
+        if self._nodes.get(node.full_name) is node:
+            del self._nodes[node.full_name]
+            self.remove_endpoint(node)
+
+    def topic(self, name: str, message_type: type[Message], node: str) -> Topic:
+        """Return the topic with the full name *name*, made when it is new.
+
+        Raises:
+            TypeMismatchError: It carries another type.
+        """
+        topic = self._topics.get(name)
+        if topic is None or topic.is_unused:
+            topic = self._topics[name] = Topic(name, message_type)
+        topic.check_type(message_type, node)
+        return topic
+
+    def release_topic(self, topic: Topic) -> None:
+        """Forget *topic* when nobody uses it."""
+        if topic.is_unused and self._topics.get(topic.name) is topic:
+            del self._topics[topic.name]
+
+    def service_slot(self, name: str, service_type: ServiceType[Any, Any], node: str) -> ServiceSlot:
+        """Return the service with the full name *name* for one more user.
+
+        Raises:
+            TypeMismatchError: It is of another type.
+        """
+        slot = self._services.setdefault(name, ServiceSlot(name, service_type))
+        if slot.service_type is not service_type:
+            raise TypeMismatchError(
+                f"{node} wants {service_type.ros_type} of {name}, which is a {slot.service_type.ros_type}"
+            )
+        slot.users += 1
+        return slot
+
+    def release_service_slot(self, slot: ServiceSlot) -> None:
+        """Count one user less; the last one lets the name go."""
+        slot.users -= 1
+        if slot.users == 0:
+            self._services.pop(slot.name, None)
+
+    def add_endpoint(self, entity: object, info: EndpointInfo) -> None:
+        """Show *entity* as *info* and tell the watchers."""
+        self._endpoints[id(entity)] = info
+        self._tell(GraphChange("added", info))
+
+    def remove_endpoint(self, entity: object) -> None:
+        """Show *entity* no longer and tell the watchers. Twice is fine."""
+        if (info := self._endpoints.pop(id(entity), None)) is not None:
+            self._tell(GraphChange("removed", info))
+
+    def _tell(self, change: GraphChange) -> None:
+        for watcher in self._watchers:
+            watcher.put(change)

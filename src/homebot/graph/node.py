@@ -1,0 +1,299 @@
+"""A node: a named part of the program with its publishers, subscriptions, services, timers and parameters.
+
+Both spellings work. rclpy's::
+
+    node.create_subscription(String, "chatter", on_chatter, 10)
+
+and the asynchronous one::
+
+    async for message in node.create_subscription(String, "chatter"):
+        ...
+
+Callbacks and timers run inside ``async with node``; what is made before waits until then. Unless told otherwise a
+callback is called with one message at a time, in order. An exception in a callback ends the ``async with`` block: the
+node has crashed, and whoever runs it decides what happens next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from types import TracebackType
+from typing import Literal, Protocol, Self, TypeVar
+
+import anyio
+import structlog
+from anyio.abc import TaskGroup
+
+from homebot.errors import ClosedError, DuplicateNameError
+from homebot.graph.client import Client
+from homebot.graph.endpoint import EndpointInfo
+from homebot.graph.graph import Graph
+from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet, Value
+from homebot.graph.publisher import Publisher
+from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_profile
+from homebot.graph.service import Handler, Service
+from homebot.graph.subscription import Callback, Subscription
+from homebot.graph.timer import Timer
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Message
+from homebot.messages.rcl_interfaces import ParameterEvent
+from homebot.messages.service_type import ServiceType
+from homebot.names import expand_name, full_node_name
+
+__all__ = ["Node"]
+
+MessageT = TypeVar("MessageT", bound=Message)
+RequestT = TypeVar("RequestT", bound=Message)
+ResponseT = TypeVar("ResponseT", bound=Message)
+
+
+class _Entity(Protocol):
+    """What a node makes and closes."""
+
+    @property
+    def info(self) -> EndpointInfo: ...
+
+    def close(self) -> None: ...
+
+
+class Node:
+    """A named member of the graph.
+
+    Args:
+        graph: The graph it joins.
+        name: ``[A-Za-z0-9_]``, unique in its namespace.
+        namespace: Where relative names of this node begin; ``/`` by default.
+        parameters: Start-up values of the node's parameters by name.
+
+    Attributes:
+        graph: That graph.
+        name: That name.
+        namespace: The namespace, absolute.
+        full_name: Namespace and name.
+        parameters: The node's parameters.
+        log: The node's logger.
+
+    Raises:
+        InvalidNameError: The name or the namespace is illegal.
+        DuplicateNameError: The graph has a node of this full name.
+    """
+
+    def __init__(
+        self, graph: Graph, name: str, *, namespace: str = "/", parameters: Mapping[str, Value] | None = None
+    ) -> None:
+        self.graph = graph
+        self.name = name
+        self.full_name = full_node_name(name, namespace)
+        self.namespace = self.full_name.removesuffix(f"/{name}") or "/"
+        self.log: structlog.typing.FilteringBoundLogger = structlog.get_logger(node=self.full_name)
+        self._tasks: TaskGroup | None = None
+        self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
+        self._entities: dict[int, _Entity] = {}
+        self._closed = False
+        graph.add_node(self)
+        self._events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
+        self.parameters = ParameterSet(self.full_name, parameters or {}, self._announce_parameter)
+
+    def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: QoSLike = 10) -> Publisher[MessageT]:
+        """Offer messages of *msg_type* on *topic*.
+
+        Raises:
+            InvalidNameError: *topic* is no legal name.
+            TypeMismatchError: *topic* carries another type.
+        """
+        self._check_open()
+        channel = self.graph.topic(self.resolve_name(topic), msg_type, self.full_name)
+
+        def on_close() -> None:
+            channel.remove_publisher(publisher)
+            self.graph.release_topic(channel)
+            self._hide(publisher)
+
+        qos = to_qos_profile(qos_profile)
+        publisher = Publisher(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close)
+        channel.add_publisher(publisher)
+        self._show(publisher)
+        return publisher
+
+    def create_subscription(
+        self,
+        msg_type: type[MessageT],
+        topic: str,
+        callback: Callback[MessageT] | None = None,
+        qos_profile: QoSLike = 10,
+        *,
+        concurrent: bool = False,
+    ) -> Subscription[MessageT]:
+        """Request messages of *msg_type* on *topic*.
+
+        Args:
+            msg_type: The type.
+            topic: The name; relative, absolute, or private (``~/name``).
+            callback: A function or coroutine function called with each message; without one, iterate.
+            qos_profile: What is requested; a number is the depth of the queue.
+            concurrent: Whether the callback may be called again before it is done.
+
+        Raises:
+            InvalidNameError: *topic* is no legal name.
+            TypeMismatchError: *topic* carries another type.
+        """
+        self._check_open()
+        channel = self.graph.topic(self.resolve_name(topic), msg_type, self.full_name)
+
+        def on_close() -> None:
+            channel.remove_subscription(subscription)
+            self.graph.release_topic(channel)
+            self._hide(subscription)
+
+        qos = to_qos_profile(qos_profile)
+        subscription = Subscription(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close)
+        channel.add_subscription(subscription)
+        self._show(subscription)
+        if callback is not None:
+            self._start(lambda: subscription.run(callback, concurrent=concurrent))
+        return subscription
+
+    def create_service(
+        self,
+        srv_type: ServiceType[RequestT, ResponseT],
+        srv_name: str,
+        callback: Handler[RequestT, ResponseT],
+        *,
+        concurrent: bool = False,
+    ) -> Service[RequestT, ResponseT]:
+        """Answer the calls of *srv_name* with *callback*, a function or coroutine function of the request.
+
+        Raises:
+            InvalidNameError: *srv_name* is no legal name.
+            DuplicateNameError: Another server has the name.
+            TypeMismatchError: The service is of another type.
+        """
+        self._check_open()
+        name = self.resolve_name(srv_name, "service name")
+        slot = self.graph.service_slot(name, srv_type, self.full_name)
+        if slot.server is not None:
+            self.graph.release_service_slot(slot)
+            raise DuplicateNameError(f"{name} is served by {slot.server.info.node} already")
+
+        def on_close() -> None:
+            slot.set_server(None)
+            self.graph.release_service_slot(slot)
+            self._hide(service)
+
+        service = Service(name, srv_type, self.full_name, callback, concurrent=concurrent, on_close=on_close)
+        slot.set_server(service)
+        self._show(service)
+        return service
+
+    def create_client(self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str) -> Client[RequestT, ResponseT]:
+        """Get ready to call *srv_name*; the server may come later.
+
+        Raises:
+            InvalidNameError: *srv_name* is no legal name.
+            TypeMismatchError: The service is of another type.
+        """
+        self._check_open()
+        slot = self.graph.service_slot(self.resolve_name(srv_name, "service name"), srv_type, self.full_name)
+
+        def on_close() -> None:
+            self.graph.release_service_slot(slot)
+            self._hide(client)
+
+        client = Client(slot, srv_type, self.full_name, on_close)
+        self._show(client)
+        return client
+
+    def create_timer(self, timer_period_sec: float, callback: Callable[[], Awaitable[None] | None]) -> Timer:
+        """Call *callback* every *timer_period_sec* seconds, the first time one period from now."""
+        self._check_open()
+        timer = Timer(timer_period_sec, callback, self.graph.clock)
+        self._start(timer.run)
+        return timer
+
+    def create_task(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
+        """Run *function* as one of the node's tasks, from now or from when the node runs; it ends with the node."""
+        self._check_open()
+        self._start(function)
+
+    def declare_parameter(self, name: str, value: Value, descriptor: ParameterDescriptor | None = None) -> Parameter:
+        """Declare a parameter with its default; see :meth:`homebot.graph.ParameterSet.declare`."""
+        return self.parameters.declare(name, value, descriptor)
+
+    def get_parameter(self, name: str) -> Parameter:
+        """Return a declared parameter; see :meth:`homebot.graph.ParameterSet.get`."""
+        return self.parameters.get(name)
+
+    def get_logger(self) -> structlog.typing.FilteringBoundLogger:
+        """Return :attr:`log`."""
+        return self.log
+
+    def resolve_name(self, name: str, kind: str = "topic name") -> str:
+        """Return the full name that *name* means to this node."""
+        return expand_name(name, self.name, self.namespace, kind)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the node left the graph."""
+        return self._closed
+
+    def close(self) -> None:
+        """Leave the graph with everything the node made. Twice is fine."""
+        if self._closed:
+            return
+        self._closed = True
+        for entity in reversed(list(self._entities.values())):
+            entity.close()
+        self.graph.remove_node(self)
+        if self._tasks is not None:
+            self._tasks.cancel_scope.cancel()
+
+    async def __aenter__(self) -> Self:
+        self._check_open()
+        self._tasks = anyio.create_task_group()
+        await self._tasks.__aenter__()
+        waiting, self._waiting = self._waiting, []
+        for function in waiting:
+            self._tasks.start_soon(function)
+        return self
+
+    async def __aexit__(
+        self, exc_type: type[BaseException] | None, exc: BaseException | None, traceback: TracebackType | None
+    ) -> bool | None:
+        tasks, self._tasks = self._tasks, None
+        if tasks is None:
+            return None
+        tasks.cancel_scope.cancel()
+        try:
+            return await tasks.__aexit__(exc_type, exc, traceback)
+        finally:
+            self.close()
+
+    def _start(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
+        if self._tasks is None:
+            self._waiting.append(function)
+        else:
+            self._tasks.start_soon(function)
+
+    def _show(self, entity: _Entity) -> None:
+        self._entities[id(entity)] = entity
+        self.graph.add_endpoint(entity, entity.info)
+
+    def _hide(self, entity: _Entity) -> None:
+        self._entities.pop(id(entity), None)
+        self.graph.remove_endpoint(entity)
+
+    def _announce_parameter(self, kind: Literal["new", "changed"], parameter: Parameter) -> None:
+        message = (parameter.to_message(),)
+        self._events.publish(
+            ParameterEvent(
+                stamp=Time.from_seconds(self.graph.clock.now()),
+                node=self.full_name,
+                new_parameters=message if kind == "new" else (),
+                changed_parameters=message if kind == "changed" else (),
+                deleted_parameters=(),
+            )
+        )
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise ClosedError(f"the node {self.full_name} is closed")

@@ -1,0 +1,174 @@
+"""The parameters of one node: declared, typed, checked, announced.
+
+As in ROS: a parameter must be declared, its type is that of its default and stays, and a start-up override replaces the
+default. Better than ROS: a whole number is welcome where a real one is declared.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from homebot.errors import ParameterError
+from homebot.messages.rcl_interfaces import Parameter as ParameterMessage
+from homebot.messages.rcl_interfaces import ParameterValue
+
+__all__ = ["Parameter", "ParameterDescriptor", "ParameterSet", "Value"]
+
+Value: TypeAlias = bool | int | float | str | bytes | Sequence[bool] | Sequence[int] | Sequence[float] | Sequence[str]
+Kind: TypeAlias = Literal["new", "changed"]
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterDescriptor:
+    """What a parameter may be.
+
+    Attributes:
+        description: For people.
+        read_only: Whether it keeps its start-up value.
+        minimum: Least number allowed, or None.
+        maximum: Greatest number allowed, or None.
+    """
+
+    description: str = ""
+    read_only: bool = False
+    minimum: float | None = None
+    maximum: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter's name and value."""
+
+    name: str
+    value: Value
+
+    def to_message(self) -> ParameterMessage:
+        """Return it as a ROS message."""
+        return ParameterMessage(name=self.name, value=_to_message_value(self.value))
+
+
+@dataclass(slots=True)
+class _Declared:
+    value: Value
+    kind: str
+    descriptor: ParameterDescriptor = field(default_factory=ParameterDescriptor)
+
+
+class ParameterSet:
+    """The declared parameters of one node.
+
+    Args:
+        node: Full name of the node, for messages.
+        overrides: Start-up values by name; they replace the defaults at declaration.
+        on_event: Called with each parameter that was declared or changed.
+    """
+
+    def __init__(self, node: str, overrides: Mapping[str, Value], on_event: Callable[[Kind, Parameter], None]) -> None:
+        self._node = node
+        self._overrides = dict(overrides)
+        self._on_event = on_event
+        self._declared: dict[str, _Declared] = {}
+        self._checks: list[Callable[[Parameter], str | None]] = []
+
+    def declare(self, name: str, default: Value, descriptor: ParameterDescriptor | None = None) -> Parameter:
+        """Declare a parameter and return it with the value it starts with.
+
+        Raises:
+            ParameterError: It is declared already, or the start-up value does not fit.
+        """
+        if not name or name in self._declared:
+            raise ParameterError(f"{self._node}: parameter {name!r} is {'declared already' if name else 'nameless'}")
+        declared = _Declared(default, _kind_of(default), descriptor or ParameterDescriptor())
+        parameter = Parameter(name, self._fitting(name, declared, self._overrides.get(name, default)))
+        self._ask(parameter)
+        declared.value = parameter.value
+        self._declared[name] = declared
+        self._on_event("new", parameter)
+        return parameter
+
+    def has(self, name: str) -> bool:
+        """Whether *name* is declared."""
+        return name in self._declared
+
+    def get(self, name: str) -> Parameter:
+        """Return the parameter *name*.
+
+        Raises:
+            ParameterError: It is not declared.
+        """
+        return Parameter(name, self._find(name).value)
+
+    def set(self, name: str, value: Value) -> Parameter:
+        """Give *name* a new value and return it; the same value again changes and announces nothing.
+
+        Raises:
+            ParameterError: It is not declared, read-only, of another type, out of its range, or refused by a check.
+        """
+        declared = self._find(name)
+        if declared.descriptor.read_only:
+            raise ParameterError(f"{self._node}: parameter {name!r} is read-only")
+        parameter = Parameter(name, self._fitting(name, declared, value))
+        self._ask(parameter)
+        if parameter.value != declared.value:
+            declared.value = parameter.value
+            self._on_event("changed", parameter)
+        return parameter
+
+    def names(self) -> tuple[str, ...]:
+        """Return the declared names, sorted."""
+        return tuple(sorted(self._declared))
+
+    def add_on_set_callback(self, check: Callable[[Parameter], str | None]) -> None:
+        """Ask *check* before any value is taken; it answers with the reason to refuse, or None."""
+        self._checks.append(check)
+
+    def _find(self, name: str) -> _Declared:
+        try:
+            return self._declared[name]
+        except KeyError:
+            known = ", ".join(self.names()) or "none"
+            raise ParameterError(f"{self._node}: no parameter {name!r} is declared (declared: {known})") from None
+
+    def _fitting(self, name: str, declared: _Declared, value: Value) -> Value:
+        if declared.kind == "double" and type(value) is int:
+            value = float(value)
+        elif isinstance(value, list):
+            value = tuple(value)
+        if (kind := _kind_of(value)) != declared.kind:
+            raise ParameterError(f"{self._node}: parameter {name!r} is a {declared.kind}, got the {kind} {value!r}")
+        low, high = declared.descriptor.minimum, declared.descriptor.maximum
+        low = -math.inf if low is None else low
+        high = math.inf if high is None else high
+        if isinstance(value, int | float) and not low <= value <= high:
+            raise ParameterError(f"{self._node}: parameter {name!r} goes from {low:g} to {high:g}, got {value!r}")
+        return value
+
+    def _ask(self, parameter: Parameter) -> None:
+        for check in reversed(self._checks):
+            if (reason := check(parameter)) is not None:
+                raise ParameterError(f"{self._node}: parameter {parameter.name!r} was refused: {reason}")
+
+
+_KINDS: dict[type, str] = {bool: "bool", int: "integer", float: "double", str: "string", bytes: "byte[]"}
+_NUMBERS = {"bool": 1, "integer": 2, "double": 3, "string": 4, "byte[]": 5}
+_NUMBERS |= {"bool[]": 6, "integer[]": 7, "double[]": 8, "string[]": 9}
+
+
+def _kind_of(value: Value) -> str:
+    if type(value) in _KINDS:
+        return _KINDS[type(value)]
+    if isinstance(value, list | tuple):
+        kinds = {_KINDS.get(type(item), "") for item in value} or {"string"}
+        if len(kinds) == 1 and (kind := kinds.pop()) and kind != "byte[]":
+            return f"{kind}[]"
+    raise ParameterError(f"{value!r} cannot be a parameter's value")
+
+
+def _to_message_value(value: Value) -> ParameterValue:
+    kind = _kind_of(value)
+    field_name = f"{kind.removesuffix('[]')}{'_array' if kind.endswith('[]') else ''}_value"
+    plain = tuple(value) if isinstance(value, list) else value
+    return ParameterValue.model_validate({"type": _NUMBERS[kind], field_name: plain})

@@ -1,0 +1,164 @@
+"""The writing end of a topic."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Hashable, Iterator
+from operator import attrgetter
+from typing import Generic, NoReturn, TypeVar
+
+from homebot.clock import Clock
+from homebot.errors import ClosedError, TypeMismatchError
+from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.mailbox import KeyedQueue, Mailbox
+from homebot.graph.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from homebot.graph.subscription import Expiring, Subscription
+from homebot.messages.message import Message
+
+__all__ = ["Publisher"]
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+class Publisher(Generic[MessageT]):
+    """Publishes messages of one type on one topic, in order, without ever blocking.
+
+    Attributes:
+        info: The endpoint as the graph shows it.
+        qos: What it offers.
+        incompatible_qos_count: Subscriptions that requested what this publisher does not offer.
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        message_type: type[MessageT],
+        node: str,
+        qos: QoSProfile,
+        clock: Clock,
+        on_close: Callable[[], None],
+    ) -> None:
+        """Not for use by hand: see :meth:`homebot.graph.Node.create_publisher`."""
+        self.info = EndpointInfo(EntityKind.PUBLISHER, node, topic, message_type.ros_type, qos)
+        self.qos = qos
+        self.incompatible_qos_count = 0
+        self._on_close = on_close
+        self._message_type = message_type
+        self._clock = clock
+        self._subscriptions: tuple[Subscription[MessageT], ...] = ()
+        self._mailboxes: tuple[Mailbox[MessageT | Expiring[MessageT]], ...] = ()
+        self._history = _history(message_type, qos)
+        self._is_plain = self._history is None and not qos.lifespan
+        self._closed = False
+
+    @property
+    def topic_name(self) -> str:
+        """Full name of the topic."""
+        return self.info.name
+
+    @property
+    def subscription_count(self) -> int:
+        """How many subscriptions get what is published."""
+        return len(self._mailboxes)
+
+    def publish(self, message: MessageT) -> None:
+        """Hand *message* to every matched subscription; never blocks.
+
+        A subscription whose queue is full drops its oldest message and counts the loss.
+
+        Raises:
+            TypeMismatchError: *message* is not exactly of the topic's type.
+            ClosedError: The publisher was closed.
+        """
+        if message.__class__ is not self._message_type:
+            self._reject(message)
+        if not self._is_plain:
+            self._publish_kept(message)
+            return
+        # Written out rather than calling Mailbox.put: this loop is what a delivery costs.
+        for mailbox in self._mailboxes:
+            queue = mailbox.queue
+            if len(queue) >= mailbox.depth:
+                mailbox.drop_oldest()
+            queue.append(message)
+            if mailbox.waiter is not None:
+                mailbox.wake()
+
+    async def send(self, message: MessageT) -> None:
+        """Publish *message* when every RELIABLE subscription has room for it; for what must not be dropped.
+
+        Waits without limit: put it under a time limit where the reader is not trusted.
+
+        Raises:
+            TypeMismatchError, ClosedError: As :meth:`publish`.
+        """
+        while (full := self._first_full()) is not None:
+            await full.wait_for_room()
+        self.publish(message)
+
+    def dispose(self, key: Hashable) -> None:
+        """Forget what is kept for late joiners under *key*; a keyed TRANSIENT_LOCAL topic needs it to stay bounded."""
+        if isinstance(self._history, KeyedQueue):
+            self._history.discard(key)
+
+    def close(self) -> None:
+        """Leave the topic; what was kept for late joiners goes too. Twice is fine."""
+        if not self._closed:
+            self._closed = True
+            self._is_plain = False
+            self._history = None
+            self._on_close()
+
+    def connect(self, subscriptions: tuple[Subscription[MessageT], ...]) -> None:
+        """Take *subscriptions* as the ones to publish to; called by the topic."""
+        self._subscriptions = subscriptions
+        self._mailboxes = tuple(subscription.mailbox for subscription in subscriptions)
+
+    def replay(self, subscription: Subscription[MessageT]) -> None:
+        """Put what is kept into *subscription*, oldest first; called by the topic for a late joiner."""
+        for item in self._kept():
+            subscription.mailbox.put(item)
+
+    def _publish_kept(self, message: MessageT) -> None:
+        if self._closed:
+            raise ClosedError(f"the publisher of {self.info.node} on {self.info.name} is closed")
+        lifespan = self.qos.lifespan
+        item = Expiring(message, self._clock.monotonic() + lifespan) if lifespan else message
+        if self._history is not None:
+            self._history.append(item)
+        for mailbox in self._mailboxes:
+            mailbox.put(item)
+
+    def _kept(self) -> Iterator[MessageT | Expiring[MessageT]]:
+        now = self._clock.monotonic()
+        for item in self._history or ():
+            if not isinstance(item, Expiring) or item.expires_at > now:
+                yield item
+
+    def _first_full(self) -> Mailbox[MessageT | Expiring[MessageT]] | None:
+        for subscription in self._subscriptions:
+            mailbox = subscription.mailbox
+            if len(mailbox.queue) >= mailbox.depth and subscription.qos.reliability is ReliabilityPolicy.RELIABLE:
+                return mailbox
+        return None
+
+    def _reject(self, message: object) -> NoReturn:
+        raise TypeMismatchError(
+            f"{self.info.node} published a {type(message).__name__} on {self.info.name}, "
+            f"which carries {self.info.ros_type}"
+        )
+
+
+def _history(
+    message_type: type[MessageT], qos: QoSProfile
+) -> deque[MessageT | Expiring[MessageT]] | KeyedQueue[MessageT | Expiring[MessageT]] | None:
+    if qos.durability is DurabilityPolicy.VOLATILE:
+        return None
+    if message_type.key_field is None:
+        return deque(maxlen=qos.queue_depth)
+    read_key = attrgetter(message_type.key_field)
+    return KeyedQueue(
+        qos.queue_depth,
+        lambda item: read_key(item.message if isinstance(item, Expiring) else item),
+        lambda: None,  # replacing the last value of a key is no loss
+    )

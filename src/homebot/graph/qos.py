@@ -1,0 +1,140 @@
+"""Quality of service: what a publisher offers, what a subscription requests, and whether the two fit.
+
+Names, defaults and rules are those of ROS 2 (rclpy ``qos.py``, rmw ``qos_profiles.h``) and DDS.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import TypeAlias
+
+from homebot.errors import QosError
+
+__all__ = [
+    "DurabilityPolicy",
+    "HistoryPolicy",
+    "LivelinessPolicy",
+    "QoSLike",
+    "QoSProfile",
+    "ReliabilityPolicy",
+    "qos_incompatibilities",
+    "qos_profile_default",
+    "qos_profile_latched",
+    "qos_profile_parameter_events",
+    "qos_profile_rosout",
+    "qos_profile_sensor_data",
+    "qos_profile_services_default",
+    "to_qos_profile",
+]
+
+KEEP_ALL_LIMIT = 65_536  # a household process must not grow without end, also where somebody asks for "all"
+
+
+class HistoryPolicy(IntEnum):
+    """How many messages a queue keeps."""
+
+    KEEP_LAST = 1
+    KEEP_ALL = 2
+
+
+class ReliabilityPolicy(IntEnum):
+    """Whether ``await publisher.send()`` waits for the reader.
+
+    In one process nothing is lost on the way; a full KEEP_LAST queue still drops its oldest message, as in ROS.
+    """
+
+    RELIABLE = 1
+    BEST_EFFORT = 2
+
+
+class DurabilityPolicy(IntEnum):
+    """Whether late joiners get what was published before."""
+
+    TRANSIENT_LOCAL = 1
+    VOLATILE = 2
+
+
+class LivelinessPolicy(IntEnum):
+    """Who says that a publisher is alive."""
+
+    AUTOMATIC = 1
+    MANUAL_BY_TOPIC = 3
+
+
+@dataclass(frozen=True, slots=True)
+class QoSProfile:
+    """What one end of a topic offers or requests.
+
+    Attributes:
+        depth: Messages kept, at least 1. On a keyed topic: per key.
+        history: KEEP_LAST drops the oldest of ``depth`` and counts it; KEEP_ALL is bounded at 65,536.
+        reliability: RELIABLE or BEST_EFFORT.
+        durability: TRANSIENT_LOCAL publishers replay their last ``depth`` messages to late TRANSIENT_LOCAL joiners.
+        lifespan: Seconds after which a message is no longer delivered; 0 is for ever.
+        deadline: Longest gap between messages, in seconds; 0 is any. Takes part in matching only.
+        liveliness: AUTOMATIC or MANUAL_BY_TOPIC. Takes part in matching only.
+        liveliness_lease_duration: Seconds; 0 is for ever. Takes part in matching only.
+    """
+
+    depth: int = 10
+    history: HistoryPolicy = HistoryPolicy.KEEP_LAST
+    reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE
+    durability: DurabilityPolicy = DurabilityPolicy.VOLATILE
+    lifespan: float = 0.0
+    deadline: float = 0.0
+    liveliness: LivelinessPolicy = LivelinessPolicy.AUTOMATIC
+    liveliness_lease_duration: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.depth < 1:
+            raise QosError(f"depth must be at least 1, got {self.depth}")
+        if min(self.lifespan, self.deadline, self.liveliness_lease_duration) < 0:
+            raise QosError("lifespan, deadline and lease duration are seconds and cannot be negative")
+
+    @property
+    def queue_depth(self) -> int:
+        """The real bound of the queue."""
+        return self.depth if self.history is HistoryPolicy.KEEP_LAST else KEEP_ALL_LIMIT
+
+
+QoSLike: TypeAlias = QoSProfile | int
+
+qos_profile_default = QoSProfile()
+qos_profile_services_default = QoSProfile()
+qos_profile_sensor_data = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+qos_profile_parameter_events = QoSProfile(depth=1000)
+qos_profile_rosout = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=10.0)
+qos_profile_latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def to_qos_profile(qos: QoSLike) -> QoSProfile:
+    """Return the profile that *qos* means; a whole number is KEEP_LAST of that depth.
+
+    Raises:
+        QosError: The number is below 1.
+    """
+    return qos if isinstance(qos, QoSProfile) else replace(qos_profile_default, depth=qos)
+
+
+def qos_incompatibilities(offered: QoSProfile, requested: QoSProfile) -> tuple[str, ...]:
+    """Return why a publisher that offers *offered* cannot serve a subscription that requests *requested*.
+
+    An empty tuple means that they fit. History, depth and lifespan never matter.
+    """
+    problems = []
+    if offered.reliability is ReliabilityPolicy.BEST_EFFORT and requested.reliability is ReliabilityPolicy.RELIABLE:
+        problems.append("reliability: best effort is offered, reliable is requested")
+    if offered.durability is DurabilityPolicy.VOLATILE and requested.durability is DurabilityPolicy.TRANSIENT_LOCAL:
+        problems.append("durability: volatile is offered, transient local is requested")
+    if _is_weaker(offered.deadline, requested.deadline):
+        problems.append("deadline: a longer one is offered than is requested")
+    if offered.liveliness is LivelinessPolicy.AUTOMATIC and requested.liveliness is LivelinessPolicy.MANUAL_BY_TOPIC:
+        problems.append("liveliness: automatic is offered, manual by topic is requested")
+    if _is_weaker(offered.liveliness_lease_duration, requested.liveliness_lease_duration):
+        problems.append("liveliness lease: a longer one is offered than is requested")
+    return tuple(problems)
+
+
+def _is_weaker(offered: float, requested: float) -> bool:
+    return requested > 0 and (offered == 0 or offered > requested)

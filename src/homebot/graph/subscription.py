@@ -1,0 +1,187 @@
+"""The reading end of a topic."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Hashable
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import Generic, TypeAlias, TypeVar
+
+import anyio
+
+from homebot.clock import Clock
+from homebot.errors import ClosedError
+from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.mailbox import Mailbox
+from homebot.graph.qos import QoSProfile
+from homebot.messages.message import Message
+
+__all__ = ["Callback", "Expiring", "Subscription"]
+
+MessageT = TypeVar("MessageT", bound=Message)
+T = TypeVar("T")
+
+Callback: TypeAlias = Callable[[MessageT], Awaitable[None] | None]
+
+_TURN = 256  # messages handled before other tasks get their turn, should the callback never wait
+
+
+@dataclass(frozen=True, slots=True)
+class Expiring(Generic[T]):
+    """A queued message whose publisher gave it a lifespan.
+
+    Attributes:
+        message: The message.
+        expires_at: Reading of the monotonic clock from which on it is not delivered.
+    """
+
+    message: T
+    expires_at: float
+
+
+class Subscription(Generic[MessageT]):
+    """Reads messages of one type from one topic: ``async for message in subscription``, or a callback.
+
+    Attributes:
+        info: The endpoint as the graph shows it.
+        qos: What it requests.
+        mailbox: The waiting messages.
+        incompatible_qos_count: Publishers that do not offer what this subscription requests.
+        expired: Messages not delivered because their lifespan had passed.
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        message_type: type[MessageT],
+        node: str,
+        qos: QoSProfile,
+        clock: Clock,
+        on_close: Callable[[], None],
+    ) -> None:
+        """Not for use by hand: see :meth:`homebot.graph.Node.create_subscription`."""
+        self.info = EndpointInfo(EntityKind.SUBSCRIPTION, node, topic, message_type.ros_type, qos)
+        self.qos = qos
+        self.incompatible_qos_count = 0
+        self.expired = 0
+        self._on_close = on_close
+        self._closed = False
+        self._clock = clock
+        self.mailbox: Mailbox[MessageT | Expiring[MessageT]] = Mailbox(qos.queue_depth, _key(message_type))
+
+    @property
+    def topic_name(self) -> str:
+        """Full name of the topic."""
+        return self.info.name
+
+    @property
+    def lost(self) -> int:
+        """Messages dropped since the start because the queue was full."""
+        return self.mailbox.lost
+
+    def take(self) -> MessageT | None:
+        """Return the oldest waiting message, or None when there is none now."""
+        while (item := self.mailbox.take()) is not None:
+            if not isinstance(item, Expiring):
+                return item
+            if (message := self._unexpired(item)) is not None:
+                return message
+        return None
+
+    async def receive(self) -> MessageT:
+        """Return the oldest message, waiting for one.
+
+        Raises:
+            ClosedError: The subscription is closed and everything was read.
+        """
+        while True:
+            item = await self.mailbox.receive()
+            if not isinstance(item, Expiring):
+                return item
+            if (message := self._unexpired(item)) is not None:
+                return message
+
+    def __aiter__(self) -> Subscription[MessageT]:
+        return self
+
+    async def __anext__(self) -> MessageT:
+        try:
+            return await self.receive()
+        except ClosedError:
+            raise StopAsyncIteration from None
+
+    def close(self) -> None:
+        """Leave the topic and end the iteration once the queue is read empty. Twice is fine."""
+        if not self._closed:
+            self._closed = True
+            self._on_close()
+            self.mailbox.close()
+
+    async def run(self, callback: Callback[MessageT], *, concurrent: bool) -> None:
+        """Call *callback* with every message until the subscription is closed; the node's task does this.
+
+        Without *concurrent* the next message waits until the callback is done. With it every message gets a task of
+        its own, at most ``depth`` at a time.
+        """
+        if concurrent:
+            await self._run_concurrently(callback)
+        else:
+            await self._run_in_turn(callback)
+
+    async def _run_in_turn(self, callback: Callback[MessageT]) -> None:
+        mailbox = self.mailbox
+        queue, senders = mailbox.queue, mailbox.senders
+        handled = 0
+        while True:
+            while queue:
+                item = queue.popleft()
+                if senders:
+                    mailbox.admit_sender()
+                message = self._unexpired(item) if isinstance(item, Expiring) else item
+                if message is None:
+                    continue
+                result = callback(message)
+                if result is not None:
+                    await result
+                handled += 1
+                if handled >= _TURN:
+                    handled = 0
+                    await anyio.lowlevel.checkpoint()
+            try:
+                await mailbox.wait()
+            except ClosedError:
+                return
+
+    async def _run_concurrently(self, callback: Callback[MessageT]) -> None:
+        limit = anyio.Semaphore(self.qos.queue_depth)
+
+        async def handle(message: MessageT) -> None:
+            try:
+                result = callback(message)
+                if result is not None:
+                    await result
+            finally:
+                limit.release()
+
+        async with anyio.create_task_group() as tasks:
+            async for message in self:
+                await limit.acquire()
+                tasks.start_soon(handle, message)
+
+    def _unexpired(self, item: Expiring[MessageT]) -> MessageT | None:
+        if self._clock.monotonic() < item.expires_at:
+            return item.message
+        self.expired += 1
+        return None
+
+
+def _key(message_type: type[MessageT]) -> Callable[[MessageT | Expiring[MessageT]], Hashable] | None:
+    if message_type.key_field is None:
+        return None
+    read_key = attrgetter(message_type.key_field)
+
+    def key(item: MessageT | Expiring[MessageT]) -> Hashable:
+        found: Hashable = read_key(item.message if isinstance(item, Expiring) else item)
+        return found
+
+    return key

@@ -1,0 +1,64 @@
+"""A callback at a steady rate.
+
+As in ROS: each call is due one period after the last *due* time, so that the rate does not drift, and periods that pass
+while the callback still runs are skipped, not made up for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+
+import anyio
+
+from homebot.clock import Clock
+from homebot.errors import UsageError
+
+__all__ = ["Timer"]
+
+
+class Timer:
+    """Calls a function once per period while its node runs.
+
+    Attributes:
+        period: Seconds between two calls; may be changed at any time, and holds from the next call on.
+        skipped: Periods that passed without a call because the callback was still running.
+    """
+
+    def __init__(self, period: float, callback: Callable[[], Awaitable[None] | None], clock: Clock) -> None:
+        """Not for use by hand: see :meth:`homebot.graph.Node.create_timer`."""
+        if period <= 0:
+            raise UsageError(f"a timer's period is in seconds and above 0, got {period}")
+        self.period = period
+        self.skipped = 0
+        self._callback = callback
+        self._clock = clock
+        self._cancelled = False
+        self._scope: anyio.CancelScope | None = None
+
+    @property
+    def is_canceled(self) -> bool:
+        """Whether :meth:`cancel` was called."""
+        return self._cancelled
+
+    def cancel(self) -> None:
+        """Stop for good; a callback under way is finished. Twice is fine."""
+        self._cancelled = True
+        if self._scope is not None:
+            self._scope.cancel()
+
+    async def run(self) -> None:
+        """Call the callback until cancelled; the node's task does this."""
+        due = self._clock.monotonic() + self.period
+        while not self._cancelled:
+            with anyio.CancelScope() as self._scope:
+                await anyio.sleep(due - self._clock.monotonic())
+            self._scope = None
+            if self._cancelled:
+                return
+            result = self._callback()
+            if result is not None:
+                await result
+            late = max(0.0, self._clock.monotonic() - due)
+            missed = int(late // self.period)
+            self.skipped += missed
+            due += (missed + 1) * self.period

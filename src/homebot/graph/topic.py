@@ -1,0 +1,114 @@
+"""One topic: who publishes, who subscribes, and which of them fit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import structlog
+
+from homebot.errors import TypeMismatchError
+from homebot.graph.publisher import Publisher
+from homebot.graph.qos import DurabilityPolicy, qos_incompatibilities
+from homebot.graph.subscription import Subscription
+from homebot.messages.message import Message
+
+__all__ = ["Topic"]
+
+_log = structlog.get_logger()
+
+QOS_INCOMPATIBLE = "graph.qos_incompatible"
+
+
+class Topic:
+    """A named channel of one message type; it exists while somebody publishes or subscribes.
+
+    Attributes:
+        name: Full name.
+        message_type: What it carries; a second type is refused.
+        publishers: Everybody who publishes.
+        subscriptions: Everybody who subscribes.
+    """
+
+    def __init__(self, name: str, message_type: type[Message]) -> None:
+        self.name = name
+        self.message_type = message_type
+        self.publishers: list[Publisher[Any]] = []
+        self.subscriptions: list[Subscription[Any]] = []
+
+    @property
+    def is_unused(self) -> bool:
+        """Whether nobody publishes or subscribes any more."""
+        return not self.publishers and not self.subscriptions
+
+    def check_type(self, message_type: type[Message], node: str) -> None:
+        """Refuse a second type on the topic.
+
+        Raises:
+            TypeMismatchError: *message_type* is not the topic's.
+        """
+        if message_type is not self.message_type:
+            raise TypeMismatchError(
+                f"{node} wants {message_type.ros_type} on {self.name}, which carries {self.message_type.ros_type}"
+            )
+
+    def add_publisher(self, publisher: Publisher[Any]) -> None:
+        """Connect *publisher* with every subscription that fits."""
+        self.publishers.append(publisher)
+        for subscription in self.subscriptions:
+            _report_mismatch(publisher, subscription)
+        self._connect(publisher)
+
+    def add_subscription(self, subscription: Subscription[Any]) -> None:
+        """Connect *subscription* with every publisher that fits, and replay what they keep for late joiners."""
+        self.subscriptions.append(subscription)
+        for publisher in self.publishers:
+            if _report_mismatch(publisher, subscription):
+                continue
+            if _is_transient_local(subscription):
+                publisher.replay(subscription)
+            self._connect(publisher)
+
+    def remove_publisher(self, publisher: Publisher[Any]) -> None:
+        """Disconnect *publisher*; one that is not there is fine."""
+        if publisher in self.publishers:
+            self.publishers.remove(publisher)
+        publisher.connect(())
+
+    def remove_subscription(self, subscription: Subscription[Any]) -> None:
+        """Disconnect *subscription*; one that is not there is fine."""
+        if subscription in self.subscriptions:
+            self.subscriptions.remove(subscription)
+            for publisher in self.publishers:
+                self._connect(publisher)
+
+    def _connect(self, publisher: Publisher[Any]) -> None:
+        publisher.connect(tuple(one for one in self.subscriptions if _fit(publisher, one)))
+
+
+def _fit(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
+    return not qos_incompatibilities(publisher.qos, subscription.qos)
+
+
+def _is_transient_local(subscription: Subscription[Any]) -> bool:
+    return subscription.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
+
+
+def _report_mismatch(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
+    """Say at both ends that the two do not fit, and whether that is so."""
+    problems = qos_incompatibilities(publisher.qos, subscription.qos)
+    if not problems:
+        return False
+    publisher.incompatible_qos_count += 1
+    subscription.incompatible_qos_count += 1
+    ends = ((publisher.info, subscription.info), (subscription.info, publisher.info))
+    for end, other in ends:
+        _log.warning(
+            QOS_INCOMPATIBLE,
+            node=end.node,
+            topic=end.name,
+            end=end.kind.value,
+            other_node=other.node,
+            problem="; ".join(problems),
+            consequence="no message goes between the two",
+        )
+    return True

@@ -1,0 +1,60 @@
+"""ROS ``builtin_interfaces``: points and spans of time."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from homebot.messages.fields import Int32, UInt32
+from homebot.messages.message import Message
+
+__all__ = ["Duration", "Time"]
+
+_NANOSECONDS = 1_000_000_000
+
+
+class Time(Message):
+    """A point in time.
+
+    Attributes:
+        sec: Whole seconds since the Unix epoch, UTC.
+        nanosec: Nanoseconds after that, 0 to 999,999,999.
+    """
+
+    ros_type: ClassVar[str] = "builtin_interfaces/msg/Time"
+
+    sec: Int32
+    nanosec: UInt32
+
+    @classmethod
+    def from_seconds(cls, seconds: float) -> Time:
+        """Return the point *seconds* after the Unix epoch, to the nearest nanosecond that a float can tell."""
+        sec, nanosec = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
+        return cls(sec=sec, nanosec=nanosec)
+
+    def to_seconds(self) -> float:
+        """Seconds since the Unix epoch."""
+        return self.sec + self.nanosec / _NANOSECONDS
+
+
+class Duration(Message):
+    """A span of time; its sign is that of ``sec``.
+
+    Attributes:
+        sec: Whole seconds, rounded down.
+        nanosec: Nanoseconds to add, 0 to 999,999,999.
+    """
+
+    ros_type: ClassVar[str] = "builtin_interfaces/msg/Duration"
+
+    sec: Int32
+    nanosec: UInt32
+
+    @classmethod
+    def from_seconds(cls, seconds: float) -> Duration:
+        """Return the span of *seconds*."""
+        sec, nanosec = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
+        return cls(sec=sec, nanosec=nanosec)
+
+    def to_seconds(self) -> float:
+        """The span in seconds."""
+        return self.sec + self.nanosec / _NANOSECONDS

@@ -1,0 +1,138 @@
+"""What a message type looks like to ROS: its fields, and the text of its ``.msg`` file."""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Literal, get_args, get_origin
+
+from annotated_types import MaxLen, MinLen
+from pydantic.fields import FieldInfo
+
+from homebot.errors import UsageError
+from homebot.messages.fields import RosType
+from homebot.messages.message import Message
+
+__all__ = ["FieldDefinition", "definition_text", "fields_of", "nested_types"]
+
+_PRIMITIVES: dict[object, str] = {bool: "bool", int: "int64", float: "float64", str: "string"}
+
+
+@dataclass(frozen=True, slots=True)
+class FieldDefinition:
+    """One field of a message type.
+
+    Attributes:
+        name: The field's name.
+        ros_type: The ROS type of one element: a primitive such as ``uint8``, or the full name of a message type.
+        message: The Python class where the element is a message, else None.
+        is_array: Whether the field holds many elements.
+        size: Exact number of elements of a fixed array, else None.
+        bound: Greatest number of elements of a bounded array, else None.
+    """
+
+    name: str
+    ros_type: str
+    message: type[Message] | None = None
+    is_array: bool = False
+    size: int | None = None
+    bound: int | None = None
+
+    @property
+    def is_bytes(self) -> bool:
+        """Whether the Python value is ``bytes``: ``uint8[]`` in any of its forms."""
+        return self.is_array and self.ros_type == "uint8"
+
+    @property
+    def declaration(self) -> str:
+        """The field's line in a ``.msg`` file."""
+        parts = self.ros_type.split("/")
+        short = f"{parts[0]}/{parts[2]}" if len(parts) == 3 else self.ros_type  # package/msg/Name
+        if not self.is_array:
+            return f"{short} {self.name}"
+        inner = str(self.size) if self.size is not None else f"<={self.bound}" if self.bound is not None else ""
+        return f"{short}[{inner}] {self.name}"
+
+
+@lru_cache(maxsize=1024)
+def fields_of(message_type: type[Message]) -> tuple[FieldDefinition, ...]:
+    """Return the fields of *message_type* in order.
+
+    Raises:
+        UsageError: A field's type has no ROS type.
+    """
+    return tuple(_definition(message_type, name, field) for name, field in message_type.model_fields.items())
+
+
+def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:
+    """Return every message type that *message_type* holds, at any depth, each once, in order of first use."""
+    return tuple(dict.fromkeys(_walk(message_type)))
+
+
+def definition_text(message_type: type[Message]) -> str:
+    """Return the text of the ``.msg`` file, the nested types after it as ``gendeps --cat`` and rosbag2 write them."""
+    sections = [_body(message_type)]
+    for nested in nested_types(message_type):
+        package, _, name = nested.ros_type.split("/")
+        sections.append(f"{'=' * 80}\nMSG: {package}/{name}\n{_body(nested)}")
+    return "".join(sections)
+
+
+def _body(message_type: type[Message]) -> str:
+    return "".join(f"{field.declaration}\n" for field in fields_of(message_type))
+
+
+def _walk(message_type: type[Message]) -> Iterator[type[Message]]:
+    for field in fields_of(message_type):
+        if field.message is not None:
+            yield field.message
+            yield from _walk(field.message)
+
+
+def _definition(owner: type[Message], name: str, field: FieldInfo) -> FieldDefinition:
+    annotation, metadata = field.annotation, tuple(field.metadata)
+    if annotation is bytes:
+        return FieldDefinition(name, "uint8", is_array=True, **_bounds(metadata))
+    if get_origin(annotation) is tuple:
+        arguments = get_args(annotation)
+        if len(arguments) == 2 and arguments[1] is Ellipsis:  # tuple[T, ...]
+            element, message = _element(owner, name, *_unwrapped(arguments[0]))
+            return FieldDefinition(name, element, message, is_array=True, **_bounds(metadata))
+    element, message = _element(owner, name, annotation, metadata)
+    return FieldDefinition(name, element, message)
+
+
+def _unwrapped(annotation: object) -> tuple[object, tuple[object, ...]]:
+    if get_origin(annotation) is typing.Annotated:
+        inner, *metadata = get_args(annotation)
+        return inner, tuple(metadata)
+    return annotation, ()
+
+
+def _element(
+    owner: type[Message], name: str, annotation: object, metadata: tuple[object, ...]
+) -> tuple[str, type[Message] | None]:
+    for mark in metadata:
+        if isinstance(mark, RosType):
+            return mark.name, None
+    if annotation in _PRIMITIVES:
+        return _PRIMITIVES[annotation], None
+    if get_origin(annotation) is Literal and all(isinstance(value, str) for value in get_args(annotation)):
+        return "string", None
+    if isinstance(annotation, type) and not isinstance(annotation, types.GenericAlias):
+        if issubclass(annotation, Message):
+            return annotation.ros_type, annotation
+        if issubclass(annotation, str):
+            return "string", None
+    raise UsageError(f"{owner.__name__}.{name}: {annotation!r} has no ROS type; see homebot.messages.fields")
+
+
+def _bounds(metadata: tuple[object, ...]) -> dict[str, Any]:
+    shortest = next((mark.min_length for mark in metadata if isinstance(mark, MinLen)), 0)
+    longest = next((mark.max_length for mark in metadata if isinstance(mark, MaxLen)), None)
+    if longest is not None and shortest == longest:
+        return {"size": longest}
+    return {"bound": longest}

@@ -1,0 +1,99 @@
+"""Messages as JSON values in the form of rosbridge v2: ``uint8[]`` as base64 text, NaN and infinity as null.
+
+Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, section 2.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import math
+from collections.abc import Mapping
+from typing import TypeAlias, TypeVar
+
+from pydantic import ValidationError
+
+from homebot.errors import TypeMismatchError
+from homebot.messages.definition import FieldDefinition, fields_of
+from homebot.messages.message import Message
+
+__all__ = ["JsonObject", "JsonValue", "message_from_json", "message_to_json", "validation_problem"]
+
+JsonValue: TypeAlias = "bool | int | float | str | list[JsonValue] | dict[str, JsonValue] | None"
+JsonObject: TypeAlias = "dict[str, JsonValue]"
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+def message_to_json(message: Message) -> JsonObject:
+    """Return *message* as a JSON object with its fields in order."""
+    return {field.name: _value_to_json(getattr(message, field.name)) for field in fields_of(type(message))}
+
+
+def message_from_json(message_type: type[MessageT], value: Mapping[str, object]) -> MessageT:
+    """Return the message that the JSON object *value* spells; bytes may come as base64 text or as a list.
+
+    Raises:
+        TypeMismatchError: A field is missing, unknown, or of another type; the message names it and its value.
+    """
+    known = {field.name: field for field in fields_of(message_type)}
+    prepared = {name: _value_from_json(known[name], item) if name in known else item for name, item in value.items()}
+    try:
+        return message_type.model_validate(prepared)
+    except ValidationError as exc:
+        problem = validation_problem(exc)
+        raise TypeMismatchError(f"not a {message_type.ros_type}: {problem}") from exc
+
+
+def validation_problem(error: ValidationError) -> str:
+    """Return the first problem of *error* in one line: the field's path, what is wrong, and the value."""
+    first = error.errors(include_url=False)[0]
+    path = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "missing":
+        return f"field {path!r} is missing"
+    if first["type"] == "extra_forbidden":
+        return f"field {path!r} is unknown"
+    shown = repr(first["input"])
+    shown = shown if len(shown) <= 60 else f"{shown[:57]}..."  # enough to recognise a value
+    return f"field {path!r}: {first['msg'][:1].lower()}{first['msg'][1:]}, got {shown}"
+
+
+def _value_to_json(value: object) -> JsonValue:
+    if isinstance(value, Message):
+        return message_to_json(value)
+    if isinstance(value, bytes):
+        return base64.b64encode(value).decode()
+    if isinstance(value, tuple):
+        return [_value_to_json(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, bool | int | str):
+        return value
+    raise TypeMismatchError(f"{value!r} is no value of a message")
+
+
+def _value_from_json(field: FieldDefinition, value: object) -> object:
+    if field.is_bytes:
+        return _bytes_from_json(field, value)
+    if field.is_array and isinstance(value, list):
+        return tuple(_element_from_json(field, item) for item in value)
+    return _element_from_json(field, value)
+
+
+def _element_from_json(field: FieldDefinition, value: object) -> object:
+    if field.message is not None and isinstance(value, dict):
+        return message_from_json(field.message, value)
+    if value is None and field.ros_type in {"float32", "float64"}:
+        return math.nan
+    return value
+
+
+def _bytes_from_json(field: FieldDefinition, value: object) -> object:
+    try:
+        if isinstance(value, str):
+            return base64.b64decode(value, validate=True)
+        if isinstance(value, list):
+            return bytes(value)
+    except (binascii.Error, ValueError, TypeError) as exc:
+        raise TypeMismatchError(f"field {field.name!r}: neither base64 text nor a list of 0 to 255") from exc
+    return value

@@ -1,0 +1,86 @@
+"""ROS ``rcl_interfaces``: log lines and parameters."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.fields import UInt8, UInt32
+from homebot.messages.message import Message
+
+__all__ = ["Log", "Parameter", "ParameterEvent", "ParameterValue"]
+
+
+class Log(Message):
+    """One log line, as on ``/rosout``.
+
+    Attributes:
+        stamp: When it was written.
+        level: DEBUG 10, INFO 20, WARN 30, ERROR 40, FATAL 50.
+        name: The logger: the node's full name with dots, without the leading one.
+        msg: The event and its facts in one line.
+        file: Source file, or empty.
+        function: Function, or empty.
+        line: Line in the file, or 0.
+    """
+
+    ros_type: ClassVar[str] = "rcl_interfaces/msg/Log"
+
+    stamp: Time
+    level: UInt8
+    name: str
+    msg: str
+    file: str
+    function: str
+    line: UInt32
+
+
+class ParameterValue(Message):
+    """A value with its type.
+
+    Attributes:
+        type: 0 not set, 1 bool, 2 integer, 3 double, 4 string, 5 byte[], 6 bool[], 7 integer[], 8 double[],
+            9 string[]; says which of the other fields counts.
+    """
+
+    ros_type: ClassVar[str] = "rcl_interfaces/msg/ParameterValue"
+
+    type: UInt8
+    bool_value: bool = False
+    integer_value: int = 0
+    double_value: float = 0.0
+    string_value: str = ""
+    byte_array_value: bytes = b""
+    bool_array_value: tuple[bool, ...] = ()
+    integer_array_value: tuple[int, ...] = ()
+    double_array_value: tuple[float, ...] = ()
+    string_array_value: tuple[str, ...] = ()
+
+
+class Parameter(Message):
+    """A parameter's name and value."""
+
+    ros_type: ClassVar[str] = "rcl_interfaces/msg/Parameter"
+
+    name: str
+    value: ParameterValue
+
+
+class ParameterEvent(Message):
+    """What changed among the parameters of one node.
+
+    Attributes:
+        stamp: When.
+        node: Full name of the node.
+        new_parameters: Declared just now.
+        changed_parameters: Set to another value.
+        deleted_parameters: Undeclared.
+    """
+
+    ros_type: ClassVar[str] = "rcl_interfaces/msg/ParameterEvent"
+
+    stamp: Time
+    node: str
+    new_parameters: tuple[Parameter, ...]
+    changed_parameters: tuple[Parameter, ...]
+    deleted_parameters: tuple[Parameter, ...]
