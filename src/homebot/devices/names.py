@@ -1,0 +1,32 @@
+"""The names under which the layers meet on the graph."""
+
+from __future__ import annotations
+
+from homebot.names import escape_token
+
+__all__ = ["DEVICE_CHANGES", "FIND_DEVICES", "GET_INDEX_DATA", "GatewayNames"]
+
+GET_INDEX_DATA = "/getIndexData"
+FIND_DEVICES = "/discovery/find_devices"
+DEVICE_CHANGES = "/discovery/changes"
+
+
+class GatewayNames:
+    """The graph names of one gateway.
+
+    Attributes:
+        received_topics: Topic of its sightings.
+        out: Topic of the commands for its devices.
+        subscribe: Service that starts the mirroring of raw messages.
+    """
+
+    def __init__(self, gateway: str) -> None:
+        base = f"/gateway/{gateway}"
+        self.received_topics = f"{base}/received_topics"
+        self.out = f"{base}/out"
+        self.subscribe = f"{base}/subscribe_to_topic"
+        self._received_data = f"{base}/received_data"
+
+    def received_data(self, *device: str) -> str:
+        """Return the topic that mirrors a device's raw messages; its name is escaped where it is no legal token."""
+        return "/".join((self._received_data, *(escape_token(part) for part in device)))

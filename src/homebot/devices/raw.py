@@ -1,0 +1,61 @@
+"""Messages of devices as they are on the wire, in and out."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from homebot.errors import WireError
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.fields import UInt8
+from homebot.messages.message import Message
+
+__all__ = ["RawCommand", "RawMessage"]
+
+
+class RawMessage(Message):
+    """What a device said.
+
+    Attributes:
+        gateway: The gateway that heard it.
+        key: What that gateway calls the device.
+        address: Where it was said (MQTT: the topic).
+        payload: The bytes.
+        retained: Whether the broker had kept it from before.
+        received_at: When.
+    """
+
+    gateway: str
+    key: str
+    address: str
+    payload: bytes
+    retained: bool
+    received_at: Time
+
+    def text(self) -> str:
+        """Return the payload as text.
+
+        Raises:
+            WireError: It is not UTF-8; the message names the address.
+        """
+        try:
+            return self.payload.decode()
+        except UnicodeDecodeError as exc:
+            raise WireError(f"the payload on {self.address} is not text", self.payload) from exc
+
+
+class RawCommand(Message):
+    """What to tell a device.
+
+    Attributes:
+        address: Where the device listens (MQTT: the topic).
+        payload: The text to send, as UTF-8.
+        qos: MQTT quality of service, 0 to 2.
+        retain: Whether the broker shall keep it for whoever comes later.
+    """
+
+    address: str
+    payload: str
+    qos: Annotated[UInt8, Field(le=2)] = 1
+    retain: bool = False

@@ -1,0 +1,84 @@
+"""The services by which layers ask each other about devices."""
+
+from __future__ import annotations
+
+from homebot.devices.device import Device
+from homebot.messages.message import Message
+from homebot.messages.service_type import ServiceType
+
+__all__ = ["FindDevices", "GetIndexData", "SubscribeToTopic"]
+
+
+class GetIndexDataRequest(Message):
+    """Which devices offer a service?
+
+    Attributes:
+        service_type: For example ``lights``; empty for all.
+    """
+
+    service_type: str
+
+
+class GetIndexDataResponse(Message):
+    """The index entries, as the thesis's discovery layer gave them.
+
+    Attributes:
+        topics: Where each such device speaks, one entry a device.
+        device_ids: The same devices' ids, in the same order.
+    """
+
+    topics: tuple[str, ...]
+    device_ids: tuple[str, ...]
+
+
+class FindDevicesRequest(Message):
+    """Which devices are there?
+
+    Attributes:
+        service_type: For example ``lights``; empty for all.
+    """
+
+    service_type: str = ""
+
+
+class FindDevicesResponse(Message):
+    """The devices, sorted by id.
+
+    Attributes:
+        devices: Everything that is known of them.
+        sequence: The last change that is in there; see :class:`homebot.devices.DeviceChange`.
+    """
+
+    devices: tuple[Device, ...]
+    sequence: int
+
+
+class SubscribeToTopicRequest(Message):
+    """Give me the raw messages of an address.
+
+    Attributes:
+        topic: The address in the gateway's terms, for example the MQTT topic ``home425/lights/roomlights405/out``.
+        listener: Full name of the node that asks, for delivery into its inbox; empty for a topic of the device's own.
+    """
+
+    topic: str
+    listener: str = ""
+
+
+class SubscribeToTopicResponse(Message):
+    """Where the messages will come.
+
+    Attributes:
+        success: Whether they will.
+        message: Why not.
+        data_topic: The graph topic that carries them from now on, as :class:`homebot.devices.RawMessage`.
+    """
+
+    success: bool
+    message: str
+    data_topic: str
+
+
+GetIndexData = ServiceType("homebot/srv/GetIndexData", GetIndexDataRequest, GetIndexDataResponse)
+FindDevices = ServiceType("homebot/srv/FindDevices", FindDevicesRequest, FindDevicesResponse)
+SubscribeToTopic = ServiceType("homebot/srv/SubscribeToTopic", SubscribeToTopicRequest, SubscribeToTopicResponse)
