@@ -1,0 +1,629 @@
+"""The MQTT client port on aiomqtt 2; the one file that knows aiomqtt and the paho client below it.
+
+aiomqtt gives the session, the coding of what is sent, and the requests to subscribe. Replaced, because it loses
+messages or waits in vain: the dialling (a cancelled one leaves a thread and a lock behind), the reading (one message
+for each turn of the loop, acknowledged before anybody has it, stopped by one bad packet), and the waiting for answers
+(a refused publish looks like a good one, a dead link like a slow one).
+
+Concurrency: all callbacks run in the loop's own thread. Any number of tasks publish, as many of QoS 1 and 2 at once as
+the broker allows; the others wait in order.
+"""
+
+# ruff: noqa: SLF001, ARG002 - paho has no public way to do these things, and its callbacks have fixed parameters
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import secrets
+import socket
+import ssl
+import sys
+from collections.abc import AsyncIterator, Iterable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import Any, Final, Literal, final
+
+import aiomqtt
+import anyio
+import structlog
+from paho.mqtt import client as paho
+from paho.mqtt.exception import MQTTException
+from paho.mqtt.packettypes import PacketTypes
+from paho.mqtt.properties import Properties
+from paho.mqtt.reasoncodes import ReasonCode as PahoReason
+from paho.mqtt.subscribeoptions import SubscribeOptions
+
+from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
+from homebot.mqtt.client import MqttCounters, PublishResult, Session, Subscription
+from homebot.mqtt.dial import dial, make_tls_context
+from homebot.mqtt.incoming import Packet, PacketReader
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets.reason import ReasonCode
+from homebot.mqtt.receiver import Receiver
+from homebot.mqtt.topics import validate_filter, validate_topic
+
+__all__ = ["AiomqttClient"]
+
+_READ_SIZE = 32 * 1024
+"""Bytes read in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
+
+_IN_FLIGHT = 100
+"""Most own publishes of QoS 1 and 2 that wait for their answer at once, however many the broker would allow."""
+
+_SEND_QUEUE = 256
+"""Packets that may wait for the socket before a publish of QoS 0 waits too."""
+
+_GOODBYE = 1.0
+"""Seconds that a clean close may take; the broker may be gone already."""
+
+_TRY_LATER: Final = {
+    ReasonCode.SERVER_UNAVAILABLE,
+    ReasonCode.SERVER_BUSY,
+    ReasonCode.QUOTA_EXCEEDED,
+    ReasonCode.CONNECTION_RATE_EXCEEDED,
+}
+_THROWN_OUT: Final = {
+    ReasonCode.NOT_AUTHORIZED,
+    ReasonCode.SESSION_TAKEN_OVER,
+    ReasonCode.ADMINISTRATIVE_ACTION,
+    ReasonCode.BANNED,
+}
+
+# The libraries log what a peer makes them log, without a limit; the facts are in our errors and events.
+_SILENCE: Final = logging.getLogger("homebot.mqtt.silence")
+_SILENCE.disabled = True
+
+_log = structlog.get_logger()
+
+_Version = Literal["5", "3.1.1"]
+
+
+@final
+class AiomqttClient:
+    """The `MqttClient` port on aiomqtt 2; make it inside a running event loop.
+
+    Args:
+        options: Broker, login and limits.
+    """
+
+    def __init__(self, options: MqttOptions) -> None:
+        self._options = options
+        self._receiver = Receiver(options, asyncio.get_running_loop().time)
+        self._tls: ssl.SSLContext | None = None
+        self._link: _Link | None = None
+        self._up = False
+
+    @property
+    def counters(self) -> MqttCounters:
+        """What happened so far."""
+        return self._receiver.counters
+
+    def connected(self) -> AbstractAsyncContextManager[Session]:
+        """Make the link; see `MqttClient.connected`."""
+        return self._connected()
+
+    async def wait_lost(self) -> LinkError | RefusedError:
+        """Wait until the link is gone and say why."""
+        return await self._need_link().wait_lost()
+
+    async def publish(
+        self,
+        topic: str,
+        payload: bytes = b"",
+        *,
+        qos: int = 0,
+        retain: bool = False,
+        properties: MessageProperties = NO_PROPERTIES,
+    ) -> PublishResult:
+        """Publish; see `MqttClient.publish`."""
+        validate_topic(topic)
+        return await self._need_link().send(topic, payload, qos, retain=retain, properties=properties)
+
+    async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
+        """Subscribe; see `MqttClient.subscribe`."""
+        for subscription in subscriptions:
+            validate_filter(subscription.filter)
+        return await self._need_link().request(subscriptions) if subscriptions else ()
+
+    async def unsubscribe(self, *filters: str) -> None:
+        """Take back subscriptions; see `MqttClient.unsubscribe`."""
+        if filters:
+            await self._need_link().cancel(filters)
+
+    async def receive(self) -> list[MqttMessage]:
+        """All messages that are there; see `MqttClient.receive`."""
+        return await self._receiver.take()
+
+    def ack(self, messages: Iterable[MqttMessage]) -> None:
+        """Acknowledge; see `MqttClient.ack`."""
+        data = self._receiver.settle(messages)
+        if data and self._link is not None:
+            self._link.answer(data)
+
+    @asynccontextmanager
+    async def _connected(self) -> AsyncIterator[Session]:
+        if self._up:
+            raise UsageError("this MQTT client is connected already")
+        self._up = True
+        try:
+            link, session = await self._open()
+            try:
+                yield session
+            finally:
+                await link.close()
+        finally:
+            self._up = False
+
+    async def _open(self) -> tuple[_Link, Session]:
+        if self._options.tls and self._tls is None:
+            self._tls = await make_tls_context(self._options)
+        try:
+            return await self._open_as(self._first_version())
+        except (RefusedError, _ClosedEarlyError) as error:
+            if not self._falls_back(error):
+                raise
+            _log.info("mqtt.fell_back", broker=self._options.url, protocol="3.1.1", reason=str(error))
+        return await self._open_as("3.1.1")
+
+    async def _open_as(self, version: _Version) -> tuple[_Link, Session]:
+        # The same object on every link: a new one counts packet identifiers from the start again, and a broker
+        # with an open QoS 2 hand-shake of that number takes the next message for a repetition and swallows it.
+        link = self._link
+        if link is None or link.version != version:
+            link = _Link(self._options, version, self._receiver)
+        session = await link.open(await dial(self._options, self._tls))
+        self._link = link
+        return link, session
+
+    def _first_version(self) -> _Version:
+        if self._options.protocol != "auto":
+            return self._options.protocol
+        return "5" if self._link is None else self._link.version
+
+    def _falls_back(self, error: HomebotError) -> bool:
+        if self._options.protocol != "auto" or self._first_version() != "5":
+            return False
+        if isinstance(error, RefusedError):
+            return error.code == ReasonCode.UNSUPPORTED_PROTOCOL_VERSION
+        return self._link is None  # a broker that has spoken 5 before closed for another reason
+
+    def _need_link(self) -> _Link:
+        if self._link is None or not self._up:
+            raise LinkError(f"not connected to {self._options.url}")
+        return self._link
+
+
+class _ClosedEarlyError(LinkError):
+    """The broker closed the connection where it should have answered CONNECT."""
+
+
+class _Link(aiomqtt.Client):
+    """One paho client and its successive links."""
+
+    def __init__(self, options: MqttOptions, version: _Version, receiver: Receiver) -> None:
+        clean = options.session_expiry == 0
+        five = version == "5"
+        super().__init__(
+            options.host,
+            options.port,
+            username=options.user,
+            password=None if options.password is None else options.password.get_secret_value(),
+            logger=_SILENCE,
+            identifier=options.client_id,
+            protocol=aiomqtt.ProtocolVersion.V5 if five else aiomqtt.ProtocolVersion.V311,
+            will=_will(options, with_properties=five),
+            clean_session=None if five else clean,
+            clean_start=clean if five else paho.MQTT_CLEAN_START_FIRST_ONLY,
+            timeout=options.timeout,
+            keepalive=options.keep_alive,
+            properties=_connect_properties(options) if five else None,
+        )
+        self.version: Final = version
+        self.pending_calls_threshold = sys.maxsize  # else it warns from ten calls on
+        self._options = options
+        self._receiver = receiver
+        self._packets = PacketReader(options.maximum_packet_size)
+        self._granted: Session | None = None
+        self._greeting: asyncio.Future[Session] = self._loop.create_future()
+        self._lost: LinkError | RefusedError | None = LinkError("not connected yet")
+        self._gone = anyio.Event()
+        self._drained = anyio.Event()
+        self._answers: dict[int, asyncio.Future[int]] = {}
+        self._window = anyio.Semaphore(_IN_FLIGHT)
+        self._tick: asyncio.TimerHandle | None = None
+        self._dialled: socket.socket | None = None
+        # paho dials in a blocking call; it is given the socket that was dialled without blocking.
+        self._client._create_socket = self._take_socket  # type: ignore[method-assign] # the only way in
+        # Not 0, so that a restarted process does not meet the open identifiers of its predecessor.
+        self._client._last_mid = secrets.randbelow(65_535)
+        # paho makes costly objects for each call of it, and we read the answers ourselves.
+        self._client.on_publish = None
+
+    async def open(self, sock: socket.socket) -> Session:
+        """Say CONNECT on *sock*, which from now on belongs to the link, and wait for the answer."""
+        self._dialled = sock
+        self._packets = PacketReader(self._options.maximum_packet_size)
+        self._granted = self._lost = None
+        self._gone = anyio.Event()
+        self._greeting = self._loop.create_future()
+        self._client_connect()
+        try:
+            with anyio.fail_after(self.timeout):
+                return await self._greeting
+        except TimeoutError as error:
+            self._abort()
+            raise LinkError(f"{self._options.url}: no answer to CONNECT within {self.timeout:g} s") from error
+        except BaseException:
+            self._abort()
+            raise
+
+    async def close(self) -> None:
+        """Say good-bye, if there is still somebody, and drop the link."""
+        with anyio.CancelScope(shield=True), anyio.move_on_after(_GOODBYE):
+            if self._client.disconnect() == paho.MQTT_ERR_SUCCESS:
+                await self._gone.wait()
+        self._abort()
+        self._lose(LinkError("closed"))
+
+    async def wait_lost(self) -> LinkError | RefusedError:
+        await self._gone.wait()
+        return self._lost or LinkError("closed")
+
+    async def send(
+        self, topic: str, payload: bytes, qos: int, *, retain: bool, properties: MessageProperties
+    ) -> PublishResult:
+        self._check_room(topic, payload, qos, retain=retain)
+        extra = None if properties is NO_PROPERTIES or self.version != "5" else _publish_properties(properties)
+        if qos:
+            async with self._window:
+                return await self._send_and_wait(topic, payload, qos, retain=retain, extra=extra)
+        self._hand_over(topic, payload, 0, retain=retain, extra=extra)
+        while len(self._client._out_packet) > _SEND_QUEUE and self._lost is None:
+            self._drained = anyio.Event()
+            await self._drained.wait()
+        return PublishResult()
+
+    async def request(self, subscriptions: tuple[Subscription, ...]) -> tuple[int, ...]:
+        self._check_alive()
+        try:
+            codes = await self.subscribe([self._wish(subscription) for subscription in subscriptions])
+        except aiomqtt.MqttError as error:
+            raise self._lost_error("subscribe") from error
+        reasons = tuple(code if isinstance(code, int) else code.value for code in codes)
+        refused = [(s.filter, reason) for s, reason in zip(subscriptions, reasons, strict=False) if reason >= 0x80]
+        if refused:
+            names = ", ".join(repr(name) for name, _ in refused)
+            raise RefusedError(f"the subscription to {names}", _words(refused[0][1]), refused[0][1])
+        return reasons
+
+    async def cancel(self, filters: tuple[str, ...]) -> None:
+        self._check_alive()
+        try:
+            await self.unsubscribe(list(filters))
+        except aiomqtt.MqttError as error:
+            raise self._lost_error("unsubscribe") from error
+        self._check_alive()
+
+    def answer(self, data: bytes) -> None:
+        """Send finished packets, as many as there are in *data*."""
+        if self._lost is None:
+            # One entry in paho's queue, and so one write to the socket, for a whole batch of acknowledgements.
+            self._client._packet_queue(paho.PUBACK, data, 0, 0)
+
+    # -- own publishes ------------------------------------------------------------------------------------
+
+    async def _send_and_wait(
+        self, topic: str, payload: bytes, qos: int, *, retain: bool, extra: Properties | None
+    ) -> PublishResult:
+        packet_id = self._hand_over(topic, payload, qos, retain=retain, extra=extra)
+        answer: asyncio.Future[int] = self._loop.create_future()
+        self._answers[packet_id] = answer
+        try:
+            with anyio.fail_after(self.timeout):
+                reason = await answer
+        except TimeoutError as error:
+            raise LinkError(f"{self._options.url}: no answer to a publish within {self.timeout:g} s") from error
+        finally:
+            self._answers.pop(packet_id, None)
+        if reason >= 0x80:
+            raise RefusedError(f"the publish to {topic!r}", _words(reason), reason)
+        return PublishResult(reason)
+
+    def _hand_over(self, topic: str, payload: bytes, qos: int, *, retain: bool, extra: Properties | None) -> int:
+        self._check_alive()
+        info = self._client.publish(topic, payload, qos, retain, extra)
+        while info.rc == paho.MQTT_ERR_QUEUE_SIZE:  # the identifier still waits for its answer; try the next
+            info = self._client.publish(topic, payload, qos, retain, extra)
+        if info.rc != paho.MQTT_ERR_SUCCESS:
+            raise self._lost_error("publish")
+        return info.mid
+
+    def _answered(self, packet: Packet) -> None:
+        """PUBACK, PUBCOMP, or a PUBREC that says no: the hand-shake is over."""
+        packet_id = int.from_bytes(packet.body[:2], "big")
+        client = self._client
+        if client._out_messages.pop(packet_id, None) is None:
+            return
+        client._inflight_messages -= 1
+        client._update_inflight()
+        answer = self._answers.get(packet_id)
+        if answer is not None and not answer.done():
+            answer.set_result(packet.body[2] if len(packet.body) > 2 else 0)
+
+    def _check_room(self, topic: str, payload: bytes, qos: int, *, retain: bool) -> None:
+        self._check_alive()
+        session = self._granted
+        if session is None:
+            return
+        limit = session.maximum_packet_size
+        for code, no in (
+            (ReasonCode.QOS_NOT_SUPPORTED, qos > session.maximum_qos),
+            (ReasonCode.RETAIN_NOT_SUPPORTED, retain and not session.retain_available),
+            (ReasonCode.PACKET_TOO_LARGE, limit is not None and len(topic.encode()) + len(payload) + 10 > limit),
+        ):
+            if no:  # a broker would close the link
+                raise RefusedError(f"the publish to {topic!r}", _words(code), code)
+
+    def _check_alive(self) -> None:
+        if self._lost is not None:
+            raise self._lost_error("request")
+
+    def _lost_error(self, what: str) -> LinkError:
+        if self._lost is None:
+            return LinkError(f"{self._options.url}: no answer to {what} within {self.timeout:g} s")
+        return LinkError(f"{self._options.url}: {what} failed, the link is lost: {self._lost}")
+
+    def _wish(self, subscription: Subscription) -> Any:
+        if self.version != "5":
+            return subscription.filter, subscription.qos
+        return subscription.filter, SubscribeOptions(
+            qos=subscription.qos,
+            noLocal=subscription.no_local,
+            retainAsPublished=subscription.retain_as_published,
+            retainHandling=subscription.retain_handling,
+        )
+
+    # -- the socket ---------------------------------------------------------------------------------------
+
+    def _take_socket(self) -> socket.socket:
+        sock, self._dialled = self._dialled, None
+        if sock is None:
+            raise ConnectionError("no socket was dialled")
+        return sock
+
+    def _on_socket_open(self, client: paho.Client, userdata: Any, sock: Any) -> None:
+        self._loop.add_reader(sock.fileno(), self._read_ready)
+        self._tick = self._loop.call_later(1, self._keep_alive)
+
+    def _on_socket_close(self, client: paho.Client, userdata: Any, sock: Any) -> None:
+        self._loop.remove_reader(sock.fileno())
+        if self._tick is not None:
+            self._tick.cancel()
+
+    def _on_socket_register_write(self, client: paho.Client, userdata: Any, sock: Any) -> None:
+        # Later in this turn, so that everything said in one turn goes together; not at once, because paho may
+        # hold a lock that its callbacks need.
+        self._loop.call_soon(self._flush)
+
+    def _on_socket_unregister_write(self, client: paho.Client, userdata: Any, sock: Any) -> None:
+        self._loop.remove_writer(sock.fileno())
+        self._drained.set()
+
+    def _flush(self) -> None:
+        sock = self._client.socket()
+        self._client.loop_write()
+        if sock is not None and self._client.socket() is sock and self._client.want_write():
+            self._loop.add_writer(sock.fileno(), self._flush)
+
+    def _keep_alive(self) -> None:
+        if self._client.loop_misc() == paho.MQTT_ERR_SUCCESS and self._client.socket() is not None:
+            self._tick = self._loop.call_later(1, self._keep_alive)
+
+    def _read_ready(self) -> None:
+        sock = self._client.socket()
+        if not isinstance(sock, socket.socket):
+            return
+        more = True
+        while more and self._lost is None:
+            try:
+                data = sock.recv(_READ_SIZE)
+            except (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+                return
+            except ssl.SSLError as error:  # TLS 1.3 tells only now that it does not like our certificate
+                self._break(RefusedError(f"TLS with {self._options.url}", error.reason or "alert"))
+                return
+            except OSError as error:
+                self._break(LinkError(error.strerror or str(error)))
+                return
+            self._take_in(data)
+            more = isinstance(sock, ssl.SSLSocket) and sock.pending() > 0
+
+    def _take_in(self, data: bytes) -> None:
+        if not data:
+            self._break(LinkError("the broker closed the connection"))
+            return
+        self._client._last_bytes_received = paho.time_func()  # or paho takes the link for dead
+        try:
+            packets = self._packets.feed(data)
+        except WireError as error:
+            self._break(LinkError(str(error)))
+            return
+        answers = bytearray()
+        publish = self._receiver.publish
+        for packet in packets:
+            if packet.first & 0xF0 == paho.PUBLISH and self._granted is not None:
+                answers += publish(packet)
+            else:
+                answers += self._handle(packet)
+            if self._lost is not None:
+                return
+        if answers:
+            self.answer(bytes(answers))
+
+    def _handle(self, packet: Packet) -> bytes:
+        kind = packet.first & 0xF0
+        if packet.oversize or (self._granted is None and kind != paho.CONNACK):
+            self._break(LinkError(f"the broker sent a packet of type {kind >> 4} where it must not"))
+        elif kind == paho.PUBREL:
+            return self._receiver.release(packet)
+        elif kind in {paho.PUBACK, paho.PUBCOMP} or (
+            kind == paho.PUBREC and len(packet.body) > 2 and packet.body[2] >= 0x80
+        ):
+            self._answered(packet)
+        else:
+            self._let_paho_handle(packet)
+        return b""
+
+    def _let_paho_handle(self, packet: Packet) -> None:
+        client = self._client
+        client._in_packet["command"] = packet.first
+        client._in_packet["packet"] = bytearray(packet.body)
+        client._in_packet["remaining_length"] = len(packet.body)
+        client._in_packet["pos"] = 0
+        try:
+            code = client._packet_handle()
+        except MQTTException as error:
+            self._break(LinkError(f"the broker sent something unreadable: {error}"))
+            return
+        if code != paho.MQTT_ERR_SUCCESS:
+            self._break(LinkError(f"the broker sent something out of place: {paho.error_string(code)}"))
+
+    # -- the life of a link -------------------------------------------------------------------------------
+
+    def _on_connect(
+        self,
+        client: paho.Client,
+        userdata: Any,
+        flags: paho.ConnectFlags,
+        reason_code: PahoReason,
+        properties: Properties | None = None,
+    ) -> None:
+        if self._greeting.done():
+            return
+        code = reason_code.value
+        if code >= 0x80:
+            self._break(_no_entry(self._options, code))
+            return
+        session = _session(self.version, flags, properties)
+        self._granted = session
+        limit = min(session.receive_maximum, _IN_FLIGHT)
+        # paho's own limit is 200 whatever the broker says, and a broker cuts the link of who exceeds its number.
+        # The public setter refuses while connected, but the number is not known before.
+        client._max_inflight_messages = limit
+        self._window = anyio.Semaphore(limit)
+        if not session.resumed:
+            client.drop_out_messages()  # or they would be published anew, minutes late
+        self._receiver.begin_link(session)
+        self._greeting.set_result(session)
+
+    def _on_disconnect(
+        self,
+        client: paho.Client,
+        userdata: Any,
+        flags: paho.DisconnectFlags,
+        reason_code: PahoReason,
+        properties: Properties | None = None,
+    ) -> None:
+        words = _words(reason_code.value)
+        if not flags.is_disconnect_packet_from_server:
+            self._lose(LinkError(words))
+        elif reason_code.value in _THROWN_OUT:
+            self._lose(RefusedError("the connection", words, reason_code.value))
+        else:
+            self._lose(LinkError(f"the broker said good-bye: {words}"))
+
+    def _break(self, reason: LinkError | RefusedError) -> None:
+        self._lose(reason)
+        self._abort()
+
+    def _abort(self) -> None:
+        self._client._sock_close()  # the public disconnect() waits for the peer
+
+    def _lose(self, reason: LinkError | RefusedError) -> None:
+        if self._lost is not None:
+            return
+        self._lost = reason
+        if not self._greeting.done():
+            early = isinstance(reason, LinkError)
+            self._greeting.set_exception(_ClosedEarlyError(f"{self._options.url}: {reason}") if early else reason)
+        self._receiver.end_link(reason)
+        self._fail_calls()
+        self._gone.set()
+        self._drained.set()
+
+    def _fail_calls(self) -> None:
+        """Tell everybody who waits for an answer that none will come."""
+        for answer in self._answers.values():
+            if not answer.done():
+                answer.set_exception(self._lost_error("publish"))
+        for reply in self._pending_subscribes.values():
+            if not reply.done():
+                reply.set_exception(aiomqtt.MqttError("link lost"))
+        for event in self._pending_unsubscribes.values():
+            event.set()
+        # Their callers know that they failed; paho would send them on the next link, whenever that is. QoS 2
+        # stays: its hand-shake must be brought to an end, or the broker swallows a later message of its number.
+        messages = self._client._out_messages
+        for packet_id in [packet_id for packet_id, message in messages.items() if message.qos == 1]:
+            del messages[packet_id]
+
+
+def _connect_properties(options: MqttOptions) -> Properties:
+    # No TopicAliasMaximum: paho does not resolve aliases, and neither do we.
+    properties = Properties(PacketTypes.CONNECT)  # type: ignore[no-untyped-call] # paho has no types there
+    properties.ReceiveMaximum = options.receive_maximum
+    properties.MaximumPacketSize = options.maximum_packet_size
+    properties.SessionExpiryInterval = options.session_expiry
+    return properties
+
+
+def _publish_properties(wanted: MessageProperties, packet_type: int = PacketTypes.PUBLISH) -> Properties:
+    properties = Properties(packet_type)  # type: ignore[no-untyped-call] # as above
+    for name, value in (
+        ("PayloadFormatIndicator", 1 if wanted.payload_is_text else None),
+        ("MessageExpiryInterval", wanted.expiry),
+        ("ContentType", wanted.content_type),
+        ("ResponseTopic", wanted.response_topic),
+        ("CorrelationData", wanted.correlation_data),
+        ("UserProperty", list(wanted.user) or None),
+    ):
+        if value is not None:
+            setattr(properties, name, value)
+    return properties
+
+
+def _will(options: MqttOptions, *, with_properties: bool) -> aiomqtt.Will | None:
+    will = options.will
+    if will is None:
+        return None
+    extra = _publish_properties(will.properties, PacketTypes.WILLMESSAGE) if with_properties else None
+    return aiomqtt.Will(will.topic, will.payload, will.qos, will.retain, extra)
+
+
+def _session(version: _Version, flags: paho.ConnectFlags, properties: Properties | None) -> Session:
+    def fact(name: str, default: int) -> int:
+        value = getattr(properties, name, default)
+        return value if isinstance(value, int) else default
+
+    return Session(
+        resumed=bool(flags.session_present),
+        protocol=version,
+        maximum_qos=fact("MaximumQoS", 2),
+        retain_available=bool(fact("RetainAvailable", 1)),
+        receive_maximum=fact("ReceiveMaximum", 65_535),
+        maximum_packet_size=fact("MaximumPacketSize", 0) or None,
+    )
+
+
+def _no_entry(options: MqttOptions, code: int) -> LinkError | RefusedError:
+    if code in _TRY_LATER:
+        return LinkError(f"the broker said: {_words(code)}")
+    return RefusedError(f"the login at {options.url}", _words(code), code)
+
+
+def _words(code: int) -> str:
+    try:
+        return ReasonCode(code).name.lower().replace("_", " ")
+    except ValueError:
+        return f"reason 0x{code:02x}"

@@ -1,0 +1,173 @@
+"""The port: what homebot asks of an MQTT client, whatever library is behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from homebot.errors import LinkError, RefusedError
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+
+__all__ = ["MqttClient", "MqttCounters", "PublishResult", "Session", "Subscription"]
+
+
+@dataclass(frozen=True, slots=True)
+class Subscription:
+    """One topic filter and how its messages should come.
+
+    Attributes:
+        filter: Topic filter; ``+`` is one level, a final ``#`` is the rest.
+        qos: Highest delivery level wanted, 0 to 2.
+        no_local: Leave out what this client published itself. MQTT 5; ignored by 3.1.1.
+        retain_as_published: Keep the sender's retain flag on live messages. MQTT 5; ignored by 3.1.1.
+        retain_handling: Stored messages come 0: always, 1: only with a new subscription, 2: never.
+            MQTT 5; ignored by 3.1.1, which always sends them.
+
+    Source: MQTT Version 5.0, section 3.8.3.1.
+    """
+
+    filter: str
+    qos: int = 0
+    no_local: bool = False
+    retain_as_published: bool = False
+    retain_handling: Literal[0, 1, 2] = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """What the broker granted when the link was made.
+
+    Attributes:
+        resumed: The broker still knew this client: its subscriptions stand, and unacknowledged messages follow.
+        protocol: MQTT version of the link.
+        maximum_qos: Highest delivery level that the broker takes.
+        retain_available: Whether the broker stores messages.
+        receive_maximum: Most publishes of QoS 1 and 2 that the broker wants to have open.
+        maximum_packet_size: Largest packet that the broker takes, in bytes; None is without limit.
+    """
+
+    resumed: bool
+    protocol: Literal["5", "3.1.1"]
+    maximum_qos: int = 2
+    retain_available: bool = True
+    receive_maximum: int = 65535
+    maximum_packet_size: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PublishResult:
+    """The broker has taken the message.
+
+    Attributes:
+        reason: MQTT 5 reason code below 0x80: 0 is success, 0x10 is "nobody subscribes to this".
+            Always 0 for QoS 0 and MQTT 3.1.1.
+    """
+
+    reason: int = 0
+
+
+@dataclass(slots=True)
+class MqttCounters:
+    """What happened on all links of one client since it was made.
+
+    Attributes:
+        received: Messages put in the inbox.
+        dropped_overflow: Messages of QoS 0 dropped because nobody read the inbox.
+        dropped_oversize: Packets dropped because they were larger than the limit.
+        dropped_malformed: Packets dropped because they did not follow the protocol.
+    """
+
+    received: int = 0
+    dropped_overflow: int = 0
+    dropped_oversize: int = 0
+    dropped_malformed: int = 0
+
+
+class MqttClient(Protocol):
+    """One client of one broker; its link can be made, lost and made again.
+
+    Delivery: messages come in the broker's order. Those of QoS 1 and 2 stay the broker's until they are
+    acknowledged; without that they come again on the next link of a resumed session. Those of QoS 1 may therefore come
+    twice. Those of QoS 0 are dropped, oldest first and counted, when the inbox is full.
+
+    One task reads (`receive`); any number publish.
+    """
+
+    @property
+    def counters(self) -> MqttCounters:
+        """What happened so far."""
+        ...
+
+    def connected(self) -> AbstractAsyncContextManager[Session]:
+        """Make the link; leaving the block says good-bye and drops it. Can be used again afterwards.
+
+        Raises:
+            LinkError: The broker cannot be reached, is busy, or did not answer.
+            RefusedError: The broker said no: login, client id, protocol, or its certificate is not trusted.
+            UsageError: A certificate or key file cannot be used.
+        """
+        ...
+
+    async def wait_lost(self) -> LinkError | RefusedError:
+        """Wait until the link is gone and say why; RefusedError where the broker threw this client out."""
+        ...
+
+    async def publish(
+        self,
+        topic: str,
+        payload: bytes = b"",
+        *,
+        qos: int = 0,
+        retain: bool = False,
+        properties: MessageProperties = NO_PROPERTIES,
+    ) -> PublishResult:
+        """Publish, and return when the broker has taken it (QoS 0: when it is on the wire).
+
+        A publish whose link drops is not repeated on the next link, except that a QoS 2 hand-shake which a resumed
+        session still holds open is brought to its end, as exactly-once demands.
+
+        Raises:
+            UsageError: The topic cannot be published to.
+            RefusedError: The broker answered with a reason of 0x80 or more, or cannot take such a message.
+            LinkError: There is no link, it dropped before the answer (at once, not after the time limit; whether
+                the broker took the message is then unknown), or the answer is overdue.
+        """
+        ...
+
+    async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
+        """Subscribe to all of them with one request.
+
+        Returns:
+            The granted QoS, one for each subscription, in order.
+
+        Raises:
+            UsageError: A filter is not a topic filter.
+            RefusedError: At least one was refused; the text names them. The others stand.
+            LinkError: As for `publish`.
+        """
+        ...
+
+    async def unsubscribe(self, *filters: str) -> None:
+        """Take back subscriptions; a filter that was never subscribed to is no error.
+
+        Raises:
+            LinkError: As for `publish`.
+        """
+        ...
+
+    async def receive(self) -> list[MqttMessage]:
+        """All messages that are there, in order; waits for the first.
+
+        Raises:
+            LinkError: There is no link and no message.
+        """
+        ...
+
+    def ack(self, messages: Iterable[MqttMessage]) -> None:
+        """Tell the broker that these messages are in good hands; those of QoS 0 are passed over.
+
+        A message from an earlier link is passed over too: the broker sends it again if it still has it.
+        """
+        ...

@@ -1,0 +1,345 @@
+"""Keep one MQTT connection up: connect, subscribe, announce, and start again when the link breaks.
+
+Knows no library; it drives a `MqttClient`. One supervising task owns the link. Messages of all links come out of one
+`receive`; subscriptions are remembered and made again; a publish while the link is down fails at once, because a
+command that fires minutes late is worse than one that fails.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import AsyncIterator, Callable, Iterable
+from dataclasses import dataclass, replace
+from random import Random
+from types import TracebackType
+from typing import Final, Self, final
+
+import anyio
+import structlog
+from anyio.abc import TaskGroup
+
+from homebot.clock import Clock, LoopClock
+from homebot.errors import ClosedError, LinkError, RefusedError
+from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
+from homebot.mqtt.client import MqttClient, MqttCounters, PublishResult, Session, Subscription
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.options import MqttOptions, Will
+
+__all__ = ["OFFLINE", "ONLINE", "ConnectionState", "LinkPhase", "MqttConnection"]
+
+ONLINE: Final = b"online"
+OFFLINE: Final = b"offline"
+
+_STABLE = 5.0
+"""A link that broke sooner than this many seconds counts as a failed try, so that a broker which throws us out right
+after the login is not asked in a hot loop."""
+
+_FAREWELL = 1.0
+"""Seconds for the last "offline" at a clean close; the broker's will says it otherwise."""
+
+_log = structlog.get_logger()
+
+
+@enum.unique
+class LinkPhase(enum.StrEnum):
+    """What the supervisor is doing."""
+
+    CONNECTING = "connecting"
+    CONNECTED = "connected"
+    WAITING = "waiting"
+    REFUSED = "refused"
+    CLOSED = "closed"
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectionState:
+    """A phase and what led to it.
+
+    Attributes:
+        phase: WAITING waits for the next try after a failure of the link; REFUSED likewise, but the broker said no
+            and a person has to mend something.
+        reason: The failure in words, without secrets; empty where all is well.
+        retry_in: Seconds from the beginning of the phase to the next try; None where none is planned.
+    """
+
+    phase: LinkPhase
+    reason: str = ""
+    retry_in: float | None = None
+
+
+@final
+class MqttConnection:
+    """One connection to one broker that mends itself; use it as ``async with`` inside a running event loop.
+
+    Entering starts the supervision and does not wait for the broker (`wait_connected` does). Leaving says "offline",
+    then good-bye.
+
+    Args:
+        options: Broker, login and limits.
+        make_client: Makes the client, for example ``AiomqttClient``.
+        status_topic: Retained "online" and "offline" are published there, the latter also by the broker as this client's
+            will; by default ``homebot/<client id>/status``, with "+" and "#" of the client id made "_". None announces
+            nothing.
+        clock: Measures how long a link was up or down.
+        random: Source of the back-off's jitter.
+        link_backoff: Delays while the broker cannot be reached.
+        refused_backoff: Delays while it says no.
+    """
+
+    def __init__(
+        self,
+        options: MqttOptions,
+        make_client: Callable[[MqttOptions], MqttClient],
+        *,
+        status_topic: str | None = "",
+        clock: Clock | None = None,
+        random: Random | None = None,
+        link_backoff: Backoff = LINK_BACKOFF,
+        refused_backoff: Backoff = REFUSED_BACKOFF,
+    ) -> None:
+        if status_topic == "":
+            status_topic = f"homebot/{options.client_id.replace('+', '_').replace('#', '_')}/status"
+        if status_topic is not None and options.will is None:
+            options = replace(options, will=Will(status_topic, OFFLINE, qos=1, retain=True))
+        self._status_topic = status_topic
+        self._url = options.url
+        self._client = make_client(options)
+        self._clock = LoopClock() if clock is None else clock
+        self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
+        self._link_backoff = link_backoff
+        self._refused_backoff = refused_backoff
+        self._wanted: dict[str, Subscription] = {}
+        self._made: set[str] = set()
+        self._unwanted: set[str] = set()
+        self._state = ConnectionState(LinkPhase.CLOSED)
+        self._changed = anyio.Event()
+        self._tasks: TaskGroup | None = None
+        self._failures = 0
+        self._failing_since = 0.0
+
+    @property
+    def url(self) -> str:
+        """The broker's address, without user and password."""
+        return self._url
+
+    @property
+    def status_topic(self) -> str | None:
+        """Where "online" and "offline" are said."""
+        return self._status_topic
+
+    @property
+    def state(self) -> ConnectionState:
+        """What is going on now."""
+        return self._state
+
+    @property
+    def counters(self) -> MqttCounters:
+        """Messages received and dropped, over all links."""
+        return self._client.counters
+
+    async def states(self) -> AsyncIterator[ConnectionState]:
+        """The state now and each later one, until CLOSED; a slow reader misses some but never the latest."""
+        seen: ConnectionState | None = None
+        while True:
+            if self._state is seen:
+                await self._changed.wait()
+                continue
+            seen = self._state
+            yield seen
+            if seen.phase is LinkPhase.CLOSED:
+                return
+
+    async def wait_connected(self) -> None:
+        """Wait until the link is up and the subscriptions are made.
+
+        Raises:
+            RefusedError: The broker said no; the supervisor goes on trying, slowly.
+            ClosedError: The connection is closed.
+        """
+        while self._state.phase is not LinkPhase.CONNECTED:
+            if self._state.phase is LinkPhase.REFUSED:
+                raise RefusedError(f"the connection to {self._url}", self._state.reason)
+            if self._state.phase is LinkPhase.CLOSED:
+                raise ClosedError(f"the connection to {self._url} is closed")
+            await self._changed.wait()
+
+    async def publish(
+        self,
+        topic: str,
+        payload: bytes = b"",
+        *,
+        qos: int = 0,
+        retain: bool = False,
+        properties: MessageProperties = NO_PROPERTIES,
+    ) -> PublishResult:
+        """Publish; see `MqttClient.publish`. Raises LinkError at once while the link is down."""
+        return await self._client.publish(topic, payload, qos=qos, retain=retain, properties=properties)
+
+    async def subscribe(self, *subscriptions: Subscription) -> None:
+        """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
+
+        While the link is down they are only remembered; what is refused then is logged and not repeated.
+
+        Raises:
+            UsageError: A filter is not a topic filter.
+            RefusedError: At least one was refused now; none of this call is remembered.
+        """
+        for subscription in subscriptions:
+            self._wanted[subscription.filter] = subscription
+            self._unwanted.discard(subscription.filter)
+        try:
+            await self._client.subscribe(*subscriptions)
+        except LinkError:
+            return
+        except BaseException:
+            for subscription in subscriptions:
+                self._wanted.pop(subscription.filter, None)
+            raise
+        self._made.update(subscription.filter for subscription in subscriptions)
+
+    async def unsubscribe(self, *filters: str) -> None:
+        """Take subscriptions back, now and for every later link."""
+        for name in filters:
+            self._wanted.pop(name, None)
+            self._made.discard(name)
+        self._unwanted.update(filters)
+        try:
+            await self._client.unsubscribe(*filters)
+        except LinkError:
+            return
+        self._unwanted.difference_update(filters)
+
+    async def receive(self) -> list[MqttMessage]:
+        """All messages that are there, in order, from whatever link; waits for the first.
+
+        Raises:
+            ClosedError: The connection is closed and all messages are read.
+        """
+        while True:
+            try:
+                return await self._client.receive()
+            except LinkError:
+                changed = self._changed
+                if self._state.phase is LinkPhase.CLOSED:
+                    raise ClosedError(f"the connection to {self._url} is closed") from None
+                await changed.wait()
+
+    def ack(self, messages: Iterable[MqttMessage]) -> None:
+        """Tell the broker that these messages are in good hands; see `MqttClient.ack`."""
+        self._client.ack(messages)
+
+    async def __aenter__(self) -> Self:
+        if self._tasks is not None:
+            raise ClosedError(f"the connection to {self._url} was opened before")
+        self._tasks = anyio.create_task_group()
+        await self._tasks.__aenter__()
+        self._enter(LinkPhase.CONNECTING)
+        self._tasks.start_soon(self._supervise)
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> bool | None:
+        tasks = self._tasks
+        if tasks is None:
+            return None
+        tasks.cancel_scope.cancel()
+        # An error of the caller's block passes as it is, not wrapped into a group; only a cancellation has to
+        # be shown to the task group, which knows whether it is its own.
+        if isinstance(error, anyio.get_cancelled_exc_class()):
+            return await tasks.__aexit__(kind, error, trace)
+        await tasks.__aexit__(None, None, None)
+        return None
+
+    async def _supervise(self) -> None:
+        try:
+            while True:
+                self._enter(LinkPhase.CONNECTING, self._state.reason)
+                delay = await self._try_once()
+                if delay > 0:
+                    await anyio.sleep(delay)
+        finally:
+            self._enter(LinkPhase.CLOSED)
+
+    async def _try_once(self) -> float:
+        """One link from its making to its end; returns the seconds to wait before the next."""
+        up_since: float | None = None
+        reason: LinkError | RefusedError
+        try:
+            async with self._client.connected() as session:
+                try:
+                    await self._prepare(session)
+                    up_since = self._clock.monotonic()
+                    self._enter(LinkPhase.CONNECTED)
+                    _log.info("mqtt.connected", broker=self._url, protocol=session.protocol, resumed=session.resumed)
+                    reason = await self._client.wait_lost()
+                except anyio.get_cancelled_exc_class():
+                    await self._say_offline()
+                    raise
+        except (LinkError, RefusedError) as error:
+            reason = error
+        return self._plan(reason, up_since)
+
+    async def _prepare(self, session: Session) -> None:
+        if not session.resumed:
+            self._made.clear()
+        missing = [subscription for name, subscription in self._wanted.items() if name not in self._made]
+        for subscription in missing:
+            try:
+                await self._client.subscribe(subscription)
+            except RefusedError as error:
+                self._wanted.pop(subscription.filter, None)
+                _log.error("mqtt.subscription_refused", broker=self._url, reason=str(error))
+            else:
+                self._made.add(subscription.filter)
+        if self._unwanted:
+            await self._client.unsubscribe(*self._unwanted)
+            self._unwanted.clear()
+        await self._announce(ONLINE)
+
+    async def _announce(self, payload: bytes) -> None:
+        if self._status_topic is None:
+            return
+        try:
+            await self._client.publish(self._status_topic, payload, qos=1, retain=True)
+        except RefusedError as error:  # being visible is a courtesy; all else still works
+            _log.warning("mqtt.status_refused", broker=self._url, reason=str(error))
+
+    async def _say_offline(self) -> None:
+        with anyio.CancelScope(shield=True), anyio.move_on_after(_FAREWELL):
+            try:
+                await self._announce(OFFLINE)
+            except LinkError:
+                return  # the broker says it for us: the will
+
+    def _plan(self, reason: LinkError | RefusedError, up_since: float | None) -> float:
+        now = self._clock.monotonic()
+        refused = isinstance(reason, RefusedError)
+        if up_since is not None and now - up_since >= _STABLE:
+            self._failures = 0
+        if self._failures == 0:
+            self._failing_since = now
+        was_up = up_since is not None
+        if was_up and self._failures == 0 and not refused:
+            delay = 0.0
+        else:
+            backoff = self._refused_backoff if refused else self._link_backoff
+            delay = backoff.delay(self._failures + 1, now - self._failing_since, self._random)
+        self._failures += 1
+        self._enter(LinkPhase.REFUSED if refused else LinkPhase.WAITING, _why(reason), delay)
+        _log.warning(
+            "mqtt.refused" if refused else "mqtt.link_lost" if was_up else "mqtt.unreachable",
+            broker=self._url,
+            reason=str(reason),
+            retry_in=round(delay, 2),
+        )
+        return delay
+
+    def _enter(self, phase: LinkPhase, reason: str = "", retry_in: float | None = None) -> None:
+        self._state = ConnectionState(phase, reason, retry_in)
+        self._changed.set()
+        self._changed = anyio.Event()
+
+
+def _why(reason: LinkError | RefusedError) -> str:
+    return reason.reason if isinstance(reason, RefusedError) else str(reason)

@@ -1,0 +1,195 @@
+"""The receiving half of a client, pure: a byte stream is cut into packets, and a PUBLISH becomes a message.
+
+It exists beside the client library because a bad packet must cost no more than itself: a packet over the size limit
+is skipped without being stored, and a malformed PUBLISH is told apart from a broken link, with its packet identifier
+where that can still be read, so that it can be acknowledged and does not come back for ever.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, final
+
+from homebot.errors import InvalidNameError, WireError
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.packets.primitives import Cursor
+from homebot.mqtt.packets.properties import PacketType, decode_properties
+from homebot.mqtt.topics import validate_topic
+
+__all__ = ["Packet", "PacketReader", "PublishReader"]
+
+_HEAD = 2 + 65_535 + 2
+"""Longest topic and packet identifier at the start of a PUBLISH: what is kept of one that is too large."""
+
+_TOPIC_CACHE = 4096
+"""Topics whose check is remembered; a house has fewer, and a stranger's flood of topics only costs the speed-up."""
+
+_LONGEST_CACHED = 256
+"""Longer topics are checked each time, so that the memory stays near one megabyte."""
+
+
+class Packet(NamedTuple):
+    """One control packet.
+
+    Attributes:
+        first: First byte: type in the upper four bits, flags in the lower.
+        body: Everything behind the fixed header; of a packet over the limit only the first 65,539 bytes.
+        oversize: Length of the body if it is over the limit, else 0.
+    """
+
+    first: int
+    body: bytes
+    oversize: int = 0
+
+
+@final
+class PacketReader:
+    """Cuts a byte stream into packets; holds at most one incomplete packet within the limit.
+
+    Args:
+        maximum: Largest whole packet to keep, in bytes.
+
+    Source: MQTT Version 5.0, section 2.1.
+    """
+
+    def __init__(self, maximum: int) -> None:
+        self._maximum = maximum
+        self._rest = b""
+        self._skipping: Packet | None = None
+        self._skip = 0
+
+    def feed(self, data: bytes) -> list[Packet]:
+        """The packets that *data* completes.
+
+        Raises:
+            WireError: A length has more than four bytes; the stream cannot be followed any further.
+        """
+        packets: list[Packet] = []
+        if self._skipping is not None:
+            data = self._skip_over(data, packets)
+        buffer = self._rest + data if self._rest else data
+        position, size = 0, len(buffer)
+        while size - position >= 2:
+            length = buffer[position + 1]
+            start = position + 2
+            if length > 0x7F:
+                read = _read_length(buffer, position + 1)
+                if read is None:
+                    break
+                length, start = read
+            end = start + length
+            if end - position > self._maximum:
+                position = self._start_skipping(buffer, position, start, length, packets)
+                continue
+            if end > size:
+                break
+            packets.append(Packet(buffer[position], buffer[start:end]))
+            position = end
+        self._rest = buffer[position:]
+        return packets
+
+    def _start_skipping(self, buffer: bytes, position: int, start: int, length: int, done: list[Packet]) -> int:
+        self._skipping = Packet(buffer[position], b"", length)
+        self._skip = length
+        return len(buffer) - len(self._skip_over(buffer[start:], done))
+
+    def _skip_over(self, data: bytes, done: list[Packet]) -> bytes:
+        packet = self._skipping
+        assert packet is not None  # noqa: S101 - private; the caller looked
+        head = packet.body + data[: min(_HEAD - len(packet.body), self._skip)]
+        self._skipping = packet._replace(body=head)
+        skipped = min(len(data), self._skip)
+        self._skip -= skipped
+        if self._skip == 0:
+            done.append(self._skipping)
+            self._skipping = None
+        return data[skipped:]
+
+
+@final
+class PublishReader:
+    """Reads the PUBLISH packets of one link.
+
+    Args:
+        has_properties: True on a link that speaks MQTT 5.
+
+    Source: MQTT Version 5.0, section 3.3; MQTT Version 3.1.1, section 3.3.
+    """
+
+    def __init__(self, *, has_properties: bool) -> None:
+        self._has_properties = has_properties
+        self._topics: dict[bytes, str] = {}
+
+    def packet_id(self, packet: Packet) -> int:
+        """The packet identifier, also of a packet whose rest is cut or bad; 0 where it has none."""
+        if not packet.first & 0x06:
+            return 0
+        start = 2 + int.from_bytes(packet.body[:2], "big")
+        return int.from_bytes(packet.body[start : start + 2], "big")
+
+    def read(self, packet: Packet, receipt: int) -> MqttMessage:
+        """The message in a whole packet.
+
+        Args:
+            packet: A PUBLISH.
+            receipt: What the message will be acknowledged by.
+
+        Raises:
+            WireError: The packet does not follow the protocol.
+        """
+        first, body, _ = packet
+        qos = (first >> 1) & 3
+        if len(body) < 2 or qos == 3:
+            raise WireError("a PUBLISH with QoS 3 or without a topic", body)
+        end = 2 + (body[0] << 8) + body[1]
+        name = body[2:end]
+        topic = self._topics.get(name) or self._check_topic(name, body)
+        if qos:
+            end += 2
+        if end > len(body):
+            raise WireError("a PUBLISH ends too early", body)
+        properties = NO_PROPERTIES
+        if self._has_properties:
+            if end < len(body) and body[end] == 0:
+                end += 1
+            else:
+                properties, end = _read_properties(body, end)
+        return MqttMessage(topic, body[end:], qos, bool(first & 1), properties, receipt)
+
+    def _check_topic(self, name: bytes, body: bytes) -> str:
+        try:
+            topic = name.decode()
+            validate_topic(topic)
+        except (UnicodeDecodeError, InvalidNameError) as error:
+            raise WireError("a PUBLISH with a topic that is none", body) from error
+        if len(name) <= _LONGEST_CACHED:
+            if len(self._topics) >= _TOPIC_CACHE:
+                self._topics.clear()
+            self._topics[name] = topic
+        return topic
+
+
+def _read_length(buffer: bytes, position: int) -> tuple[int, int] | None:
+    """Value and end of a variable byte integer; None while it is incomplete."""
+    value = 0
+    for index, byte in enumerate(buffer[position : position + 4]):
+        value |= (byte & 0x7F) << (7 * index)
+        if byte < 0x80:
+            return value, position + index + 1
+    if len(buffer) - position >= 4:
+        raise WireError("a packet length of more than four bytes", buffer[position - 1 : position + 4])
+    return None
+
+
+def _read_properties(body: bytes, start: int) -> tuple[MessageProperties, int]:
+    cursor = Cursor(body)
+    cursor.position = start
+    found = decode_properties(cursor, PacketType.PUBLISH)
+    properties = MessageProperties(
+        payload_is_text=found.payload_format_indicator == 1,
+        expiry=found.message_expiry_interval,
+        content_type=found.content_type,
+        response_topic=found.response_topic,
+        correlation_data=found.correlation_data,
+        user=found.user_properties,
+    )
+    return properties, cursor.position
