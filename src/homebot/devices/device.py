@@ -69,9 +69,9 @@ class DeviceChange(Message):
     """Something happened to a device.
 
     Attributes:
-        kind: ``appeared``, ``changed``, ``stale``, ``returned`` (from stale or unconfirmed) or ``removed``.
+        kind: ``appeared``, ``changed``, ``stale``, ``returned`` (from stale) or ``removed``.
         device: The device after the change; before it where it was removed.
-        sequence: Counts the changes of one run of the directory; a snapshot names the last one it holds.
+        sequence: Grows with every change and never goes back; a snapshot names the last one it holds.
         why: The reason, in words.
     """
 

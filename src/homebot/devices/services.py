@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device
+from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
 __all__ = ["FindDevices", "GetIndexData", "SubscribeToTopic"]
+
+
+NEVER = Time(sec=2**31 - 1, nanosec=0)
 
 
 class GetIndexDataRequest(Message):
@@ -59,10 +63,13 @@ class SubscribeToTopicRequest(Message):
     Attributes:
         topic: The address in the gateway's terms, for example the MQTT topic ``home425/lights/roomlights405/out``.
         listener: Full name of the node that asks, for delivery into its inbox; empty for a topic of the device's own.
+        since: Of what the device said before, whatever came at this time or later is delivered too, as far as the
+            gateway still has it, and what the broker keeps as the device's state always. By default only the latter.
     """
 
     topic: str
     listener: str = ""
+    since: Time = NEVER
 
 
 class SubscribeToTopicResponse(Message):
