@@ -1,0 +1,207 @@
+"""CONNECT and CONNACK: the two packets that open a connection. Source: MQTT 5.0, sections 3.1 and 3.2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from homebot.errors import UsageError
+from homebot.mqtt.packets.primitives import Cursor, encode_binary, encode_text, encode_uint16, encode_varint
+from homebot.mqtt.packets.properties import (
+    NO_PROPERTIES,
+    PacketType,
+    Properties,
+    decode_properties,
+    encode_properties,
+)
+from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
+
+__all__ = ["Connack", "Connect", "Will", "decode_connack", "decode_connect", "encode_connack", "encode_connect"]
+
+
+@dataclass(frozen=True, slots=True)
+class Will:
+    """The message the broker publishes when a client is lost.
+
+    Attributes:
+        topic: Topic name without wildcards.
+        payload: 0 to 65,535 bytes.
+        qos: 0, 1 or 2.
+        retain: Whether the message is to be retained.
+        properties: MQTT 5 only; the delay is in ``will_delay_interval``.
+    """
+
+    topic: str
+    payload: bytes = b""
+    qos: int = 0
+    retain: bool = False
+    properties: Properties = NO_PROPERTIES
+
+
+@dataclass(frozen=True, slots=True)
+class Connect:
+    """A client asks for a session.
+
+    Attributes:
+        client_id: May be empty; the broker then chooses one.
+        version: The protocol the whole connection will speak.
+        clean_start: Forget a session kept under this id; before MQTT 5 also: keep none afterwards.
+        keep_alive: The longest silence of the client, in seconds; 0 is no limit.
+        username: None where absent.
+        password: None where absent; never in the representation.
+    """
+
+    client_id: str = ""
+    version: ProtocolVersion = ProtocolVersion.V5
+    clean_start: bool = True
+    keep_alive: int = 60
+    username: str | None = None
+    password: bytes | None = field(default=None, repr=False)
+    will: Will | None = None
+    properties: Properties = NO_PROPERTIES
+
+
+@dataclass(frozen=True, slots=True)
+class Connack:
+    """The broker's answer to CONNECT; *reason* is in MQTT 5's numbers whatever the connection speaks."""
+
+    session_present: bool = False
+    reason: ReasonCode = ReasonCode.SUCCESS
+    properties: Properties = NO_PROPERTIES
+
+
+def decode_connect(body: bytes) -> Connect:
+    """Decode the body of a CONNECT of any version.
+
+    Raises:
+        PacketError: 0x84 for another protocol or version, 0x81 malformed, 0x82 something forbidden, 0x90 a
+            will topic that is not a topic name.
+    """
+    cursor = Cursor(body)
+    version = _decode_protocol(cursor)
+    flags = cursor.uint8()
+    _check_flags(flags, version, body)
+    keep_alive = cursor.uint16()
+    is_v5 = version is ProtocolVersion.V5
+    properties = decode_properties(cursor, PacketType.CONNECT) if is_v5 else NO_PROPERTIES
+    client_id = cursor.text()
+    will = _decode_will(cursor, flags, is_v5=is_v5) if flags & _WILL else None
+    username = cursor.text() if flags & _USERNAME else None
+    password = cursor.binary() if flags & _PASSWORD else None
+    cursor.finish()
+    clean = bool(flags & _CLEAN_START)
+    return Connect(client_id, version, clean, keep_alive, username, password, will, properties)
+
+
+def encode_connect(packet: Connect) -> bytes:
+    """The whole packet.
+
+    Raises:
+        UsageError: A field does not fit its type, or there is a password without a user before MQTT 5.
+    """
+    is_v5 = packet.version is ProtocolVersion.V5
+    if packet.password is not None and packet.username is None and not is_v5:
+        raise UsageError("before MQTT 5 a password needs a user name")
+    flags = (_CLEAN_START if packet.clean_start else 0) | (_USERNAME if packet.username is not None else 0)
+    flags |= _PASSWORD if packet.password is not None else 0
+    body = encode_text(_NAMES[packet.version]) + packet.version.to_bytes(1, "big")
+    tail = encode_properties(packet.properties, PacketType.CONNECT) if is_v5 else b""
+    tail += encode_text(packet.client_id)
+    will = packet.will
+    if will is not None:
+        flags |= _WILL | will.qos << 3 | (_WILL_RETAIN if will.retain else 0)
+        tail += encode_properties(will.properties, PacketType.WILL) if is_v5 else b""
+        tail += encode_text(will.topic) + encode_binary(will.payload)
+    if packet.username is not None:
+        tail += encode_text(packet.username)
+    if packet.password is not None:
+        tail += encode_binary(packet.password)
+    body += flags.to_bytes(1, "big") + encode_uint16(packet.keep_alive) + tail
+    return b"\x10" + encode_varint(len(body)) + body
+
+
+def decode_connack(body: bytes, version: ProtocolVersion) -> Connack:
+    """Decode the body of a CONNACK.
+
+    Raises:
+        PacketError: 0x81 malformed, 0x82 an unknown reason.
+    """
+    cursor = Cursor(body)
+    flags = cursor.uint8()
+    if flags & 0xFE:
+        raise PacketError("CONNACK has reserved flags", body)
+    number = cursor.uint8()
+    reason = _FROM_V3.get(number) if version != ProtocolVersion.V5 else _V5_REASONS.get(number)
+    if reason is None:
+        raise PacketError(f"CONNACK has reason 0x{number:02x}", body, ReasonCode.PROTOCOL_ERROR)
+    properties = NO_PROPERTIES
+    if version == ProtocolVersion.V5:
+        properties = decode_properties(cursor, PacketType.CONNACK)
+    cursor.finish()
+    return Connack(bool(flags), reason, properties)
+
+
+def encode_connack(packet: Connack, version: ProtocolVersion) -> bytes:
+    """The whole packet; before MQTT 5 the reason becomes the nearest of that version's five refusals."""
+    if version != ProtocolVersion.V5:
+        number = _TO_V3.get(packet.reason, _V3_UNAVAILABLE) if packet.reason else 0
+        present = packet.session_present and version == ProtocolVersion.V311
+        return bytes((0x20, 2, present, number))
+    body = bytes((packet.session_present, packet.reason))
+    body += encode_properties(packet.properties, PacketType.CONNACK)
+    return b"\x20" + encode_varint(len(body)) + body
+
+
+_CLEAN_START = 0x02
+_WILL = 0x04
+_WILL_RETAIN = 0x20
+_PASSWORD = 0x40
+_USERNAME = 0x80
+
+_NAMES = {ProtocolVersion.V31: "MQIsdp", ProtocolVersion.V311: "MQTT", ProtocolVersion.V5: "MQTT"}
+
+_V3_UNAVAILABLE = 3
+_FROM_V3 = {
+    0: ReasonCode.SUCCESS,
+    1: ReasonCode.UNSUPPORTED_PROTOCOL_VERSION,
+    2: ReasonCode.CLIENT_IDENTIFIER_NOT_VALID,
+    _V3_UNAVAILABLE: ReasonCode.SERVER_UNAVAILABLE,
+    4: ReasonCode.BAD_USER_NAME_OR_PASSWORD,
+    5: ReasonCode.NOT_AUTHORIZED,
+}
+_TO_V3 = {code: number for number, code in _FROM_V3.items()} | {
+    ReasonCode.BANNED: 5,
+    ReasonCode.BAD_AUTHENTICATION_METHOD: 5,
+}
+_V5_REASONS = {int(code): code for code in ReasonCode if code.failed or code is ReasonCode.SUCCESS}
+
+
+def _decode_protocol(cursor: Cursor) -> ProtocolVersion:
+    name = cursor.binary()
+    level = cursor.uint8()
+    if name == b"MQTT" and level in (4, 5):
+        return ProtocolVersion(level)
+    if name == b"MQIsdp" and level == ProtocolVersion.V31:
+        return ProtocolVersion.V31
+    raise PacketError(
+        f"protocol {name[:16]!r} level {level} is not MQTT 3.1, 3.1.1 or 5",
+        cursor.body,
+        ReasonCode.UNSUPPORTED_PROTOCOL_VERSION,
+    )
+
+
+def _check_flags(flags: int, version: ProtocolVersion, body: bytes) -> None:
+    will_qos = flags >> 3 & 3
+    if flags & 1:
+        raise PacketError("CONNECT has its reserved flag set", body)
+    if will_qos == 3 or (not flags & _WILL and (will_qos or flags & _WILL_RETAIN)):
+        raise PacketError("CONNECT has impossible will flags", body)
+    if flags & _PASSWORD and not flags & _USERNAME and version != ProtocolVersion.V5:
+        raise PacketError("CONNECT has a password without a user name", body)
+
+
+def _decode_will(cursor: Cursor, flags: int, *, is_v5: bool) -> Will:
+    properties = decode_properties(cursor, PacketType.WILL) if is_v5 else NO_PROPERTIES
+    topic = cursor.text()
+    if not topic or "+" in topic or "#" in topic:
+        raise PacketError("the will's topic is not a topic name", cursor.body, ReasonCode.TOPIC_NAME_INVALID)
+    return Will(topic, cursor.binary(), flags >> 3 & 3, bool(flags & _WILL_RETAIN), properties)

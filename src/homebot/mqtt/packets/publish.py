@@ -1,0 +1,249 @@
+"""PUBLISH and the four packets that acknowledge it. Source: MQTT 5.0, sections 3.3 to 3.7."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from homebot.errors import UsageError
+from homebot.mqtt.packets.primitives import Cursor, encode_text, encode_uint16, encode_varint
+from homebot.mqtt.packets.properties import (
+    NO_PROPERTIES,
+    PacketType,
+    Properties,
+    decode_properties,
+    encode_properties,
+)
+from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
+
+__all__ = [
+    "Acknowledgement",
+    "Puback",
+    "Pubcomp",
+    "Publish",
+    "Pubrec",
+    "Pubrel",
+    "decode_acknowledgement",
+    "decode_publish",
+    "encode_acknowledgement",
+    "encode_publish",
+    "encode_publish_parts",
+]
+
+
+class Publish(NamedTuple):
+    """A message on its way. A tuple and not a dataclass: it is made for every message, four times as fast.
+
+    Attributes:
+        topic: Topic name; empty where a topic alias stands for it (MQTT 5).
+        payload: The content, 0 bytes or more.
+        qos: 0, 1 or 2.
+        retain: Whether the message is, or is to be, retained.
+        dup: Whether it may have been sent before.
+        packet_id: 1 to 65,535 at QoS 1 and 2, None at QoS 0.
+        properties: MQTT 5 only.
+    """
+
+    topic: str
+    payload: bytes = b""
+    qos: int = 0
+    retain: bool = False
+    dup: bool = False
+    packet_id: int | None = None
+    properties: Properties = NO_PROPERTIES
+
+
+@dataclass(frozen=True, slots=True)
+class Puback:
+    """The answer to a PUBLISH at QoS 1."""
+
+    packet_id: int
+    reason: ReasonCode = ReasonCode.SUCCESS
+    properties: Properties = NO_PROPERTIES
+
+
+@dataclass(frozen=True, slots=True)
+class Pubrec:
+    """The first answer to a PUBLISH at QoS 2."""
+
+    packet_id: int
+    reason: ReasonCode = ReasonCode.SUCCESS
+    properties: Properties = NO_PROPERTIES
+
+
+@dataclass(frozen=True, slots=True)
+class Pubrel:
+    """The sender's answer to PUBREC: the packet id may be forgotten."""
+
+    packet_id: int
+    reason: ReasonCode = ReasonCode.SUCCESS
+    properties: Properties = NO_PROPERTIES
+
+
+@dataclass(frozen=True, slots=True)
+class Pubcomp:
+    """The end of a QoS 2 exchange."""
+
+    packet_id: int
+    reason: ReasonCode = ReasonCode.SUCCESS
+    properties: Properties = NO_PROPERTIES
+
+
+Acknowledgement = Puback | Pubrec | Pubrel | Pubcomp
+
+
+def decode_publish(flags: int, data: bytes, start: int, end: int, version: ProtocolVersion) -> Publish:
+    """Decode the body of a PUBLISH that lies in ``data[start:end]``.
+
+    Args:
+        flags: The lower four bits of the packet's first byte.
+        data: Bytes that hold at least the whole packet.
+        start: Index of the first byte behind the fixed header.
+        end: Index behind the last byte of the packet.
+        version: What the connection speaks.
+
+    Raises:
+        PacketError: 0x81 malformed, 0x82 packet id 0 or a forbidden property, 0x90 a wildcard in the topic,
+            0x94 a topic alias of 0.
+    """
+    if end - start < 2:
+        raise PacketError("PUBLISH ends before its topic", data[start:end])
+    position = start + 2 + (data[start] << 8 | data[start + 1])
+    qos = flags >> 1 & 3
+    if position > end or qos == 3 or (flags & 8 and not qos and version != ProtocolVersion.V31):
+        raise PacketError(f"PUBLISH has flags 0x{flags:x} or is too short", data[start:end])
+    try:
+        topic = data[start + 2 : position].decode()
+    except UnicodeDecodeError:
+        raise PacketError("the topic is not valid UTF-8", data[start:end]) from None
+    if "+" in topic or "#" in topic or "\0" in topic or not topic:
+        _refuse_topic(topic, version, data[start:end])
+    packet_id: int | None = None
+    if qos:
+        if position + 2 > end:
+            raise PacketError("PUBLISH ends before its packet id", data[start:end])
+        packet_id = data[position] << 8 | data[position + 1]
+        if not packet_id:
+            raise PacketError("packet id is 0", data[start:end], ReasonCode.PROTOCOL_ERROR)
+        position += 2
+    properties = NO_PROPERTIES
+    if version == ProtocolVersion.V5:
+        if position < end and not data[position]:
+            position += 1
+        else:
+            cursor = Cursor(data[position:end])
+            properties = decode_properties(cursor, PacketType.PUBLISH)
+            position += cursor.position
+    if not topic and properties.topic_alias is None:
+        raise PacketError("PUBLISH has no topic", data[start:end], ReasonCode.PROTOCOL_ERROR)
+    return Publish(topic, data[position:end], qos, flags & 1 == 1, flags & 8 == 8, packet_id, properties)
+
+
+def encode_publish(packet: Publish, version: ProtocolVersion) -> bytes:
+    """The whole packet.
+
+    Raises:
+        UsageError: QoS and packet id do not fit together, or a field does not fit its type.
+    """
+    head, tail = encode_publish_parts(packet, version)
+    if packet.qos == 0:
+        if packet.packet_id is not None:
+            raise UsageError("a PUBLISH at QoS 0 has no packet id")
+        return head + tail
+    if not packet.packet_id:
+        raise UsageError(f"a PUBLISH at QoS {packet.qos} needs a packet id from 1 to 65535")
+    return head + encode_uint16(packet.packet_id) + tail
+
+
+def encode_publish_parts(packet: Publish, version: ProtocolVersion) -> tuple[bytes, bytes]:
+    """What stands before and behind the packet id, so that receivers with other ids can share both.
+
+    The packet id itself is not looked at; at QoS 1 and 2 room for it is counted.
+    """
+    topic = encode_text(packet.topic)
+    properties = b""
+    if version == ProtocolVersion.V5:
+        properties = encode_properties(packet.properties, PacketType.PUBLISH)
+    first = 0x30 | packet.dup << 3 | packet.qos << 1 | packet.retain
+    size = len(topic) + len(properties) + len(packet.payload) + (2 if packet.qos else 0)
+    head = first.to_bytes(1, "big") + encode_varint(size) + topic
+    return head, (properties + packet.payload if properties else packet.payload)
+
+
+def decode_acknowledgement(packet_type: PacketType, body: bytes, version: ProtocolVersion) -> Acknowledgement:
+    """Decode PUBACK, PUBREC, PUBREL or PUBCOMP.
+
+    Raises:
+        PacketError: 0x81 malformed, 0x82 packet id 0 or a reason that this packet must not carry.
+    """
+    kind, reasons = _KINDS[packet_type]
+    if len(body) < 2:
+        raise PacketError(f"{packet_type.name} ends before its packet id", body)
+    packet_id = body[0] << 8 | body[1]
+    if not packet_id:
+        raise PacketError("packet id is 0", body, ReasonCode.PROTOCOL_ERROR)
+    if len(body) == 2:
+        return kind(packet_id)
+    if version != ProtocolVersion.V5:
+        raise PacketError(f"{packet_type.name} is longer than two bytes", body)
+    reason = reasons.get(body[2])
+    if reason is None:
+        raise PacketError(f"{packet_type.name} has reason 0x{body[2]:02x}", body, ReasonCode.PROTOCOL_ERROR)
+    if len(body) == 3:
+        return kind(packet_id, reason)
+    cursor = Cursor(body)
+    cursor.position = 3
+    properties = decode_properties(cursor, packet_type)
+    cursor.finish()
+    return kind(packet_id, reason, properties)
+
+
+def encode_acknowledgement(packet: Acknowledgement, version: ProtocolVersion) -> bytes:
+    """The whole packet; before MQTT 5 reason and properties are left out."""
+    first, packet_type = _FIRST_BYTES[type(packet)]
+    short = version != ProtocolVersion.V5 or packet.properties is NO_PROPERTIES
+    if short and (packet.reason is ReasonCode.SUCCESS or version != ProtocolVersion.V5):
+        return first + b"\x02" + packet.packet_id.to_bytes(2, "big")
+    body = encode_uint16(packet.packet_id) + packet.reason.to_bytes(1, "big")
+    if not short:
+        body += encode_properties(packet.properties, packet_type)
+    return first + encode_varint(len(body)) + body
+
+
+_PUBLISH_REASONS = {
+    int(code): code
+    for code in (
+        ReasonCode.SUCCESS,
+        ReasonCode.NO_MATCHING_SUBSCRIBERS,
+        ReasonCode.UNSPECIFIED_ERROR,
+        ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR,
+        ReasonCode.NOT_AUTHORIZED,
+        ReasonCode.TOPIC_NAME_INVALID,
+        ReasonCode.PACKET_IDENTIFIER_IN_USE,
+        ReasonCode.QUOTA_EXCEEDED,
+        ReasonCode.PAYLOAD_FORMAT_INVALID,
+    )
+}
+_RELEASE_REASONS = {int(code): code for code in (ReasonCode.SUCCESS, ReasonCode.PACKET_IDENTIFIER_NOT_FOUND)}
+
+_KINDS: dict[PacketType, tuple[type[Acknowledgement], dict[int, ReasonCode]]] = {
+    PacketType.PUBACK: (Puback, _PUBLISH_REASONS),
+    PacketType.PUBREC: (Pubrec, _PUBLISH_REASONS),
+    PacketType.PUBREL: (Pubrel, _RELEASE_REASONS),
+    PacketType.PUBCOMP: (Pubcomp, _RELEASE_REASONS),
+}
+_FIRST_BYTES: dict[type[Acknowledgement], tuple[bytes, PacketType]] = {
+    Puback: (b"\x40", PacketType.PUBACK),
+    Pubrec: (b"\x50", PacketType.PUBREC),
+    Pubrel: (b"\x62", PacketType.PUBREL),
+    Pubcomp: (b"\x70", PacketType.PUBCOMP),
+}
+
+
+def _refuse_topic(topic: str, version: ProtocolVersion, body: bytes) -> None:
+    if "\0" in topic:
+        raise PacketError("the topic has a NUL", body)
+    if topic:
+        raise PacketError("the topic has a wildcard", body, ReasonCode.TOPIC_NAME_INVALID)
+    if version != ProtocolVersion.V5:
+        raise PacketError("PUBLISH has no topic", body, ReasonCode.PROTOCOL_ERROR)

@@ -1,0 +1,122 @@
+"""Cuts a stream of bytes into packets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import final
+
+from homebot.mqtt.packets.codec import Packet, decode
+from homebot.mqtt.packets.primitives import MAX_VARINT
+from homebot.mqtt.packets.publish import decode_publish
+from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
+
+__all__ = ["MAX_PACKET_SIZE", "PacketReader"]
+
+MAX_PACKET_SIZE = MAX_VARINT + 5
+"""The largest packet MQTT can express, in bytes, fixed header included."""
+
+
+@final
+class PacketReader:
+    """An incremental reader: give it bytes as they come, take packets as they are complete.
+
+    Holds what was fed and not taken yet; one who takes all packets after each :meth:`feed` never holds more
+    than one packet of *max_packet_size*. After a :class:`PacketError` the stream is lost: every later
+    :meth:`pop` raises the same error.
+
+    Args:
+        version: What the connection speaks. May be set later, but not while packets are waiting; a server
+            sets it from CONNECT, which needs none.
+        max_packet_size: A larger packet is refused (0x95) as soon as its length is known, in bytes.
+    """
+
+    __slots__ = ("_data", "_error", "_missing", "_pieces", "_position", "max_packet_size", "version")
+
+    def __init__(self, version: ProtocolVersion = ProtocolVersion.V5, max_packet_size: int = MAX_PACKET_SIZE) -> None:
+        self.version = version
+        self.max_packet_size = max_packet_size
+        self._data = b""
+        self._position = 0
+        self._pieces: list[bytes] = []  # behind _data, joined only when the packet is complete
+        self._missing = 0
+        self._error: PacketError | None = None
+
+    def feed(self, data: bytes) -> Iterator[Packet]:
+        """Add *data* and iterate over the packets that are complete now.
+
+        The bytes are taken at once. Packets not taken from the iterator stay for the next call or for
+        :meth:`pop`.
+
+        Raises:
+            PacketError: While iterating, at the first packet that cannot be; the ones before it have come.
+        """
+        if self._missing > len(data):
+            self._missing -= len(data)
+            self._pieces.append(data)
+            return iter(())
+        self._missing = 0
+        if self._pieces:
+            self._data = b"".join((self._data[self._position :], *self._pieces, data))
+            self._pieces.clear()
+        elif self._position == len(self._data):
+            self._data = data
+        else:
+            self._data = self._data[self._position :] + data
+        self._position = 0
+        return iter(self.pop, None)
+
+    def pop(self) -> Packet | None:
+        """The next complete packet, or None.
+
+        Raises:
+            PacketError: As :meth:`feed`.
+        """
+        data = self._data
+        position = self._position
+        left = len(data) - position
+        if left < 2 or self._missing:
+            return None
+        size = data[position + 1]
+        body = position + 2
+        if size > 0x7F:
+            if self._error is not None:
+                raise self._error
+            long_form = self._long_size(size & 0x7F, body)
+            if long_form is None:
+                return None
+            size, body = long_form
+        end = body + size
+        if end - position > self.max_packet_size:
+            raise self._fail(f"a packet of {end - position} bytes is too large", ReasonCode.PACKET_TOO_LARGE)
+        if end > len(data):
+            self._missing = end - len(data)
+            return None
+        first = data[position]
+        try:
+            if first & 0xF0 == 0x30:
+                packet: Packet = decode_publish(first & 0x0F, data, body, end, self.version)
+            else:
+                packet = decode(first, data[body:end], self.version)
+        except PacketError as error:
+            self._error = error
+            raise
+        self._position = end
+        return packet
+
+    def _long_size(self, size: int, position: int) -> tuple[int, int] | None:
+        data = self._data
+        for shift in (7, 14, 21):
+            if position == len(data):
+                return None
+            byte = data[position]
+            position += 1
+            size |= (byte & 0x7F) << shift
+            if byte < 0x80:
+                if byte == 0:
+                    raise self._fail("the remaining length is longer than needed")
+                return size, position
+        raise self._fail("the remaining length is longer than four bytes")
+
+    def _fail(self, problem: str, code: ReasonCode = ReasonCode.MALFORMED_PACKET) -> PacketError:
+        self._error = PacketError(problem, self._data[self._position : self._position + 16], code)
+        return self._error

@@ -1,0 +1,259 @@
+"""SUBSCRIBE, UNSUBSCRIBE and their answers. Source: MQTT 5.0, sections 3.8 to 3.11."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from homebot.errors import InvalidNameError, UsageError
+from homebot.mqtt.packets.primitives import Cursor, encode_text, encode_uint16, encode_varint
+from homebot.mqtt.packets.properties import (
+    NO_PROPERTIES,
+    PacketType,
+    Properties,
+    decode_properties,
+    encode_properties,
+)
+from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
+from homebot.mqtt.topics import validate_filter
+
+__all__ = [
+    "FilterRequest",
+    "Suback",
+    "Subscribe",
+    "Unsuback",
+    "Unsubscribe",
+    "decode_suback",
+    "decode_subscribe",
+    "decode_unsuback",
+    "decode_unsubscribe",
+    "encode_suback",
+    "encode_subscribe",
+    "encode_unsuback",
+    "encode_unsubscribe",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class FilterRequest:
+    """One filter of a SUBSCRIBE with its options; all but *qos* are MQTT 5 only.
+
+    Attributes:
+        filter: Topic filter, or ``$share/GROUP/FILTER``.
+        qos: The highest QoS the client wants: 0, 1 or 2.
+        no_local: Do not send the client what it published itself.
+        retain_as_published: Keep the retain flag of forwarded messages.
+        retain_handling: Send retained messages 0: at each subscribe, 1: if the subscription is new, 2: never.
+    """
+
+    filter: str
+    qos: int = 0
+    no_local: bool = False
+    retain_as_published: bool = False
+    retain_handling: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Subscribe:
+    """A client asks for messages; *filters* has one entry or more."""
+
+    packet_id: int
+    filters: tuple[FilterRequest, ...]
+    properties: Properties = NO_PROPERTIES
+
+
+@dataclass(frozen=True, slots=True)
+class Suback:
+    """The answer to SUBSCRIBE: one reason per filter in the same order; 0 to 2 are the granted QoS."""
+
+    packet_id: int
+    reasons: tuple[ReasonCode, ...]
+    properties: Properties = NO_PROPERTIES
+
+
+@dataclass(frozen=True, slots=True)
+class Unsubscribe:
+    """A client wants no more messages; *filters* has one entry or more."""
+
+    packet_id: int
+    filters: tuple[str, ...]
+    properties: Properties = NO_PROPERTIES
+
+
+@dataclass(frozen=True, slots=True)
+class Unsuback:
+    """The answer to UNSUBSCRIBE: one reason per filter in the same order; before MQTT 5 none at all."""
+
+    packet_id: int
+    reasons: tuple[ReasonCode, ...] = ()
+    properties: Properties = NO_PROPERTIES
+
+
+def decode_subscribe(body: bytes, version: ProtocolVersion) -> Subscribe:
+    """Decode the body of a SUBSCRIBE.
+
+    Raises:
+        PacketError: 0x81 malformed, 0x82 packet id 0, no filter or forbidden options, 0x8F a filter that
+            breaks the rules for filters.
+    """
+    cursor, packet_id, properties = _open(body, PacketType.SUBSCRIBE, version)
+    filters = []
+    while cursor.left:
+        name = _filter(cursor)
+        filters.append(_decode_options(name, cursor.uint8(), version, body))
+    if not filters:
+        raise PacketError("SUBSCRIBE has no filter", body, ReasonCode.PROTOCOL_ERROR)
+    return Subscribe(packet_id, tuple(filters), properties)
+
+
+def encode_subscribe(packet: Subscribe, version: ProtocolVersion) -> bytes:
+    """The whole packet; before MQTT 5 all options but the QoS are left out."""
+    if not packet.filters:
+        raise UsageError("SUBSCRIBE needs at least one filter")
+    body = b"".join(encode_text(each.filter) + _encode_options(each, version) for each in packet.filters)
+    return _close(b"\x82", packet.packet_id, packet.properties, PacketType.SUBSCRIBE, version, body)
+
+
+def decode_suback(body: bytes, version: ProtocolVersion) -> Suback:
+    """Decode the body of a SUBACK.
+
+    Raises:
+        PacketError: 0x81 malformed, 0x82 an unknown reason or none.
+    """
+    cursor, packet_id, properties = _open(body, PacketType.SUBACK, version)
+    return Suback(packet_id, _reasons(cursor, _SUBACK_REASONS), properties)
+
+
+def encode_suback(packet: Suback, version: ProtocolVersion) -> bytes:
+    """The whole packet; before MQTT 5 every failure becomes 0x80."""
+    reasons: Sequence[int] = packet.reasons
+    if version != ProtocolVersion.V5:
+        reasons = [min(reason, 0x80) for reason in reasons]
+    return _close(b"\x90", packet.packet_id, packet.properties, PacketType.SUBACK, version, bytes(reasons))
+
+
+def decode_unsubscribe(body: bytes, version: ProtocolVersion) -> Unsubscribe:
+    """Decode the body of an UNSUBSCRIBE.
+
+    Raises:
+        PacketError: As :func:`decode_subscribe`.
+    """
+    cursor, packet_id, properties = _open(body, PacketType.UNSUBSCRIBE, version)
+    filters = []
+    while cursor.left:
+        filters.append(_filter(cursor))
+    if not filters:
+        raise PacketError("UNSUBSCRIBE has no filter", body, ReasonCode.PROTOCOL_ERROR)
+    return Unsubscribe(packet_id, tuple(filters), properties)
+
+
+def encode_unsubscribe(packet: Unsubscribe, version: ProtocolVersion) -> bytes:
+    """The whole packet."""
+    if not packet.filters:
+        raise UsageError("UNSUBSCRIBE needs at least one filter")
+    body = b"".join(encode_text(each) for each in packet.filters)
+    return _close(b"\xa2", packet.packet_id, packet.properties, PacketType.UNSUBSCRIBE, version, body)
+
+
+def decode_unsuback(body: bytes, version: ProtocolVersion) -> Unsuback:
+    """Decode the body of an UNSUBACK.
+
+    Raises:
+        PacketError: 0x81 malformed, 0x82 an unknown reason or, in MQTT 5, none.
+    """
+    cursor, packet_id, properties = _open(body, PacketType.UNSUBACK, version)
+    if version != ProtocolVersion.V5:
+        cursor.finish()
+        return Unsuback(packet_id)
+    return Unsuback(packet_id, _reasons(cursor, _UNSUBACK_REASONS), properties)
+
+
+def encode_unsuback(packet: Unsuback, version: ProtocolVersion) -> bytes:
+    """The whole packet; before MQTT 5 the reasons are left out."""
+    body = bytes(packet.reasons) if version == ProtocolVersion.V5 else b""
+    return _close(b"\xb0", packet.packet_id, packet.properties, PacketType.UNSUBACK, version, body)
+
+
+_COMMON_REASONS = {
+    int(code): code
+    for code in (
+        ReasonCode.SUCCESS,
+        ReasonCode.UNSPECIFIED_ERROR,
+        ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR,
+        ReasonCode.NOT_AUTHORIZED,
+        ReasonCode.TOPIC_FILTER_INVALID,
+        ReasonCode.PACKET_IDENTIFIER_IN_USE,
+    )
+}
+_UNSUBACK_REASONS = _COMMON_REASONS | {0x11: ReasonCode.NO_SUBSCRIPTION_EXISTED}
+_SUBACK_REASONS = _COMMON_REASONS | {
+    int(code): code
+    for code in (
+        ReasonCode.GRANTED_QOS_1,
+        ReasonCode.GRANTED_QOS_2,
+        ReasonCode.QUOTA_EXCEEDED,
+        ReasonCode.SHARED_SUBSCRIPTIONS_NOT_SUPPORTED,
+        ReasonCode.SUBSCRIPTION_IDENTIFIERS_NOT_SUPPORTED,
+        ReasonCode.WILDCARD_SUBSCRIPTIONS_NOT_SUPPORTED,
+    )
+}
+
+
+def _open(body: bytes, packet: PacketType, version: ProtocolVersion) -> tuple[Cursor, int, Properties]:
+    cursor = Cursor(body)
+    packet_id = cursor.uint16()
+    if not packet_id:
+        raise PacketError("packet id is 0", body, ReasonCode.PROTOCOL_ERROR)
+    properties = NO_PROPERTIES
+    if version == ProtocolVersion.V5:
+        properties = decode_properties(cursor, packet)
+    return cursor, packet_id, properties
+
+
+def _close(
+    first: bytes,
+    packet_id: int,
+    properties: Properties,
+    packet: PacketType,
+    version: ProtocolVersion,
+    body: bytes,
+) -> bytes:
+    head = encode_uint16(packet_id)
+    if version == ProtocolVersion.V5:
+        head += encode_properties(properties, packet)
+    return first + encode_varint(len(head) + len(body)) + head + body
+
+
+def _filter(cursor: Cursor) -> str:
+    name = cursor.text()
+    try:
+        validate_filter(name)
+    except InvalidNameError as error:
+        raise PacketError(str(error), cursor.body, ReasonCode.TOPIC_FILTER_INVALID) from None
+    return name
+
+
+def _decode_options(name: str, options: int, version: ProtocolVersion, body: bytes) -> FilterRequest:
+    qos = options & 3
+    reserved = 0xC0 if version == ProtocolVersion.V5 else 0xFC
+    if qos == 3 or options & reserved:
+        raise PacketError(f"SUBSCRIBE has options 0x{options:02x}", body)
+    handling = options >> 4 & 3
+    no_local = bool(options & 4)
+    if handling == 3 or (no_local and name.startswith("$share/")):
+        raise PacketError(f"SUBSCRIBE has options 0x{options:02x}", body, ReasonCode.PROTOCOL_ERROR)
+    return FilterRequest(name, qos, no_local, bool(options & 8), handling)
+
+
+def _encode_options(request: FilterRequest, version: ProtocolVersion) -> bytes:
+    options = request.qos
+    if version == ProtocolVersion.V5:
+        options |= request.no_local << 2 | request.retain_as_published << 3 | request.retain_handling << 4
+    return options.to_bytes(1, "big")
+
+
+def _reasons(cursor: Cursor, known: dict[int, ReasonCode]) -> tuple[ReasonCode, ...]:
+    numbers = cursor.take(cursor.left)
+    if not numbers or any(number not in known for number in numbers):
+        raise PacketError("there is no reason, or an unknown one", cursor.body, ReasonCode.PROTOCOL_ERROR)
+    return tuple(known[number] for number in numbers)

@@ -1,0 +1,136 @@
+"""Topic names and topic filters: what is legal, and which filter matches which name.
+
+Pure functions. Source for all rules: MQTT 5.0 section 4.7 (names, filters, ``$`` topics) and section 4.8.2
+(shared subscriptions); MQTT 3.1.1 section 4.7 says the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from homebot.errors import InvalidNameError
+
+__all__ = [
+    "MAX_TOPIC_BYTES",
+    "SharedFilter",
+    "parse_shared_filter",
+    "topic_matches",
+    "validate_filter",
+    "validate_topic",
+]
+
+MAX_TOPIC_BYTES = 65_535
+"""Length limit of a topic name or filter in UTF-8, in bytes (MQTT 5.0, section 1.5.4)."""
+
+_SHARE_PREFIX = "$share/"
+_TOPIC = "topic"
+_FILTER = "topic filter"
+
+
+@dataclass(frozen=True, slots=True)
+class SharedFilter:
+    """The two parts of ``$share/GROUP/FILTER``.
+
+    Attributes:
+        group: Name of the group whose members share the messages; without ``/``, ``+`` and ``#``.
+        filter: The filter that the topics are matched against.
+    """
+
+    group: str
+    filter: str
+
+
+def validate_topic(topic: str) -> None:
+    """Accept a name that a message can be published under.
+
+    Raises:
+        InvalidNameError: The name is empty, longer than 65,535 bytes in UTF-8, or holds a wildcard, U+0000 or
+            a surrogate.
+    """
+    _check_text(_TOPIC, topic)
+    for position, character in enumerate(topic):
+        if character in "+#":
+            raise InvalidNameError(_TOPIC, topic, "has a wildcard, which only filters may have", position)
+
+
+def validate_filter(filter: str) -> None:  # noqa: A002 - the protocol's own word
+    """Accept a filter that can be subscribed to, ``$share/GROUP/FILTER`` included.
+
+    Raises:
+        InvalidNameError: The filter is empty, longer than 65,535 bytes in UTF-8, holds U+0000 or a surrogate,
+            has a wildcard that is not a whole level, has ``#`` before the last level, or starts with
+            ``$share/`` without a usable group and filter behind it.
+    """
+    _check_text(_FILTER, filter)
+    if filter.startswith(_SHARE_PREFIX):
+        _check_levels(filter, parse_shared_filter(filter))
+    else:
+        _check_levels(filter, None)
+
+
+def topic_matches(filter: str, topic: str) -> bool:  # noqa: A002 - the protocol's own word
+    """Tell whether a valid *filter* matches a valid *topic* name.
+
+    A filter that starts with a wildcard does not match a topic that starts with ``$``. For a shared filter
+    the part behind the group is what counts.
+    """
+    if filter.startswith(_SHARE_PREFIX):
+        filter = filter.split("/", 2)[2]  # noqa: A001 - as above
+    if topic.startswith("$") and filter[0] in "+#":
+        return False
+    wanted = filter.split("/")
+    levels = topic.split("/")
+    if wanted[-1] == "#":
+        del wanted[-1]
+        del levels[len(wanted) :]
+    return len(wanted) == len(levels) and all(want in ("+", level) for want, level in zip(wanted, levels, strict=True))
+
+
+def parse_shared_filter(filter: str) -> SharedFilter | None:  # noqa: A002 - the protocol's own word
+    """Split ``$share/GROUP/FILTER``; None for a filter that is not shared.
+
+    Raises:
+        InvalidNameError: The group or the filter behind it is empty, or the group has a wildcard.
+    """
+    if not filter.startswith(_SHARE_PREFIX):
+        return None
+    _, group, *rest = filter.split("/", 2)
+    if not group or not rest or not rest[0]:
+        raise InvalidNameError(_FILTER, filter, "needs the form $share/GROUP/FILTER")
+    if "+" in group or "#" in group:
+        raise InvalidNameError(_FILTER, filter, "has a wildcard in its group", len(_SHARE_PREFIX))
+    return SharedFilter(group, rest[0])
+
+
+def _check_text(kind: str, name: str) -> None:
+    if not name:
+        raise InvalidNameError(kind, name, "is empty")
+    if "\0" in name:
+        raise InvalidNameError(kind, name, "has a NUL", name.index("\0"))
+    try:
+        size = len(name.encode())
+    except UnicodeEncodeError as error:
+        raise InvalidNameError(kind, name, "cannot be written in UTF-8", error.start) from None
+    if size > MAX_TOPIC_BYTES:
+        raise InvalidNameError(kind, f"{name[:40]}…", f"is {size} bytes long; {MAX_TOPIC_BYTES} is the limit")
+
+
+def _check_levels(whole: str, shared: SharedFilter | None) -> None:
+    if "+" not in whole and "#" not in whole:
+        return
+    position = 0 if shared is None else len(whole) - len(shared.filter)
+    levels = (whole if shared is None else shared.filter).split("/")
+    for level in levels[:-1]:
+        if "#" in level:
+            raise InvalidNameError(_FILTER, whole, "has # before its end", position + level.index("#"))
+        _check_plus(whole, level, position)
+        position += len(level) + 1
+    last = levels[-1]
+    if "#" in last and last != "#":
+        raise InvalidNameError(_FILTER, whole, "has # as part of a level", position + last.index("#"))
+    _check_plus(whole, last, position)
+
+
+def _check_plus(whole: str, level: str, position: int) -> None:
+    if "+" in level and level != "+":
+        raise InvalidNameError(_FILTER, whole, "has + as part of a level", position + level.index("+"))
