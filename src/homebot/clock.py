@@ -1,7 +1,8 @@
 """The one clock that everything with a sense of time is given.
 
 Two readings: :meth:`Clock.monotonic` for durations, which never goes back, and :meth:`Clock.now` for stamps
-that leave the process. Both advance together, so a test that moves one moves both.
+that leave the process. In a test both advance together; on a real computer ``now`` also follows when its clock is
+set, and counts the time it slept.
 """
 
 from __future__ import annotations
@@ -9,6 +10,8 @@ from __future__ import annotations
 import asyncio
 import time
 from typing import Protocol, final
+
+from homebot.errors import UsageError
 
 __all__ = ["Clock", "LoopClock", "ManualClock"]
 
@@ -30,12 +33,14 @@ class LoopClock:
     """The clock of the running event loop; under a virtual-time loop this is virtual time.
 
     Args:
-        epoch: What :meth:`now` says at the moment of making the clock, in seconds since the Unix epoch;
-            by default the computer's own time.
+        epoch: What :meth:`now` says at the moment of making the clock, in seconds since the Unix epoch; from then on
+            it runs with the loop. By default the computer's own time, also when that is set or slept meanwhile.
     """
 
     def __init__(self, epoch: float | None = None) -> None:
-        self._loop_time = asyncio.get_running_loop().time
+        loop = asyncio.get_running_loop()
+        self._loop_time = loop.time
+        self._follows_computer = epoch is None and type(loop).time is asyncio.BaseEventLoop.time
         self._offset = (time.time() if epoch is None else epoch) - self._loop_time()
 
     def monotonic(self) -> float:
@@ -43,8 +48,8 @@ class LoopClock:
         return self._loop_time()
 
     def now(self) -> float:
-        """Seconds since the Unix epoch: the start plus what the loop's clock has run since."""
-        return self._offset + self._loop_time()
+        """Seconds since the Unix epoch, UTC."""
+        return time.time() if self._follows_computer else self._offset + self._loop_time()
 
 
 @final
@@ -63,7 +68,11 @@ class ManualClock:
         return self._now
 
     def advance(self, seconds: float) -> None:
-        """Move the clock forward by *seconds* (at least 0)."""
+        """Move the clock forward by *seconds*.
+
+        Raises:
+            UsageError: *seconds* is below 0.
+        """
         if seconds < 0:
-            raise ValueError(f"a clock does not go back: {seconds}")
+            raise UsageError(f"a clock does not go back: {seconds}")
         self._now += seconds

@@ -17,7 +17,7 @@
     │   └── RefusedError            a login, subscription, publish or command was answered with no
     ├── LinkError                   the way to somebody outside is not there: try again later
     └── ServiceError                a service call brought no response
-        ├── ServiceUnavailableError no server has this name
+        ├── ServiceUnavailableError no server has this name, or its line is full
         ├── ServiceFailedError      the server raised
         ├── ServiceGoneError        the server went away while it worked
         └── ServiceTimeoutError     the server was too slow
@@ -171,10 +171,12 @@ class ServiceError(HomebotError):
 
 
 class ServiceUnavailableError(ServiceError):
-    """No server offers the service now."""
+    """No server takes the call now; nothing was done."""
 
-    def __init__(self, service: str) -> None:
-        super().__init__(service, "has no server; wait for it with `await client.wait_for_service(timeout)`")
+    def __init__(
+        self, service: str, problem: str = "has no server; wait for it with `await client.wait_for_service(timeout)`"
+    ) -> None:
+        super().__init__(service, problem)
 
 
 class ServiceFailedError(ServiceError):

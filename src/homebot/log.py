@@ -6,6 +6,7 @@ the same in plain words for people: it is what the terminal shows.
 
 from __future__ import annotations
 
+import re
 import sys
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -15,6 +16,7 @@ import structlog
 from structlog.typing import EventDict, Processor, WrappedLogger
 
 from homebot.clock import Clock
+from homebot.errors import UsageError
 
 __all__ = ["LogFormat", "LogLimit", "configure_logging", "sentence"]
 
@@ -23,6 +25,7 @@ LogFormat: TypeAlias = Literal["console", "json"]
 _MAX_KEYS = 1000
 _LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "critical": 50}
 _COLOURS = {"debug": "2", "warning": "33", "error": "31", "critical": "1;31"}
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 _NOT_FACTS = {"event", "level", "node", "timestamp", "message", "exception"}
 
 
@@ -40,7 +43,12 @@ def configure_logging(
         level: Least level shown: debug, info, warning, error or critical.
         stream: Where to; colours are used only on a terminal.
         processors: Further structlog processors that see each line before it is written.
+
+    Raises:
+        UsageError: *level* is no level.
     """
+    if level not in _LEVELS:
+        raise UsageError(f"no log level {level!r}; there are {', '.join(_LEVELS)}")
     out = stream or sys.stderr
     renderer: Processor = structlog.processors.JSONRenderer() if log_format == "json" else _Console(out.isatty())
     structlog.configure(
@@ -88,6 +96,7 @@ class LogLimit:
         last, held_back = self._kinds.get(kind, (None, 0))
         if last is not None and now - last < self._interval:
             self._kinds[kind] = (last, held_back + 1)
+            self._kinds.move_to_end(kind)
             return None
         self._kinds[kind] = (now, 0)
         self._kinds.move_to_end(kind)
@@ -97,7 +106,7 @@ class LogLimit:
 
 
 class _Console:
-    """Renders a line as ``12:30:01  node  words``."""
+    """Renders a line as ``12:30:01  node  words``; what outsiders wrote cannot break the line or steer the terminal."""
 
     def __init__(self, colours: bool) -> None:  # noqa: FBT001  # private, one caller
         self._colours = colours
@@ -106,9 +115,13 @@ class _Console:
         level = str(event.get("level", "info"))
         node = str(event.get("node", "")).lstrip("/")
         mark = "" if level in {"info", "debug"} else f"{level}: "
-        text = f"{str(event.get('timestamp', ''))[11:19]}  {node:<14} {mark}{sentence(event)}"
+        text = f"{str(event.get('timestamp', ''))[11:19]}  {node:<14} {mark}{_harmless(sentence(event))}"
         if "exception" in event:
             text = f"{text}\n{event['exception']}"
         if self._colours and level in _COLOURS:
             return f"\x1b[{_COLOURS[level]}m{text}\x1b[0m"
         return text
+
+
+def _harmless(text: str) -> str:
+    return _CONTROL.sub(lambda found: repr(found[0])[1:-1], text)

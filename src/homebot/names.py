@@ -170,12 +170,13 @@ def _substitute(name: str, node: str, namespace: str, kind: str) -> str:
     def value(found: re.Match[str]) -> str:
         if found[1] not in known:
             raise InvalidNameError(kind, name, f"has an unknown substitution {found[0]}", found.start())
-        return known[found[1]]
+        text = known[found[1]]
+        return "" if text == "/" and found.string.startswith("/", found.end()) else text  # no second slash at the root
 
-    replaced = _SUBSTITUTION.sub(value, name)
-    if (brace := re.search(r"[{}]", replaced)) is not None:
-        raise InvalidNameError(kind, name, "has an unmatched brace", name.find(brace[0]))
-    return replaced.replace("//", "/")  # {ns} of the root namespace brings a slash of its own
+    blanked = _SUBSTITUTION.sub(lambda found: " " * len(found[0]), name)
+    if (brace := re.search(r"[{}]", blanked)) is not None:
+        raise InvalidNameError(kind, name, "has an unmatched brace", brace.start())
+    return _SUBSTITUTION.sub(value, name)
 
 
 def _checked_length(kind: str, name: str, limit: int) -> str:

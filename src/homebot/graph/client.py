@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine, Generator
+from collections.abc import Callable, Coroutine, Generator
 from inspect import isawaitable
-from typing import Generic, TypeVar
+from types import CoroutineType
+from typing import Generic, NoReturn, TypeVar
 
 import anyio
 
 from homebot.errors import (
+    ClosedError,
     ServiceError,
     ServiceFailedError,
     ServiceGoneError,
@@ -62,9 +64,15 @@ class Client(Generic[RequestT, ResponseT]):
         return self._slot.server is not None
 
     async def wait_for_service(self, timeout: float | None = None) -> bool:  # noqa: ASYNC109  # rclpy's spelling
-        """Wait until the service has a server; return False when *timeout* seconds pass first."""
+        """Wait until the service has a server; return False when *timeout* seconds pass first.
+
+        Raises:
+            ClosedError: The client is closed, or was while it waited.
+        """
         with anyio.move_on_after(timeout):
-            await self._slot.wait_for_server()
+            while self._slot.server is None:
+                self._check_open()
+                await self._slot.wait_for_change()
         return self.service_is_ready()
 
     async def call(self, request: RequestT, timeout: float = DEFAULT_TIMEOUT) -> ResponseT:  # noqa: ASYNC109
@@ -80,12 +88,14 @@ class Client(Generic[RequestT, ResponseT]):
             ServiceGoneError: The server was closed while it worked.
             ServiceTimeoutError: No response within *timeout*.
             TypeMismatchError: *request* is not exactly of the service's request type.
+            ClosedError: The client was closed.
         """
         server = self._slot.server
         if server is None:
+            self._check_open()
             raise ServiceUnavailableError(self.info.name)
         if request.__class__ is not self._request_type:
-            raise TypeMismatchError(f"{self.info.name} takes {self._request_type.__name__}, got {request!r}")
+            self._reject(request)
         if server.is_busy:
             timeout = await self._take_turn(server, timeout)
         else:
@@ -93,9 +103,21 @@ class Client(Generic[RequestT, ResponseT]):
         try:
             response = server.callback(request)
             if response.__class__ is not self._response_type:
-                response = await self._finish(server, response, timeout)
+                # The first step is taken without a time limit in place: most handlers need no second one, and a timer
+                # costs more than such a call.
+                handler = response if response.__class__ is CoroutineType else _as_coroutine(response)
+                try:
+                    waits_for = handler.send(None)
+                except StopIteration as stop:
+                    response = stop.value
+                else:
+                    response = await self._finish(server, handler, waits_for, timeout)
         except Exception as exc:
             raise ServiceFailedError(self.info.name, _in_words(exc)) from exc
+        except asyncio.CancelledError as exc:
+            if _is_cancelled():
+                raise
+            raise ServiceFailedError(self.info.name, "what its handler waited for was cancelled") from exc
         finally:
             if server.line:
                 server.end_turn()
@@ -109,7 +131,9 @@ class Client(Generic[RequestT, ResponseT]):
         """Let go of the service name. Twice is fine."""
         if not self._closed:
             self._closed = True
+            slot, self._slot = self._slot, ServiceSlot(self._slot.name, self._slot.service_type)
             self._on_close()
+            slot.wake()
 
     async def _take_turn(self, server: Service[RequestT, ResponseT], timeout: float) -> float:  # noqa: ASYNC109
         """Wait in the server's line; return what is left of *timeout*."""
@@ -122,33 +146,41 @@ class Client(Generic[RequestT, ResponseT]):
             raise ServiceTimeoutError(self.info.name, timeout) from None
         return timeout - (now() - started)
 
-    async def _finish(self, server: Service[RequestT, ResponseT], handler: object, timeout: float) -> object:  # noqa: ASYNC109
-        """Run an asynchronous handler to its end; return its response, or the ServiceError that ended the call.
+    async def _finish(
+        self,
+        server: Service[RequestT, ResponseT],
+        handler: Coroutine[object, object, object],
+        waits_for: object,
+        timeout: float,  # noqa: ASYNC109  # as call()
+    ) -> object:
+        """Run a handler that waits to its end; return its response, or the ServiceError that ended the call.
 
-        The first step is taken without a time limit in place: most handlers need no second one, and a timer costs
-        more than such a call. Handing the error back keeps it apart from an error that the handler raised.
+        Handing that error back keeps it apart from an error that the handler raised.
         """
-        if not isinstance(handler, Coroutine):
-            if not isawaitable(handler):
-                return handler
-            handler = _as_coroutine(handler)
-        try:
-            waits_for = handler.send(None)
-        except StopIteration as stop:
-            return stop.value
         try:
             async with asyncio.timeout(timeout) as deadline:
                 server.watch(deadline)
                 try:
                     return await _Started(handler, waits_for)
                 except TimeoutError as exc:
-                    return ServiceFailedError(self.info.name, _in_words(exc))
+                    failure = ServiceFailedError(self.info.name, _in_words(exc))
+                    failure.__cause__ = exc
+                    return failure
                 finally:
                     server.unwatch(deadline)
         except TimeoutError:
-            return (
-                ServiceGoneError(self.info.name) if server.is_closed else ServiceTimeoutError(self.info.name, timeout)
-            )
+            if server.is_closed:
+                return ServiceGoneError(self.info.name)
+            return ServiceTimeoutError(self.info.name, timeout)
+
+    def _reject(self, request: object) -> NoReturn:
+        raise TypeMismatchError(
+            f"{self.info.name} takes a {self._request_type.__name__}, got a {type(request).__name__}"
+        )
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise ClosedError(f"the client of {self.info.node} for {self.info.name} is closed")
 
 
 class _Started:
@@ -175,8 +207,14 @@ class _Started:
                 return stop.value
 
 
-async def _as_coroutine(awaitable: Awaitable[object]) -> object:
-    return await awaitable
+async def _as_coroutine(result: object) -> object:
+    return await result if isawaitable(result) else result
+
+
+def _is_cancelled() -> bool:
+    """Whether somebody cancelled this task, rather than something it waited for."""
+    task = asyncio.current_task()
+    return task is not None and task.cancelling() > 0
 
 
 def _no_response(service: str, outcome: object) -> ServiceError:
@@ -186,5 +224,7 @@ def _no_response(service: str, outcome: object) -> ServiceError:
 
 
 def _in_words(error: BaseException) -> str:
+    while isinstance(error, BaseExceptionGroup) and len(error.exceptions) == 1:
+        error = error.exceptions[0]
     text = str(error)
     return f"{type(error).__name__}: {text}" if text else type(error).__name__

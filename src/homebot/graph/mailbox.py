@@ -1,23 +1,27 @@
 """The bounded queue between whoever puts and the one task that reads.
 
-``put`` never blocks: a full mailbox drops its oldest item and counts it in ``lost``. One reader at a time. Not for use
-from other threads.
+``put`` never blocks: a full mailbox drops its oldest item and counts it in ``lost``. One reader at a time, which yields
+to other tasks at least every 256 items. Not for use from other threads.
 """
 
 from __future__ import annotations
 
 import asyncio
+import sys
 from collections import OrderedDict, deque
 from collections.abc import Callable, Hashable, Iterator
 from typing import Generic, Protocol, TypeVar
 
+import anyio.lowlevel
+
 from homebot.errors import ClosedError, UsageError
 
-__all__ = ["KeyedQueue", "Mailbox", "Queue"]
+__all__ = ["TURN", "KeyedQueue", "Mailbox", "Queue"]
 
 T = TypeVar("T")
 
-MAX_KEYS = 100_000
+TURN = 256  # items read before other tasks get their turn, should the reader never wait
+MAX_KEYED_ITEMS = 100_000  # over all keys, which come from outside
 
 
 class Queue(Protocol[T]):
@@ -39,25 +43,24 @@ class Mailbox(Generic[T]):
 
     Attributes:
         queue: The waiting items, oldest first. A publisher appends here itself, see ``Publisher.publish``.
-        depth: How many items may wait.
+        depth: How many items may wait; a keyed queue keeps its own bounds.
         lost: Items dropped since the start because the mailbox was full.
         waiter: Set while the reader waits for an item; whoever adds one calls :meth:`wake`.
-        senders: Those who wait for room; whoever removes an item calls :meth:`admit_sender` when there are any.
+        senders: Those who wait for room; whoever removes an item calls :meth:`admit_senders` when there are any.
     """
 
-    __slots__ = ("_closed", "depth", "lost", "queue", "senders", "waiter")
+    __slots__ = ("_closed", "_keyed", "_turn", "depth", "lost", "queue", "senders", "waiter")
 
     def __init__(self, depth: int, key: Callable[[T], Hashable] | None = None) -> None:
         """Make an empty mailbox for *depth* items; with *key*, for *depth* items of each key."""
         self.lost = 0
-        self.queue: Queue[T]
-        if key is None:
-            self.queue, self.depth = deque(), depth
-        else:
-            self.queue, self.depth = KeyedQueue(depth, key, self._count_lost), depth * MAX_KEYS
+        self._keyed = None if key is None else KeyedQueue(depth, key, self._count_lost)
+        self.queue: Queue[T] = deque() if self._keyed is None else self._keyed
+        self.depth = depth if self._keyed is None else sys.maxsize
         self.waiter: asyncio.Future[None] | None = None
         self.senders: deque[asyncio.Future[None]] = deque()
         self._closed = False
+        self._turn = 0
 
     def put(self, item: T) -> None:
         """Add *item*; a full mailbox drops its oldest item first. After :meth:`close`: nothing happens."""
@@ -75,7 +78,7 @@ class Mailbox(Generic[T]):
             return None
         item = self.queue.popleft()
         if self.senders:
-            self.admit_sender()
+            self.admit_senders()
         return item
 
     async def receive(self) -> T:
@@ -83,12 +86,17 @@ class Mailbox(Generic[T]):
 
         Raises:
             ClosedError: The mailbox is closed and empty.
+            UsageError: Another task is waiting already.
         """
+        self._turn += 1
+        if self._turn >= TURN:
+            self._turn = 0
+            await anyio.lowlevel.checkpoint()
         while not self.queue:
             await self.wait()
         item = self.queue.popleft()
         if self.senders:
-            self.admit_sender()
+            self.admit_senders()
         return item
 
     async def wait(self) -> None:
@@ -111,17 +119,22 @@ class Mailbox(Generic[T]):
             if self.waiter is waiter:
                 self.waiter = None
 
-    async def wait_for_room(self) -> None:
-        """Wait until an item can be put without loss, or the mailbox is closed."""
-        while len(self.queue) >= self.depth and not self._closed:
-            sender = asyncio.get_running_loop().create_future()
-            self.senders.append(sender)
-            try:
-                await sender
-            except asyncio.CancelledError:
-                if not sender.cancelled():
-                    self.admit_sender()  # this one was let in, but does not come
-                raise
+    def has_room_for(self, item: T) -> bool:
+        """Whether :meth:`put` would take *item* without dropping another; a closed mailbox has room for everything."""
+        if self._closed:
+            return True
+        return len(self.queue) < self.depth if self._keyed is None else self._keyed.has_room_for(item)
+
+    async def wait_for_change(self) -> None:
+        """Wait until an item was taken out or the mailbox was closed; whether there is room must be asked again."""
+        sender = asyncio.get_running_loop().create_future()
+        self.senders.append(sender)
+        try:
+            await sender
+        except asyncio.CancelledError:
+            if sender.cancelled():  # else it was admitted, which took it out
+                self.senders.remove(sender)
+            raise
 
     def wake(self) -> None:
         """Let the waiting reader run."""
@@ -129,13 +142,16 @@ class Mailbox(Generic[T]):
         if waiter is not None and not waiter.done():
             waiter.set_result(None)
 
-    def admit_sender(self) -> None:
-        """Let the first of those who wait for room go on."""
+    def admit_senders(self) -> None:
+        """Let all who wait for room look again, in the order they came.
+
+        All, not the first alone: that one may wait for another mailbox too, or for room under another key, and would
+        keep the place from the rest.
+        """
         while self.senders:
             sender = self.senders.popleft()
             if not sender.done():
                 sender.set_result(None)
-                return
 
     def drop_oldest(self) -> None:
         """Drop the oldest item and count it as lost."""
@@ -146,8 +162,7 @@ class Mailbox(Generic[T]):
         """End the mailbox: what waits can still be read, nothing more comes in. Twice is fine."""
         self._closed = True
         self.wake()
-        while self.senders:
-            self.admit_sender()
+        self.admit_senders()
 
     def __aiter__(self) -> Mailbox[T]:
         return self
@@ -165,8 +180,8 @@ class Mailbox(Generic[T]):
 class KeyedQueue(Generic[T]):
     """A queue that keeps the newest ``depth`` items of each key, all in order of arrival.
 
-    An item that would be one too many for its key drops the oldest item of that key. At most 100,000 keys wait at
-    once; one more drops the oldest item of all.
+    An item that would be one too many for its key drops the oldest item of that key. At most 100,000 items wait at
+    once, whatever their keys; one more drops the oldest item of all.
     """
 
     def __init__(self, depth: int, key: Callable[[T], Hashable], on_loss: Callable[[], None]) -> None:
@@ -181,17 +196,19 @@ class KeyedQueue(Generic[T]):
         """Add *item* at the end."""
         key = self._key(item)
         numbers = self._numbers.get(key)
-        if numbers is None:
-            if len(self._numbers) >= MAX_KEYS:
-                self.popleft()
-                self._on_loss()
-            numbers = self._numbers[key] = deque()
-        elif len(numbers) >= self._depth:
+        if numbers is not None and len(numbers) >= self._depth:
             del self._items[numbers.popleft()]
             self._on_loss()
-        numbers.append(self._next)
+        elif len(self._items) >= MAX_KEYED_ITEMS:
+            self.popleft()
+            self._on_loss()
+        self._numbers.setdefault(key, deque()).append(self._next)
         self._items[self._next] = item
         self._next += 1
+
+    def has_room_for(self, item: T) -> bool:
+        """Whether :meth:`append` would take *item* without dropping another."""
+        return len(self._numbers.get(self._key(item), ())) < self._depth and len(self._items) < MAX_KEYED_ITEMS
 
     def popleft(self) -> T:
         """Remove and return the oldest item."""

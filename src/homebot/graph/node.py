@@ -11,7 +11,8 @@ and the asynchronous one::
 
 Callbacks and timers run inside ``async with node``; what is made before waits until then. Unless told otherwise a
 callback is called with one message at a time, in order. An exception in a callback ends the ``async with`` block: the
-node has crashed, and whoever runs it decides what happens next.
+node has crashed, and whoever runs it decides what happens next. The block raises that exception itself, or an
+exception group where there were several.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ import anyio
 import structlog
 from anyio.abc import TaskGroup
 
-from homebot.errors import ClosedError, DuplicateNameError
+from homebot.errors import ClosedError, DuplicateNameError, UsageError
 from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo
 from homebot.graph.graph import Graph
@@ -100,8 +101,11 @@ class Node:
         Raises:
             InvalidNameError: *topic* is no legal name.
             TypeMismatchError: *topic* carries another type.
+            QosError: *qos_profile* contradicts itself.
+            ClosedError: The node is closed, as for everything below.
         """
         self._check_open()
+        qos = to_qos_profile(qos_profile)
         channel = self.graph.topic(self.resolve_name(topic), msg_type, self.full_name)
 
         def on_close() -> None:
@@ -109,7 +113,6 @@ class Node:
             self.graph.release_topic(channel)
             self._hide(publisher)
 
-        qos = to_qos_profile(qos_profile)
         publisher = Publisher(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close)
         channel.add_publisher(publisher)
         self._show(publisher)
@@ -131,13 +134,15 @@ class Node:
             topic: The name; relative, absolute, or private (``~/name``).
             callback: A function or coroutine function called with each message; without one, iterate.
             qos_profile: What is requested; a number is the depth of the queue.
-            concurrent: Whether the callback may be called again before it is done.
+            concurrent: Whether the callback may be called again before it is done, at most *depth* times.
 
         Raises:
             InvalidNameError: *topic* is no legal name.
             TypeMismatchError: *topic* carries another type.
+            QosError: *qos_profile* contradicts itself.
         """
         self._check_open()
+        qos = to_qos_profile(qos_profile)
         channel = self.graph.topic(self.resolve_name(topic), msg_type, self.full_name)
 
         def on_close() -> None:
@@ -145,7 +150,6 @@ class Node:
             self.graph.release_topic(channel)
             self._hide(subscription)
 
-        qos = to_qos_profile(qos_profile)
         subscription = Subscription(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close)
         channel.add_subscription(subscription)
         self._show(subscription)
@@ -204,7 +208,11 @@ class Node:
         return client
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], Awaitable[None] | None]) -> Timer:
-        """Call *callback* every *timer_period_sec* seconds, the first time one period from now."""
+        """Call *callback* every *timer_period_sec* seconds, first one period from now or from the node's start.
+
+        Raises:
+            UsageError: The period is not above 0.
+        """
         self._check_open()
         timer = Timer(timer_period_sec, callback, self.graph.clock)
         self._start(timer.run)
@@ -249,6 +257,8 @@ class Node:
 
     async def __aenter__(self) -> Self:
         self._check_open()
+        if self._tasks is not None:
+            raise UsageError(f"the node {self.full_name} is running already")
         self._tasks = anyio.create_task_group()
         await self._tasks.__aenter__()
         waiting, self._waiting = self._waiting, []
@@ -265,8 +275,15 @@ class Node:
         tasks.cancel_scope.cancel()
         try:
             return await tasks.__aexit__(exc_type, exc, traceback)
+        except BaseExceptionGroup as group:
+            if len(group.exceptions) > 1:
+                raise
+            only = group.exceptions[0]
         finally:
             self.close()
+        if only is exc:
+            return False
+        raise only
 
     def _start(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
         if self._tasks is None:

@@ -1,14 +1,15 @@
 """The parameters of one node: declared, typed, checked, announced.
 
 As in ROS: a parameter must be declared, its type is that of its default and stays, and a start-up override replaces the
-default. Better than ROS: a whole number is welcome where a real one is declared.
+default. Better than ROS: a whole number is welcome where a real one is declared. An empty list fits any array; as a
+default it declares an array of strings.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from homebot.errors import ParameterError
@@ -54,7 +55,7 @@ class Parameter:
 class _Declared:
     value: Value
     kind: str
-    descriptor: ParameterDescriptor = field(default_factory=ParameterDescriptor)
+    descriptor: ParameterDescriptor
 
 
 class ParameterSet:
@@ -133,17 +134,16 @@ class ParameterSet:
             raise ParameterError(f"{self._node}: no parameter {name!r} is declared (declared: {known})") from None
 
     def _fitting(self, name: str, declared: _Declared, value: Value) -> Value:
-        if declared.kind == "double" and type(value) is int:
-            value = float(value)
-        elif isinstance(value, list):
-            value = tuple(value)
-        if (kind := _kind_of(value)) != declared.kind:
+        value = _converted(value, declared.kind)
+        kind = _kind_of(value)
+        if kind != declared.kind and not (value == () and declared.kind.endswith("[]")):
             raise ParameterError(f"{self._node}: parameter {name!r} is a {declared.kind}, got the {kind} {value!r}")
         low, high = declared.descriptor.minimum, declared.descriptor.maximum
-        low = -math.inf if low is None else low
-        high = math.inf if high is None else high
-        if isinstance(value, int | float) and not low <= value <= high:
-            raise ParameterError(f"{self._node}: parameter {name!r} goes from {low:g} to {high:g}, got {value!r}")
+        if (low, high) != (None, None) and isinstance(value, int | float):
+            low = -math.inf if low is None else low
+            high = math.inf if high is None else high
+            if not low <= value <= high:
+                raise ParameterError(f"{self._node}: parameter {name!r} goes from {low:g} to {high:g}, got {value!r}")
         return value
 
     def _ask(self, parameter: Parameter) -> None:
@@ -157,14 +157,32 @@ _NUMBERS = {"bool": 1, "integer": 2, "double": 3, "string": 4, "byte[]": 5}
 _NUMBERS |= {"bool[]": 6, "integer[]": 7, "double[]": 8, "string[]": 9}
 
 
+def _converted(value: Value, kind: str) -> Value:
+    """Return *value* with lists as tuples, and with whole numbers as real ones where *kind* is real."""
+    if isinstance(value, list):
+        value = tuple(value)
+    if kind == "double" and type(value) is int:
+        return float(value)
+    if kind == "double[]" and isinstance(value, tuple) and {type(item) for item in value} <= {int, float}:
+        return tuple(float(item) for item in value)
+    return value
+
+
 def _kind_of(value: Value) -> str:
-    if type(value) in _KINDS:
-        return _KINDS[type(value)]
     if isinstance(value, list | tuple):
-        kinds = {_KINDS.get(type(item), "") for item in value} or {"string"}
+        kinds = {_kind_of_one(item) for item in value} or {"string"}
         if len(kinds) == 1 and (kind := kinds.pop()) and kind != "byte[]":
             return f"{kind}[]"
+    elif kind := _kind_of_one(value):
+        return kind
     raise ParameterError(f"{value!r} cannot be a parameter's value")
+
+
+def _kind_of_one(value: object) -> str:
+    """Return the kind of a single value, empty where it has none: a whole number beyond 64 bits, for example."""
+    if type(value) is int and not -(2**63) <= value < 2**63:
+        return ""
+    return _KINDS.get(type(value), "")
 
 
 def _to_message_value(value: Value) -> ParameterValue:

@@ -61,6 +61,15 @@ class Publisher(Generic[MessageT]):
         """How many subscriptions get what is published."""
         return len(self._mailboxes)
 
+    @property
+    def is_full(self) -> bool:
+        """Whether a RELIABLE subscription has no room, so that :meth:`send` would wait; on a keyed topic never."""
+        return any(
+            subscription.qos.reliability is ReliabilityPolicy.RELIABLE
+            and len(subscription.mailbox.queue) >= subscription.mailbox.depth
+            for subscription in self._subscriptions
+        )
+
     def publish(self, message: MessageT) -> None:
         """Hand *message* to every matched subscription; never blocks.
 
@@ -87,13 +96,17 @@ class Publisher(Generic[MessageT]):
     async def send(self, message: MessageT) -> None:
         """Publish *message* when every RELIABLE subscription has room for it; for what must not be dropped.
 
-        Waits without limit: put it under a time limit where the reader is not trusted.
+        On a keyed topic that is room for one more message of its key. Waits without limit, until the reader reads or
+        either end is closed: put it under a time limit where the reader is not trusted. Of several who wait, none is
+        promised to be first.
 
         Raises:
             TypeMismatchError, ClosedError: As :meth:`publish`.
         """
-        while (full := self._first_full()) is not None:
-            await full.wait_for_room()
+        if message.__class__ is not self._message_type:
+            self._reject(message)
+        while (full := self._first_full(message)) is not None:
+            await full.wait_for_change()
         self.publish(message)
 
     def dispose(self, key: Hashable) -> None:
@@ -107,7 +120,10 @@ class Publisher(Generic[MessageT]):
             self._closed = True
             self._is_plain = False
             self._history = None
+            mailboxes = self._mailboxes
             self._on_close()
+            for mailbox in mailboxes:
+                mailbox.admit_senders()
 
     def connect(self, subscriptions: tuple[Subscription[MessageT], ...]) -> None:
         """Take *subscriptions* as the ones to publish to; called by the topic."""
@@ -116,8 +132,11 @@ class Publisher(Generic[MessageT]):
 
     def replay(self, subscription: Subscription[MessageT]) -> None:
         """Put what is kept into *subscription*, oldest first; called by the topic for a late joiner."""
+        mailbox = subscription.mailbox
+        lost = mailbox.lost
         for item in self._kept():
-            subscription.mailbox.put(item)
+            mailbox.put(item)
+        mailbox.lost = lost  # to ask for less history than is kept is no loss
 
     def _publish_kept(self, message: MessageT) -> None:
         if self._closed:
@@ -135,10 +154,10 @@ class Publisher(Generic[MessageT]):
             if not isinstance(item, Expiring) or item.expires_at > now:
                 yield item
 
-    def _first_full(self) -> Mailbox[MessageT | Expiring[MessageT]] | None:
+    def _first_full(self, message: MessageT) -> Mailbox[MessageT | Expiring[MessageT]] | None:
         for subscription in self._subscriptions:
             mailbox = subscription.mailbox
-            if len(mailbox.queue) >= mailbox.depth and subscription.qos.reliability is ReliabilityPolicy.RELIABLE:
+            if subscription.qos.reliability is ReliabilityPolicy.RELIABLE and not mailbox.has_room_for(message):
                 return mailbox
         return None
 

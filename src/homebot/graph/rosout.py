@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
+import threading
+from contextlib import suppress
+
 from structlog.typing import EventDict, WrappedLogger
 
 from homebot.graph.node import Node
@@ -16,28 +20,44 @@ _LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "critical": 50}
 
 
 class RosoutFeed:
-    """A structlog processor that publishes each line on ``/rosout`` and passes it on unchanged.
+    """A structlog processor that publishes each line on ``/rosout`` and passes it on unchanged, from any thread.
 
     Args:
-        node: The node that publishes. Once it is closed, lines pass without being published.
+        node: The node that publishes; made in the thread of its event loop. Once it is closed, lines pass without being
+            published.
     """
 
     def __init__(self, node: Node) -> None:
         self._node = node
         self._publisher = node.create_publisher(Log, "/rosout", qos_profile_rosout)
+        self._loop = asyncio.get_running_loop()
+        self._thread = threading.get_ident()
 
     def __call__(self, _logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:
         """Publish *event* and return it."""
-        if not self._node.is_closed:
-            self._publisher.publish(
-                Log(
-                    stamp=Time.from_seconds(self._node.graph.clock.now()),
-                    level=_LEVELS.get(str(event.get("level")), 20),
-                    name=str(event.get("node", "homebot")).strip("/").replace("/", "."),
-                    msg=sentence(event),
-                    file="",
-                    function="",
-                    line=0,
-                )
-            )
+        if self._node.is_closed:
+            return event
+        line = Log(
+            stamp=Time.from_seconds(self._node.graph.clock.now()),
+            level=_LEVELS.get(str(event.get("level")), 20),
+            name=_text(event.get("node", "homebot")).strip("/").replace("/", "."),
+            msg=_text(sentence(event)),
+            file="",
+            function="",
+            line=0,
+        )
+        if threading.get_ident() == self._thread:
+            self._publish(line)
+        else:
+            with suppress(RuntimeError):  # the loop may be closed before the other thread ends
+                self._loop.call_soon_threadsafe(self._publish, line)
         return event
+
+    def _publish(self, line: Log) -> None:
+        if not self._node.is_closed:
+            self._publisher.publish(line)
+
+
+def _text(value: object) -> str:
+    """Return *value* as text that a message may carry: a lone surrogate, as from an odd file name, becomes ``?``."""
+    return str(value).encode(errors="replace").decode()

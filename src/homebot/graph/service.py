@@ -41,25 +41,27 @@ class ServiceSlot:
         self.service_type = service_type
         self.server: Service[Any, Any] | None = None
         self.users = 0
-        self._awaiting: set[asyncio.Future[None]] = set()
+        self._waiters: set[asyncio.Future[None]] = set()
 
     def set_server(self, server: Service[Any, Any] | None) -> None:
-        """Make *server* the one that serves, and wake whoever waits for one."""
+        """Make *server* the one that serves, and wake whoever waits for a change."""
         self.server = server
-        if server is not None:
-            for waiter in self._awaiting:
-                if not waiter.done():
-                    waiter.set_result(None)
+        self.wake()
 
-    async def wait_for_server(self) -> None:
-        """Return as soon as there is a server."""
-        while self.server is None:
-            waiter = asyncio.get_running_loop().create_future()
-            self._awaiting.add(waiter)
-            try:
-                await waiter
-            finally:
-                self._awaiting.discard(waiter)
+    def wake(self) -> None:
+        """Let everybody in :meth:`wait_for_change` look again."""
+        for waiter in self._waiters:
+            if not waiter.done():
+                waiter.set_result(None)
+
+    async def wait_for_change(self) -> None:
+        """Wait until a server or a client came or went."""
+        waiter = asyncio.get_running_loop().create_future()
+        self._waiters.add(waiter)
+        try:
+            await waiter
+        finally:
+            self._waiters.discard(waiter)
 
 
 class Service(Generic[RequestT, ResponseT]):
@@ -112,22 +114,24 @@ class Service(Generic[RequestT, ResponseT]):
         if self._owner is None or self._owner is task:  # no owner yet: its handler runs right now, so it called us
             raise UsageError(f"the handler of {self.service_name} calls itself; create it with concurrent=True")
         if len(self.line) >= MAX_WAITING:
-            raise ServiceUnavailableError(self.service_name)
+            raise ServiceUnavailableError(self.service_name, f"has {MAX_WAITING:,} calls waiting already")
         turn: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        self.line.append((turn, task))
+        place = (turn, task)
+        self.line.append(place)
         try:
             await turn
         except asyncio.CancelledError:
             if not turn.cancelled():
                 self.end_turn()
+            elif place in self.line:
+                self.line.remove(place)
             raise
         if self.is_closed:
-            self.end_turn()
             raise ServiceGoneError(self.service_name)
+        self._owner = None
 
     def end_turn(self) -> None:
         """Hand the service to the next in line."""
-        self._owner = None
         while self.line:
             turn, task = self.line.popleft()
             if not turn.done():
@@ -143,6 +147,7 @@ class Service(Generic[RequestT, ResponseT]):
 
     def unwatch(self, deadline: asyncio.Timeout) -> None:
         """Forget *deadline*: its call ended."""
+        self._owner = None
         self._deadlines.discard(deadline)
 
     def close(self) -> None:
@@ -153,7 +158,8 @@ class Service(Generic[RequestT, ResponseT]):
         self._on_close()
         now = asyncio.get_running_loop().time() if self._deadlines else 0.0
         for deadline in self._deadlines:
-            deadline.reschedule(now)
+            if not deadline.expired():
+                deadline.reschedule(now)
         while self.line:
             turn, _ = self.line.popleft()
             if not turn.done():

@@ -8,11 +8,12 @@ from operator import attrgetter
 from typing import Generic, TypeAlias, TypeVar
 
 import anyio
+import anyio.lowlevel
 
 from homebot.clock import Clock
 from homebot.errors import ClosedError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.graph.mailbox import Mailbox
+from homebot.graph.mailbox import TURN, Mailbox
 from homebot.graph.qos import QoSProfile
 from homebot.messages.message import Message
 
@@ -22,8 +23,6 @@ MessageT = TypeVar("MessageT", bound=Message)
 T = TypeVar("T")
 
 Callback: TypeAlias = Callable[[MessageT], Awaitable[None] | None]
-
-_TURN = 256  # messages handled before other tasks get their turn, should the callback never wait
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +92,7 @@ class Subscription(Generic[MessageT]):
 
         Raises:
             ClosedError: The subscription is closed and everything was read.
+            UsageError: Another task is reading already.
         """
         while True:
             item = await self.mailbox.receive()
@@ -136,7 +136,7 @@ class Subscription(Generic[MessageT]):
             while queue:
                 item = queue.popleft()
                 if senders:
-                    mailbox.admit_sender()
+                    mailbox.admit_senders()
                 message = self._unexpired(item) if isinstance(item, Expiring) else item
                 if message is None:
                     continue
@@ -144,7 +144,7 @@ class Subscription(Generic[MessageT]):
                 if result is not None:
                     await result
                 handled += 1
-                if handled >= _TURN:
+                if handled >= TURN:
                     handled = 0
                     await anyio.lowlevel.checkpoint()
             try:
@@ -164,8 +164,12 @@ class Subscription(Generic[MessageT]):
                 limit.release()
 
         async with anyio.create_task_group() as tasks:
-            async for message in self:
-                await limit.acquire()
+            while True:
+                await limit.acquire()  # before the message is taken: until then it waits where losses are counted
+                try:
+                    message = await self.receive()
+                except ClosedError:
+                    return
                 tasks.start_soon(handle, message)
 
     def _unexpired(self, item: Expiring[MessageT]) -> MessageT | None:

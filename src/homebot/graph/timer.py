@@ -20,20 +20,28 @@ class Timer:
     """Calls a function once per period while its node runs.
 
     Attributes:
-        period: Seconds between two calls; may be changed at any time, and holds from the next call on.
         skipped: Periods that passed without a call because the callback was still running.
     """
 
     def __init__(self, period: float, callback: Callable[[], Awaitable[None] | None], clock: Clock) -> None:
         """Not for use by hand: see :meth:`homebot.graph.Node.create_timer`."""
-        if period <= 0:
-            raise UsageError(f"a timer's period is in seconds and above 0, got {period}")
         self.period = period
         self.skipped = 0
         self._callback = callback
         self._clock = clock
         self._cancelled = False
         self._scope: anyio.CancelScope | None = None
+
+    @property
+    def period(self) -> float:
+        """Seconds between two calls, above 0; may be changed at any time, and holds from the next call on."""
+        return self._period
+
+    @period.setter
+    def period(self, seconds: float) -> None:
+        if not seconds > 0:
+            raise UsageError(f"a timer's period is in seconds and above 0, got {seconds}")
+        self._period = seconds
 
     @property
     def is_canceled(self) -> bool:

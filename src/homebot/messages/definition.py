@@ -6,6 +6,7 @@ import types
 import typing
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import lru_cache
 from typing import Any, Literal, get_args, get_origin
 
@@ -32,6 +33,7 @@ class FieldDefinition:
         is_array: Whether the field holds many elements.
         size: Exact number of elements of a fixed array, else None.
         bound: Greatest number of elements of a bounded array, else None.
+        choices: The enumeration where the element is a text that must be one of it, else None.
     """
 
     name: str
@@ -40,10 +42,11 @@ class FieldDefinition:
     is_array: bool = False
     size: int | None = None
     bound: int | None = None
+    choices: type[StrEnum] | None = None
 
     @property
     def is_bytes(self) -> bool:
-        """Whether the Python value is ``bytes``: ``uint8[]`` in any of its forms."""
+        """Whether the Python value is ``bytes``, the one form of ``uint8[]``."""
         return self.is_array and self.ros_type == "uint8"
 
     @property
@@ -99,10 +102,13 @@ def _definition(owner: type[Message], name: str, field: FieldInfo) -> FieldDefin
     if get_origin(annotation) is tuple:
         arguments = get_args(annotation)
         if len(arguments) == 2 and arguments[1] is Ellipsis:  # tuple[T, ...]
-            element, message = _element(owner, name, *_unwrapped(arguments[0]))
-            return FieldDefinition(name, element, message, is_array=True, **_bounds(metadata))
+            inner, marks = _unwrapped(arguments[0])
+            element, message = _element(owner, name, inner, marks)
+            if element == "uint8":
+                raise UsageError(f"{owner.__name__}.{name}: a sequence of uint8 is spelt bytes")
+            return FieldDefinition(name, element, message, is_array=True, choices=_choices(inner), **_bounds(metadata))
     element, message = _element(owner, name, annotation, metadata)
-    return FieldDefinition(name, element, message)
+    return FieldDefinition(name, element, message, choices=_choices(annotation))
 
 
 def _unwrapped(annotation: object) -> tuple[object, tuple[object, ...]]:
@@ -128,6 +134,10 @@ def _element(
         if issubclass(annotation, str):
             return "string", None
     raise UsageError(f"{owner.__name__}.{name}: {annotation!r} has no ROS type; see homebot.messages.fields")
+
+
+def _choices(annotation: object) -> type[StrEnum] | None:
+    return annotation if isinstance(annotation, type) and issubclass(annotation, StrEnum) else None
 
 
 def _bounds(metadata: tuple[object, ...]) -> dict[str, Any]:

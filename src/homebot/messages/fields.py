@@ -1,4 +1,4 @@
-"""Field types that say exactly which ROS type they are.
+"""Field types that say exactly which ROS type they are, and hold whole numbers to its range.
 
 Plain ``bool``, ``int``, ``float``, ``str`` and ``bytes`` mean ``bool``, ``int64``, ``float64``, ``string`` and
 ``uint8[]``; the names here are the others. ``tuple[T, ...]`` is ``T[]``, bounded by ``Field(max_length=n)``

@@ -1,14 +1,16 @@
 """Messages as JSON values in the form of rosbridge v2: ``uint8[]`` as base64 text, NaN and infinity as null.
 
+Null is read as NaN.
+
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, section 2.
 """
 
 from __future__ import annotations
 
 import base64
-import binascii
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import TypeAlias, TypeVar
 
 from pydantic import ValidationError
@@ -36,10 +38,10 @@ def message_from_json(message_type: type[MessageT], value: Mapping[str, object])
     Raises:
         TypeMismatchError: A field is missing, unknown, or of another type; the message names it and its value.
     """
-    known = {field.name: field for field in fields_of(message_type)}
-    prepared = {name: _value_from_json(known[name], item) if name in known else item for name, item in value.items()}
+    if not isinstance(value, Mapping):
+        raise TypeMismatchError(f"not a {message_type.ros_type}: an object is wanted, got {_shown(value)}")
     try:
-        return message_type.model_validate(prepared)
+        return message_type.model_validate(_fields_from_json(message_type, value))
     except ValidationError as exc:
         problem = validation_problem(exc)
         raise TypeMismatchError(f"not a {message_type.ros_type}: {problem}") from exc
@@ -53,9 +55,9 @@ def validation_problem(error: ValidationError) -> str:
         return f"field {path!r} is missing"
     if first["type"] == "extra_forbidden":
         return f"field {path!r} is unknown"
-    shown = repr(first["input"])
-    shown = shown if len(shown) <= 60 else f"{shown[:57]}..."  # enough to recognise a value
-    return f"field {path!r}: {first['msg'][:1].lower()}{first['msg'][1:]}, got {shown}"
+    if first["type"] == "bytes_type":
+        return f"field {path!r}: bytes are base64 text or a list of 0 to 255, got {_shown(first['input'])}"
+    return f"field {path!r}: {first['msg'][:1].lower()}{first['msg'][1:]}, got {_shown(first['input'])}"
 
 
 def _value_to_json(value: object) -> JsonValue:
@@ -72,28 +74,39 @@ def _value_to_json(value: object) -> JsonValue:
     raise TypeMismatchError(f"{value!r} is no value of a message")
 
 
+def _fields_from_json(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
+    known = {field.name: field for field in fields_of(message_type)}
+    return {name: _value_from_json(known[name], item) if name in known else item for name, item in value.items()}
+
+
 def _value_from_json(field: FieldDefinition, value: object) -> object:
     if field.is_bytes:
-        return _bytes_from_json(field, value)
+        return _bytes_from_json(value)
     if field.is_array and isinstance(value, list):
         return tuple(_element_from_json(field, item) for item in value)
     return _element_from_json(field, value)
 
 
 def _element_from_json(field: FieldDefinition, value: object) -> object:
-    if field.message is not None and isinstance(value, dict):
-        return message_from_json(field.message, value)
+    if field.message is not None and isinstance(value, Mapping):
+        return _fields_from_json(field.message, value)
+    if field.choices is not None and isinstance(value, str) and value in tuple(field.choices):
+        return field.choices(value)
     if value is None and field.ros_type in {"float32", "float64"}:
         return math.nan
     return value
 
 
-def _bytes_from_json(field: FieldDefinition, value: object) -> object:
-    try:
+def _bytes_from_json(value: object) -> object:
+    """Return the bytes that *value* spells, or *value* itself where it spells none: validation then names it."""
+    with suppress(ValueError, TypeError):
         if isinstance(value, str):
             return base64.b64decode(value, validate=True)
         if isinstance(value, list):
             return bytes(value)
-    except (binascii.Error, ValueError, TypeError) as exc:
-        raise TypeMismatchError(f"field {field.name!r}: neither base64 text nor a list of 0 to 255") from exc
     return value
+
+
+def _shown(value: object) -> str:
+    shown = repr(value)
+    return shown if len(shown) <= 60 else f"{shown[:57]}..."  # enough to recognise a value

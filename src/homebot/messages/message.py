@@ -2,11 +2,35 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
+from pydantic_core import CoreSchema
+
+from homebot.errors import UsageError
 
 __all__ = ["Message"]
+
+
+def _bound_integers(schema: Any) -> None:
+    """Give every integer in *schema* that has no bound of its own those of ``int64``.
+
+    Stands before its user because pydantic calls it while the class below is being made.
+    """
+    if isinstance(schema, list):
+        for part in schema:
+            _bound_integers(part)
+    if not isinstance(schema, dict):
+        return
+    if schema.get("type") == "int":
+        if "ge" not in schema and "gt" not in schema:
+            schema["ge"] = -(2**63)
+        if "le" not in schema and "lt" not in schema:
+            schema["lt"] = 2**63
+    for part in ("schema", "items_schema"):
+        _bound_integers(schema.get(part))
+    for field in schema.get("fields", {}).values():
+        _bound_integers(field)
 
 
 class Message(BaseModel):
@@ -16,6 +40,9 @@ class Message(BaseModel):
         ros_type: The full ROS name of the type, ``package/msg/Name``; by default ``<top-level package>/msg/<class>``.
         key_field: Name of the field that tells one instance on a topic from another (a DDS key); a topic of a type
             that has one keeps its history per key.
+
+    Raises:
+        UsageError: A class names a key field that it does not have.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=True)
@@ -27,3 +54,19 @@ class Message(BaseModel):
         super().__init_subclass__()
         if "ros_type" not in cls.__dict__:
             cls.ros_type = f"{cls.__module__.partition('.')[0]}/msg/{cls.__name__}"
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: object) -> None:
+        """Check the key field of a new class; called by pydantic."""
+        super().__pydantic_init_subclass__(**kwargs)
+        if cls.key_field is not None and cls.key_field not in cls.model_fields:
+            raise UsageError(
+                f"{cls.__name__}: the key field {cls.key_field!r} is none of {', '.join(cls.model_fields)}"
+            )
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Hold plain ``int`` to the 64 bits of ``int64``; called by pydantic."""
+        schema = handler(source)
+        _bound_integers(handler.resolve_ref_schema(schema))
+        return schema

@@ -7,7 +7,7 @@ from typing import ClassVar
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
-__all__ = ["SetBool", "SetBoolRequest", "SuccessResponse", "Trigger", "TriggerRequest"]
+__all__ = ["SetBool", "SetBoolRequest", "SetBoolResponse", "SuccessResponse", "Trigger", "TriggerRequest"]
 
 
 class TriggerRequest(Message):
@@ -25,7 +25,7 @@ class SetBoolRequest(Message):
 
 
 class SuccessResponse(Message):
-    """Whether it worked.
+    """Whether it worked, as the answer to :class:`TriggerRequest`.
 
     Attributes:
         success: True when it did.
@@ -38,5 +38,11 @@ class SuccessResponse(Message):
     message: str
 
 
+class SetBoolResponse(SuccessResponse):
+    """Whether it worked, as the answer to :class:`SetBoolRequest`."""
+
+    ros_type: ClassVar[str] = "std_srvs/srv/SetBool_Response"
+
+
 Trigger = ServiceType("std_srvs/srv/Trigger", TriggerRequest, SuccessResponse)
-SetBool = ServiceType("std_srvs/srv/SetBool", SetBoolRequest, SuccessResponse)
+SetBool = ServiceType("std_srvs/srv/SetBool", SetBoolRequest, SetBoolResponse)
