@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device
+from homebot.devices.raw import RawMessage
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
@@ -63,8 +64,8 @@ class SubscribeToTopicRequest(Message):
     Attributes:
         topic: The address in the gateway's terms, for example the MQTT topic ``home425/lights/roomlights405/out``.
         listener: Full name of the node that asks, for delivery into its inbox; empty for a topic of the device's own.
-        since: Of what the device said before, whatever came at this time or later is delivered too, as far as the
-            gateway still has it, and what the broker keeps as the device's state always. By default only the latter.
+        since: What was said at this time or later, but before this call, is in the response as far as the gateway
+            still has it. What the broker keeps as the device's state always is.
     """
 
     topic: str
@@ -79,11 +80,13 @@ class SubscribeToTopicResponse(Message):
         success: Whether they will.
         message: Why not.
         data_topic: The graph topic that carries them from now on, as :class:`homebot.devices.RawMessage`.
+        missed: What was said before, oldest first; at most 10 messages.
     """
 
     success: bool
     message: str
     data_topic: str
+    missed: tuple[RawMessage, ...] = ()
 
 
 GetIndexData = ServiceType("homebot/srv/GetIndexData", GetIndexDataRequest, GetIndexDataResponse)

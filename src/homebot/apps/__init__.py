@@ -1,0 +1,5 @@
+"""The application layer."""
+
+from homebot.apps.base import App, NoSettings
+
+__all__ = ["App", "NoSettings"]

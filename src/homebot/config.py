@@ -1,0 +1,146 @@
+"""The configuration file: read once, checked, and handed down in parts.
+
+::
+
+    [home]
+    name = "home425"
+
+    [gateways.mqtt]                  # one table a gateway; class = "module:Class" where it is no plug-in
+    url = "mqtt://192.168.1.10"
+    root = "home425"
+
+    [apps.light_service]             # one table an app
+
+    [door]                           # where tools reach this homebot
+
+    [discovery]
+
+What stands in the table of a gateway or an app is that plug-in's own business: :func:`parse_settings` checks it with
+the plug-in's model.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import to_json
+
+from homebot.errors import ConfigError, InvalidNameError
+from homebot.names import validate_node_name
+
+__all__ = ["Config", "HomeSettings", "Table", "load_config", "parse_config", "parse_settings"]
+
+Table = dict[str, object]
+ModelT = TypeVar("ModelT", bound=BaseModel)
+
+
+class HomeSettings(BaseModel):
+    """The table ``[home]``.
+
+    Attributes:
+        name: What this home is called, in logs and on the web page.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str = Field(default="home", min_length=1)
+
+
+class Config(BaseModel):
+    """A whole configuration.
+
+    Attributes:
+        home: About the home.
+        gateways: A table for each gateway, by the name of its node.
+        apps: A table for each app, by the name of its node.
+        door: Where tools reach this homebot; empty for the default.
+        discovery: How long devices are remembered.
+        source: The file, or what else the values came from; for messages.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    home: HomeSettings = HomeSettings()
+    gateways: dict[str, Table] = Field(default_factory=dict)
+    apps: dict[str, Table] = Field(default_factory=dict)
+    door: Table = Field(default_factory=dict)
+    discovery: Table = Field(default_factory=dict)
+    source: str = Field(default="configuration", exclude=True)
+
+
+def load_config(path: Path) -> Config:
+    """Read the TOML file *path*.
+
+    Raises:
+        ConfigError: It cannot be read, is no TOML, or holds an unknown key or a wrong value.
+    """
+    source = str(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as exc:
+        reason = exc.strerror if isinstance(exc, OSError) and exc.strerror else "it is not UTF-8 text"
+        raise ConfigError(source, "", f"cannot be read: {reason}") from exc
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as exc:
+        raise ConfigError(source, "", f"is no TOML: {exc}") from exc
+    if "source" in tables:
+        raise ConfigError(source, "source", "is unknown; known are home, gateways, apps, door and discovery")
+    return parse_config(tables, source)
+
+
+def parse_config(tables: Mapping[str, object], source: str) -> Config:
+    """Return the configuration that *tables* spell.
+
+    Raises:
+        ConfigError: A key is unknown or a value wrong; the error names *source*, the key and the reason.
+    """
+    config = parse_settings(Config, {**tables, "source": source}, source, "")
+    for section, names in (("gateways", config.gateways), ("apps", config.apps)):
+        for name in names:
+            try:
+                validate_node_name(name)
+            except InvalidNameError as exc:
+                raise ConfigError(source, f"{section}.{name}", str(exc)) from exc
+    return config
+
+
+def parse_settings(model: type[ModelT], table: Mapping[str, object], source: str, key: str) -> ModelT:
+    """Return *table* checked by *model*.
+
+    Args:
+        model: What the table must look like.
+        table: The table; a ``class`` in it is passed over, it chose the model.
+        source: The file, for messages.
+        key: The table's dotted path, for messages.
+
+    Raises:
+        ConfigError: The first thing that is wrong: an unknown key, a wrong type, a value that may not be.
+    """
+    try:
+        text = to_json({name: value for name, value in table.items() if name != "class"})
+        return model.model_validate_json(text, strict=True)
+    except ValidationError as exc:
+        first = exc.errors(include_url=False, include_context=False)[0]
+        path = ".".join(part for part in (key, *(str(part) for part in first["loc"])) if part)
+        reason = _reason(model, first["type"], first["msg"])
+        is_secret = any(word in path for word in ("password", "token", "url"))
+        shown = "" if is_secret or first["type"] in _TELL_ALL else f", got {first.get('input')!r}"
+        # The cause is left out: it would show the value of a secret.
+        raise ConfigError(source, path, f"{reason}{shown}") from None
+
+
+_TELL_ALL = {"extra_forbidden", "missing", "value_error"}
+
+
+def _reason(model: type[BaseModel], kind: str, message: str) -> str:
+    if kind == "extra_forbidden":
+        return f"is unknown; known are {', '.join(name for name in model.model_fields if name != 'source')}"
+    if kind == "missing":
+        return "is missing"
+    message = message.removeprefix("Value error, ")
+    return f"{message[:1].lower()}{message[1:]}"

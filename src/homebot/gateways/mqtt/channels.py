@@ -1,0 +1,98 @@
+"""What the gateway remembers of each topic that a device speaks on."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from homebot.devices import RawMessage
+from homebot.errors import WireError
+from homebot.gateways.mqtt.convention import Announcement, Convention
+from homebot.graph import Publisher
+
+__all__ = ["Channel", "Channels"]
+
+MAX_CHANNELS = 100_000
+KEPT = 10
+KEPT_PAYLOAD = 4096
+
+
+@dataclass(slots=True)
+class Channel:
+    """One topic of one device.
+
+    Attributes:
+        device: What the topic says of the device.
+        listeners: Who gets its raw messages.
+        refresh_at: Reading of the monotonic clock from which on the next message is worth a sighting.
+        kept: The last 10 messages of at most 4 KiB, for a listener that comes a moment later.
+    """
+
+    device: Announcement
+    listeners: list[Publisher[RawMessage]]
+    refresh_at: float = 0.0
+    kept: deque[RawMessage] = field(default_factory=lambda: deque(maxlen=KEPT))
+
+    def keep(self, message: RawMessage) -> None:
+        """Remember *message*, unless it is large."""
+        if len(message.payload) <= KEPT_PAYLOAD:
+            self.kept.append(message)
+
+    def missed_by(self, since: float) -> tuple[RawMessage, ...]:
+        """Return the kept messages that a listener wants that was there from *since* on.
+
+        Args:
+            since: Seconds since the Unix epoch.
+
+        Returns:
+            What came then or later, and the broker's own stored state where it is still the device's last word.
+        """
+        last = self.kept[-1] if self.kept else None
+        return tuple(
+            message
+            for message in self.kept
+            if message.received_at.to_seconds() >= since or (message is last and message.retained)
+        )
+
+
+class Channels:
+    """The topics in use; at most 100,000.
+
+    Args:
+        conventions: Who may know a topic; the first that does is believed.
+    """
+
+    def __init__(self, conventions: Iterable[Convention]) -> None:
+        self._conventions = tuple(conventions)
+        self._channels: dict[str, Channel] = {}
+
+    def get(self, topic: str) -> Channel | None:
+        """Return the channel of *topic*, when a device has spoken there."""
+        return self._channels.get(topic)
+
+    def announced(self, topic: str) -> Announcement | None:
+        """Return the device that speaks on *topic* by one of the conventions, or None.
+
+        Raises:
+            WireError: The topic breaks the rules of its convention.
+        """
+        for convention in self._conventions:
+            if (device := convention.announced(topic)) is not None:
+                return device
+        return None
+
+    def open(self, topic: str, device: Announcement, listeners: list[Publisher[RawMessage]]) -> Channel:
+        """Remember *topic* as one of *device*.
+
+        Raises:
+            WireError: 100,000 topics are in use.
+        """
+        if len(self._channels) >= MAX_CHANNELS:
+            raise WireError(f"topic {topic!r} is one too many: {MAX_CHANNELS} are in use")
+        channel = self._channels[topic] = Channel(device, listeners)
+        return channel
+
+    def close(self, topic: str) -> None:
+        """Forget *topic*."""
+        self._channels.pop(topic, None)

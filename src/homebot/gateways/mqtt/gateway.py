@@ -1,0 +1,275 @@
+"""The MQTT gateway: hears devices on a broker, and sends them the commands of the graph.
+
+Messages are handled in the broker's order, in batches. One of QoS 1 or 2 is acknowledged only after every listener has
+it in its queue; until then it is the broker's, which sends it again should this process die.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import anyio
+from anyio.abc import TaskStatus
+from pydantic import BaseModel
+
+from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
+from homebot.gateways.base import Gateway
+from homebot.gateways.listeners import Listeners
+from homebot.gateways.mqtt.channels import Channel, Channels
+from homebot.gateways.mqtt.convention import Announcement, Convention
+from homebot.gateways.mqtt.settings import MqttGatewaySettings
+from homebot.graph import EntityKind, Node
+from homebot.log import LogLimit
+from homebot.messages import Time
+from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.connection import LinkPhase, MqttConnection
+from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.topics import validate_topic
+from homebot.plugins import load_plugin
+
+__all__ = ["GatewayCounters", "MqttGateway"]
+
+CONNECTED = "gateway.connected"
+UNAVAILABLE = "gateway.unavailable"
+REJECTED = "gateway.message_rejected"
+GHOST = "gateway.retained_only"
+COMMAND_REFUSED = "gateway.command_refused"
+COMMAND_FAILED = "gateway.command_failed"
+
+CONVENTIONS = "homebot.mqtt_conventions"
+
+REFRESH = 1.0
+"""Seconds between two sightings of a device that keeps talking: `last_seen` is exact to this much."""
+
+START_PATIENCE = 2.0
+"""Seconds for which the start of homebot waits for a broker that does not answer; the gateway goes on trying."""
+
+_OUT_DEPTH = 1000
+
+
+@dataclass(slots=True)
+class GatewayCounters:
+    """What one gateway did since its start.
+
+    Attributes:
+        received: Messages of devices.
+        rejected: Messages that no device can have sent: their topic breaks the layout.
+        commands: Commands that the broker took.
+        commands_refused: Commands that were refused, by us or by the broker.
+        commands_failed: Commands that found no link.
+    """
+
+    received: int = 0
+    rejected: int = 0
+    commands: int = 0
+    commands_refused: int = 0
+    commands_failed: int = 0
+
+
+class MqttGateway(Gateway):
+    """Brings the devices on one MQTT broker onto the graph.
+
+    Attributes:
+        counters: What it did.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = MqttGatewaySettings
+
+    def __init__(self, node: Node, settings: MqttGatewaySettings) -> None:
+        """Make the gateway; nothing is connected before :meth:`serve`.
+
+        Raises:
+            UsageError: The settings cannot be used, for example because a password file is missing.
+            PluginError: A convention cannot be loaded.
+        """
+        super().__init__(node, settings)
+        self.counters = GatewayCounters()
+        self._settings = settings
+        self._clock = node.graph.clock
+        self._limit = LogLimit(self._clock)
+        self._conventions = [_convention(name, settings.root) for name in settings.conventions]
+        self._channels = Channels(self._conventions)
+        self._listeners = Listeners(node, self.names, inboxes=settings.delivery == "inbox")
+        self._connection = MqttConnection(settings.options(), AiomqttClient, clock=self._clock)
+        node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
+        node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
+        if node.name == "mqtt":
+            node.create_service(SubscribeToTopic, "/subscribe_to_mqtt_topic", self._subscribe)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Keep the link and handle what comes until cancelled; ready when the first try to connect has ended."""
+        filters = [one for convention in self._conventions for one in convention.filters()]
+        async with self._connection as connection, anyio.create_task_group() as tasks:
+            await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in filters))
+            tried = anyio.Event()
+            tasks.start_soon(self._watch_link, connection, tried)
+            tasks.start_soon(self._watch_nodes)
+            tasks.start_soon(self._receive, connection)
+            with anyio.move_on_after(START_PATIENCE):
+                await tried.wait()
+            task_status.started()
+
+    async def _receive(self, connection: MqttConnection) -> None:
+        while True:
+            try:
+                batch = await connection.receive()
+            except ClosedError:
+                return
+            await self._handle(batch)
+            connection.ack(batch)
+
+    async def _watch_link(self, connection: MqttConnection, tried: anyio.Event) -> None:
+        async for state in connection.states():
+            if state.phase is LinkPhase.CONNECTED:
+                self.report("active")
+                self.node.log.info(CONNECTED, message=self._greeting(connection.url), broker=connection.url)
+            elif state.phase in {LinkPhase.WAITING, LinkPhase.REFUSED}:
+                self.report("unavailable", state.reason)
+                if self._limit.allows(UNAVAILABLE) is not None:
+                    self.node.log.warning(
+                        UNAVAILABLE,
+                        message=f"no link to {connection.url}: {state.reason}; trying again",
+                        broker=connection.url,
+                        reason=state.reason,
+                    )
+            if state.phase is not LinkPhase.CONNECTING:
+                tried.set()
+
+    def _greeting(self, url: str) -> str:
+        home = f"home {self._settings.root}" if self._settings.root else "every home"
+        return f"connected to {url}, listening to {home}{'' if self._settings.act else ' (observing only)'}"
+
+    async def _watch_nodes(self) -> None:
+        with self.node.graph.watch() as changes:
+            async for change in changes:
+                if change.change == "removed" and change.entity.kind is EntityKind.NODE:
+                    self._listeners.drop_node(change.entity.name)
+
+    async def _handle(self, batch: Iterable[MqttMessage]) -> None:
+        stamp = Time.from_seconds(self._clock.now())
+        now = self._clock.monotonic()
+        for message in batch:
+            channel = self._channels.get(message.topic) or self._open(message)
+            if channel is None:
+                continue
+            if not message.payload:
+                self._forget(channel, stamp)
+                continue
+            self.counters.received += 1
+            if now >= channel.refresh_at:
+                self._sight(channel, message, stamp)
+                channel.refresh_at = now + REFRESH
+            raw = RawMessage(
+                gateway=self.node.name,
+                key=channel.device.key,
+                address=message.topic,
+                payload=message.payload,
+                retained=message.retain,
+                received_at=stamp,
+            )
+            channel.keep(raw)
+            for listener in channel.listeners:
+                await self._listeners.deliver(listener, raw, patient=message.qos > 0)
+
+    def _open(self, message: MqttMessage) -> Channel | None:
+        try:
+            device = self._channels.announced(message.topic)
+            if device is None or not message.payload:
+                return None
+            return self._channels.open(message.topic, device, self._listeners.of(message.topic))
+        except WireError as exc:
+            self.counters.rejected += 1
+            self._warn(REJECTED, f"not a device's message: {exc}", topic=message.topic)
+            return None
+
+    def _sight(self, channel: Channel, message: MqttMessage, stamp: Time) -> None:
+        is_new = channel.refresh_at == 0.0
+        if is_new and message.retain:
+            self._warn(
+                GHOST,
+                f"{channel.device.key} is known only from a message that the broker kept; it may be gone",
+                topic=message.topic,
+            )
+        self.sight(
+            self._sighting(
+                "appeared" if is_new else "updated",
+                "the broker keeps a message of it" if message.retain else f"it spoke on {message.topic}",
+                channel.device,
+                stamp,
+                confirmed=not message.retain,
+            )
+        )
+
+    def _forget(self, channel: Channel, stamp: Time) -> None:
+        """An empty message clears what the broker keeps: the device was taken out of the house."""
+        self._channels.close(channel.device.address)
+        self.sight(self._sighting("removed", "its topic was cleared", channel.device, stamp, confirmed=True))
+
+    def _sighting(
+        self,
+        kind: Literal["appeared", "updated", "removed"],
+        why: str,
+        device: Announcement,
+        stamp: Time,
+        *,
+        confirmed: bool,
+    ) -> Sighting:
+        return Sighting(
+            gateway=self.node.name,
+            key=device.key,
+            kind=kind,
+            why=why,
+            name=device.name,
+            service_type=device.service_type,
+            address=device.address,
+            command_address=device.command_address,
+            metadata=device.metadata,
+            seen_at=stamp,
+            expires_at=Time.from_seconds(stamp.to_seconds() + self._settings.stale_after),
+            confirmed=confirmed,
+        )
+
+    async def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
+        try:
+            validate_topic(request.topic)
+            device = self._channels.announced(request.topic)
+            if device is None:
+                raise WireError(f"topic {request.topic!r} is none that a device speaks on")
+            publisher = self._listeners.add(request.topic, device.key, device.name, request.listener)
+        except HomebotError as exc:
+            return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
+        channel = self._channels.get(request.topic)
+        missed = channel.missed_by(request.since.to_seconds()) if channel else ()
+        return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
+
+    async def _send(self, command: RawCommand) -> None:
+        try:
+            validate_topic(command.address)
+            if not self._settings.act:
+                raise RefusedError("the command", "this gateway only observes; start with --act, or set act = true")
+            await self._connection.publish(
+                command.address, command.payload.encode(), qos=command.qos, retain=command.retain
+            )
+            self.counters.commands += 1
+        except LinkError as exc:
+            self.counters.commands_failed += 1
+            self._warn(COMMAND_FAILED, f"not sent to {command.address}: {exc}", topic=command.address)
+        except HomebotError as exc:
+            self.counters.commands_refused += 1
+            self._warn(COMMAND_REFUSED, f"not sent to {command.address}: {exc}", topic=command.address)
+
+    def _warn(self, event: str, words: str, *, topic: str) -> None:
+        held_back = self._limit.allows(event)
+        if held_back is not None:
+            more = f" (and {held_back} more like this)" if held_back else ""
+            self.node.log.warning(event, message=f"{words}{more}", topic=topic, held_back=held_back)
+
+
+def _convention(name: str, root: str) -> Convention:
+    convention: Convention = load_plugin(CONVENTIONS, name)(root)
+    return convention

@@ -1,0 +1,129 @@
+"""The table ``[gateways.NAME]`` of an MQTT gateway."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
+
+from homebot.errors import HomebotError, UsageError
+from homebot.mqtt.options import MqttOptions, MqttProtocol
+from homebot.mqtt.topics import validate_topic
+from homebot.units import Seconds
+
+__all__ = ["EMBEDDED", "Delivery", "MqttGatewaySettings"]
+
+EMBEDDED = "embedded"
+
+Delivery = Literal["inbox", "mirror"]
+
+
+class MqttGatewaySettings(BaseModel):
+    """How to reach a broker, and what to do with what it says.
+
+    Attributes:
+        url: ``mqtt://[user[:password]@]host[:port]``, ``mqtts://…``, or ``embedded`` for homebot's own broker.
+        root: The home: first level of its topics. Empty means every home on the broker.
+        delivery: ``inbox`` puts raw messages into the one inbox of each node that asked for them; ``mirror`` gives each
+            device a topic ``/gateway/NAME/received_data/<device>``.
+        act: Whether commands are sent; false observes only. By default true for the embedded broker alone.
+        user: Login name.
+        password_file: File whose first line is the password.
+        password_env: Environment variable that holds the password.
+        ca_file: PEM file of the authorities to trust with ``mqtts``.
+        cert_file: PEM file of this client's certificate.
+        key_file: PEM file of its key.
+        client_id: Name at the broker, unique there; by default a new one for each run.
+        protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1.
+        max_payload: Largest message accepted, in bytes; the broker is told.
+        session_expiry: Seconds for which the broker keeps messages for this gateway while it is away.
+        stale_after: Seconds of silence after which a device counts as stale.
+        conventions: Which uses of topics to understand, by entry-point name or ``module:Class``.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    url: str = EMBEDDED
+    root: str = ""
+    delivery: Delivery = "inbox"
+    act: bool | None = None
+    user: str | None = None
+    password_file: Path | None = None
+    password_env: str | None = None
+    ca_file: Path | None = None
+    cert_file: Path | None = None
+    key_file: Path | None = None
+    client_id: str = Field(default_factory=lambda: f"homebot-{secrets.token_hex(4)}")
+    protocol: MqttProtocol = "auto"
+    max_payload: Annotated[int, Field(ge=1024, lt=2**28)] = 256 * 1024
+    session_expiry: Annotated[int, Field(ge=0, lt=2**32)] = 3600
+    stale_after: Seconds = 3600.0
+    conventions: tuple[str, ...] = ("thesis",)
+
+    @field_validator("url")
+    @classmethod
+    def _check_url(cls, url: str) -> str:
+        if url != EMBEDDED:
+            _as_value_error(lambda: MqttOptions.from_url(url))
+        return url
+
+    @field_validator("root")
+    @classmethod
+    def _check_root(cls, root: str) -> str:
+        if root:
+            _as_value_error(lambda: validate_topic(root))
+            if "" in root.split("/"):
+                raise ValueError("has an empty level: write it without a / at either end")
+        return root
+
+    @model_validator(mode="after")
+    def _check_credentials(self) -> MqttGatewaySettings:
+        if self.password_file and self.password_env:
+            raise ValueError("give password_file or password_env, not both")
+        return self
+
+    def options(self) -> MqttOptions:
+        """Return what the client needs, with the password read from where it is kept.
+
+        Raises:
+            UsageError: The password cannot be read, or the address and the settings contradict each other.
+        """
+        given = {
+            "user": self.user,
+            "password": self._password(),
+            "ca_file": self.ca_file,
+            "cert_file": self.cert_file,
+            "key_file": self.key_file,
+            "client_id": self.client_id,
+        }
+        return MqttOptions.from_url(
+            self.url,
+            protocol=self.protocol,
+            maximum_packet_size=self.max_payload,
+            session_expiry=self.session_expiry,
+            **{name: value for name, value in given.items() if value is not None},
+        )
+
+    def _password(self) -> SecretStr | None:
+        if self.password_env is not None:
+            if self.password_env not in os.environ:
+                raise UsageError(f"password_env: the environment variable {self.password_env} is not set")
+            return SecretStr(os.environ[self.password_env])
+        if self.password_file is not None:
+            try:
+                return SecretStr(self.password_file.read_text().partition("\n")[0])
+            except (OSError, UnicodeDecodeError) as exc:
+                raise UsageError(f"password_file: {self.password_file} cannot be read: {exc}") from exc
+        return None
+
+
+def _as_value_error(check: Callable[[], object]) -> None:
+    """Run *check* so that pydantic sees its error."""
+    try:
+        check()
+    except HomebotError as exc:
+        raise ValueError(str(exc)) from exc

@@ -1,0 +1,175 @@
+"""The runtime: builds the graph from a configuration, starts everything in order, stops it in reverse.
+
+The order is: broker (where it is ours), gateways, directory, apps, door, simulated house.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import AsyncExitStack, contextmanager
+from dataclasses import replace
+from typing import Self
+
+import structlog
+from anyio.abc import TaskStatus
+
+from homebot.apps import App
+from homebot.bridges.rosapi import RosApi
+from homebot.bridges.rosbridge import Door
+from homebot.clock import Clock, LoopClock
+from homebot.config import Config
+from homebot.discovery import Directory
+from homebot.gateways import Gateway
+from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
+from homebot.graph import Graph, Node, RosoutFeed
+from homebot.house import SimulatedHouse, thesis_devices
+from homebot.runtime.embedded_broker import embedded_broker
+from homebot.runtime.plan import Component, make_plan
+from homebot.runtime.supervisor import Supervisor, Work
+
+__all__ = ["Runtime"]
+
+RUNNING = "runtime.running"
+STOPPING = "runtime.stopping"
+
+THESIS_HOME = "home425"
+
+_log = structlog.get_logger(node="/homebot")
+
+
+class Runtime:
+    """One homebot, to be used as ``async with Runtime(config) as runtime``.
+
+    Entering starts everything and returns when it is ready; leaving stops everything in reverse order.
+
+    Args:
+        config: What to run.
+        with_house: Whether the simulated house lives on the embedded broker.
+        clock: The time to go by; by default that of the running loop.
+
+    Attributes:
+        graph: The graph everything meets on.
+        supervisor: Who keeps the components running.
+        broker_url: Address of the embedded broker, or None when there is none.
+        door: Where tools come in; None before it is open.
+
+    Raises:
+        ConfigError: A class cannot be found, or a table is wrong.
+    """
+
+    def __init__(self, config: Config, *, with_house: bool = False, clock: Clock | None = None) -> None:
+        self._plan = make_plan(config)
+        self._with_house = with_house
+        self._clock = clock or LoopClock()
+        self._stack = AsyncExitStack()
+        self.graph = Graph(self._clock)
+        self.supervisor = Supervisor(self._clock)
+        self.broker_url: str | None = None
+        self.door: Door | None = None
+
+    async def __aenter__(self) -> Self:
+        """Start everything.
+
+        Raises:
+            UsageError: Something cannot be started as it is configured; what was started is stopped again.
+        """
+        stack = AsyncExitStack()
+        try:
+            await self._start(stack)
+        except BaseException:
+            await stack.aclose()
+            raise
+        self._stack = stack
+        return self
+
+    async def __aexit__(self, *exc_info: object) -> None:
+        _log.info(STOPPING, message="stopping")
+        await self._stack.aclose()
+
+    async def _start(self, stack: AsyncExitStack) -> None:
+        main = await stack.enter_async_context(Node(self.graph, "homebot"))
+        stack.enter_context(_rosout(main))
+        gateways = await self._with_broker(stack)
+        for gateway in gateways:
+            await self._keep(stack, gateway.name, self._gateway(gateway))
+        await self._keep(stack, "discovery", self._directory)
+        for app in self._plan.apps:
+            await self._keep(stack, app.name, self._app(app))
+        await self._keep(stack, "rosapi", self._rosapi)
+        await self._keep(stack, "door", self._open_door)
+        if self._with_house and self.broker_url is not None:
+            await self._keep(stack, "house", self._house(self.broker_url, _root(gateways)))
+        _log.info(RUNNING, message=f"{self._plan.home} is running", gateways=len(gateways), apps=len(self._plan.apps))
+
+    async def _with_broker(self, stack: AsyncExitStack) -> tuple[Component[Gateway], ...]:
+        """Start the embedded broker if a gateway wants it; return the gateways with its address filled in."""
+        if not any(_wants_broker(gateway) for gateway in self._plan.gateways):
+            return self._plan.gateways
+        broker = await stack.enter_async_context(embedded_broker(self._clock))
+        self.broker_url = broker.url
+        return tuple(_on_broker(gateway, broker.url) for gateway in self._plan.gateways)
+
+    async def _keep(self, stack: AsyncExitStack, name: str, work: Work) -> None:
+        await stack.enter_async_context(self.supervisor.running(name, work))
+
+    def _gateway(self, component: Component[Gateway]) -> Work:
+        async def work(*, task_status: TaskStatus[None]) -> None:
+            async with Node(self.graph, component.name, namespace="/gateway") as node:
+                await component.kind(node, component.settings).serve(task_status=task_status)
+
+        return work
+
+    def _app(self, component: Component[App]) -> Work:
+        async def work(*, task_status: TaskStatus[None]) -> None:
+            async with Node(self.graph, component.name) as node:
+                await component.kind(node, component.settings).serve(task_status=task_status)
+
+        return work
+
+    async def _directory(self, *, task_status: TaskStatus[None]) -> None:
+        async with Node(self.graph, "discovery") as node:
+            await Directory(node, self._plan.discovery).serve(task_status=task_status)
+
+    async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
+        async with Node(self.graph, "rosapi") as node:
+            await RosApi(node).run(task_status=task_status)
+
+    async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
+        async with Node(self.graph, "rosbridge_websocket") as node:
+            self.door = Door(node, self._plan.door)
+            await self.door.run(task_status=task_status)
+
+    def _house(self, url: str, home: str) -> Work:
+        async def work(*, task_status: TaskStatus[None]) -> None:
+            await SimulatedHouse(url, home, thesis_devices(), self._clock).serve(task_status=task_status)
+
+        return work
+
+
+def _wants_broker(gateway: Component[Gateway]) -> bool:
+    return isinstance(gateway.settings, MqttGatewaySettings) and gateway.settings.url == EMBEDDED
+
+
+def _on_broker(gateway: Component[Gateway], url: str) -> Component[Gateway]:
+    """On the embedded broker only our own devices listen, so acting is the default."""
+    settings = gateway.settings
+    if not _wants_broker(gateway) or not isinstance(settings, MqttGatewaySettings):
+        return gateway
+    act = True if settings.act is None else settings.act
+    return replace(gateway, settings=settings.model_copy(update={"url": url, "act": act}))
+
+
+def _root(gateways: tuple[Component[Gateway], ...]) -> str:
+    roots = [one.settings.root for one in gateways if isinstance(one.settings, MqttGatewaySettings)]
+    return next((root for root in roots if root), THESIS_HOME)
+
+
+@contextmanager
+def _rosout(node: Node) -> Iterator[None]:
+    """Let every log line of the process appear on ``/rosout`` as well."""
+    before = structlog.get_config()["processors"]
+    structlog.configure(processors=[*before[:-1], RosoutFeed(node), before[-1]])
+    try:
+        yield
+    finally:
+        structlog.configure(processors=before)
