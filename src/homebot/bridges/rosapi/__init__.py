@@ -1,0 +1,5 @@
+"""``/rosapi``: the services by which programs outside look around on the graph."""
+
+from homebot.bridges.rosapi.rosapi import Rosapi
+
+__all__ = ["Rosapi"]

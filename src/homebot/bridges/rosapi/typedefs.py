@@ -1,0 +1,42 @@
+"""Message types as rosapi's ``TypeDef``: plain lists that a client without the types can read."""
+
+from __future__ import annotations
+
+from homebot.bridges.rosapi.messages import TypeDef
+from homebot.messages.definition import FieldDefinition, fields_of, nested_types
+from homebot.messages.message import Message
+
+__all__ = ["typedefs_of"]
+
+_EXAMPLES = {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}
+
+
+def typedefs_of(message_type: type[Message]) -> tuple[TypeDef, ...]:
+    """Return *message_type* and, after it, every type in it, each once."""
+    return tuple(_typedef(one) for one in (message_type, *nested_types(message_type)))
+
+
+def _typedef(message_type: type[Message]) -> TypeDef:
+    fields = fields_of(message_type)
+    return TypeDef(
+        type=_short(message_type.ros_type),
+        fieldnames=tuple(field.name for field in fields),
+        fieldtypes=tuple(_short(field.ros_type) for field in fields),
+        fieldarraylen=tuple(_array_length(field) for field in fields),
+        examples=tuple(_example(field) for field in fields),
+    )
+
+
+def _short(ros_type: str) -> str:
+    package, slash, rest = ros_type.partition("/")
+    return f"{package}{slash}{rest.rpartition('/')[2]}"
+
+
+def _array_length(field: FieldDefinition) -> int:
+    return -1 if not field.is_array else field.size or 0
+
+
+def _example(field: FieldDefinition) -> str:
+    if field.is_array:
+        return "[]"
+    return "{}" if field.message is not None else _EXAMPLES.get(field.ros_type, "0")

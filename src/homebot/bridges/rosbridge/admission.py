@@ -1,0 +1,77 @@
+"""Who may connect: the rules on Host, Origin and token. No I/O.
+
+A web page anywhere can make a browser connect to a local port; the browser then tells the page's origin, and the name
+that the page used for us. A foreign origin, or a foreign name that was bent to our address (DNS rebinding), is refused.
+"""
+
+from __future__ import annotations
+
+import hmac
+import ipaddress
+from collections.abc import Sequence
+from urllib.parse import parse_qs, urlsplit
+
+from homebot.bridges.rosbridge.settings import DoorSettings
+
+__all__ = ["is_loopback", "refusal", "token_of"]
+
+
+def is_loopback(host: str) -> bool:
+    """Whether *host* is ``localhost`` or a loopback address; brackets around an IPv6 address are fine."""
+    if host.lower() in {"localhost", "localhost."}:
+        return True
+    try:
+        return _address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def refusal(settings: DoorSettings, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
+    """Return why a client with these Host and Origin headers is turned away, or None."""
+    if len(hosts) != 1 or len(origins) > 1:
+        return "exactly one Host and at most one Origin header are expected"
+    host = _host_of(f"//{hosts[0]}")
+    if not _is_ours(settings, host):
+        return f"the name {host[:100]!r} is not one of this door's"
+    if origins and origins[0] not in settings.allowed_origins:
+        origin = _host_of(origins[0])
+        if origin != host and not is_loopback(origin):
+            return f"pages of {origins[0][:100]!r} are not let in; see allowed_origins"
+    return None
+
+
+def token_of(path: str, authorizations: Sequence[str]) -> str:
+    """Return the token that a request shows, in its Authorization header or in its query; empty without one."""
+    for value in authorizations:
+        scheme, _, token = value.partition(" ")
+        if scheme.lower() == "bearer":
+            return token.strip()
+    return parse_qs(urlsplit(path).query).get("token", [""])[-1]
+
+
+def is_token(settings: DoorSettings, token: str) -> bool:
+    """Whether *token* opens the door; takes as long for a wrong one as for the right one."""
+    if settings.token is None:
+        return True
+    return hmac.compare_digest(token.encode(errors="replace"), settings.token.get_secret_value().encode())
+
+
+def _is_ours(settings: DoorSettings, host: str) -> bool:
+    if is_loopback(host) or host == settings.host.lower():
+        return True
+    try:
+        _address(host)
+        return _address(settings.host).is_unspecified  # listens everywhere; an address cannot be bent, only a name can
+    except ValueError:
+        return False
+
+
+def _host_of(url: str) -> str:
+    try:
+        return (urlsplit(url).hostname or "").lower()
+    except ValueError:
+        return ""
+
+
+def _address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
+    return ipaddress.ip_address(host.removeprefix("[").removesuffix("]"))

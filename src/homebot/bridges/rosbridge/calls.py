@@ -1,0 +1,50 @@
+"""Service calls that a client makes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from homebot.bridges.rosbridge.protocol import CallService, service_failure, service_success
+from homebot.errors import HomebotError, ServiceUnavailableError, TypeMismatchError
+from homebot.graph import Node
+from homebot.messages.definition import fields_of
+from homebot.messages.json import JsonObject, message_from_json, message_to_json
+from homebot.messages.message import Message
+
+__all__ = ["call_service"]
+
+_DEFAULT_TIMEOUT = 5.0
+_MAX_TIMEOUT = 3600.0
+
+
+async def call_service(node: Node, op: CallService) -> JsonObject:
+    """Make the call *op* on the graph of *node* and return the frame that answers it, be it a failure."""
+    try:
+        values = await _call(node, op)
+    except HomebotError as exc:
+        return service_failure(op.service, op.id, str(exc))
+    return service_success(op.service, op.id, values)
+
+
+async def _call(node: Node, op: CallService) -> JsonObject:
+    name = node.resolve_name(op.service, "service name")
+    service_type = node.graph.get_service_type(name)
+    if service_type is None:
+        raise ServiceUnavailableError(name)
+    request = _request(service_type.Request, op.args)
+    timeout = min(op.timeout, _MAX_TIMEOUT) if op.timeout > 0 else _DEFAULT_TIMEOUT
+    # A client of its own for each call: one that is kept would hold the name's type after the server is gone.
+    client = node.create_client(service_type, name)
+    try:
+        return message_to_json(await client.call(request, timeout))
+    finally:
+        client.close()
+
+
+def _request(request_type: type[Message], args: dict[str, Any] | list[Any]) -> Message:
+    if isinstance(args, list):
+        names = [field.name for field in fields_of(request_type)]
+        if len(args) > len(names):
+            raise TypeMismatchError(f"{request_type.ros_type} has {len(names)} fields, got {len(args)} values")
+        args = dict(zip(names, args, strict=False))
+    return message_from_json(request_type, args)

@@ -1,0 +1,338 @@
+"""The frames of rosbridge v2: JSON text in, typed operations out, and the frames that go back. No I/O.
+
+Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 1 to 3.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from homebot.errors import PeerError
+from homebot.messages.json import JsonObject, JsonValue, validation_problem
+
+__all__ = [
+    "ActionOperation",
+    "Advertise",
+    "AdvertiseService",
+    "Auth",
+    "CallService",
+    "FrameError",
+    "Identifier",
+    "Level",
+    "Operation",
+    "Publish",
+    "ServiceResponse",
+    "SetLevel",
+    "Status",
+    "Subscribe",
+    "Unadvertise",
+    "UnadvertiseService",
+    "Unsubscribe",
+    "action_refusal",
+    "encode_frame",
+    "parse_frame",
+    "publish_frame",
+    "service_failure",
+    "service_request",
+    "service_success",
+    "status_frame",
+]
+
+Identifier: TypeAlias = "str | int | None"
+Level: TypeAlias = Literal["none", "error", "warning", "info"]
+
+MAX_NESTING = 100  # no message of a house is this deep, and code that walks a value may recurse
+_ACTION_ABORTED = 6  # action_msgs/msg/GoalStatus STATUS_ABORTED
+
+Name = Annotated[str, Field(min_length=1)]
+Milliseconds = Annotated[float, Field(ge=0, le=3_600_000, allow_inf_nan=False)]
+Seconds = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class FrameError(PeerError):
+    """A frame is no operation of the protocol.
+
+    Attributes:
+        op: The operation it asks for, as far as it can be told; else empty.
+        id: The identifier to answer with, if it has one.
+        target: The service or action it names, as far as it can be told; else empty.
+    """
+
+    def __init__(self, problem: str, op: str = "", identifier: Identifier = None, target: str = "") -> None:
+        super().__init__(f"{op}: {problem}" if op else problem)
+        self.op = op
+        self.id = identifier
+        self.target = target
+
+
+class Operation(BaseModel):
+    """What a client asks for.
+
+    Attributes:
+        op: The protocol's name of the operation.
+        id: The client's identifier of the interaction; answers repeat it.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="ignore", strict=True)
+
+    ops: ClassVar[tuple[str, ...]] = ()
+
+    op: str
+    id: Identifier = None
+
+
+class Advertise(Operation):
+    """The client will publish messages of ``type`` on ``topic``."""
+
+    ops = ("advertise",)
+
+    topic: Name
+    type: Name
+    latch: bool = False
+
+
+class Unadvertise(Operation):
+    """The client will publish on ``topic`` no more; without an id: under none of its ids."""
+
+    ops = ("unadvertise",)
+
+    topic: Name
+
+
+class Publish(Operation):
+    """A message for a topic."""
+
+    ops = ("publish",)
+
+    topic: Name
+    msg: dict[str, Any]
+    latch: bool = False
+
+
+class Subscribe(Operation):
+    """The client wants the messages of ``topic``.
+
+    Attributes:
+        throttle_rate: Least milliseconds between two messages.
+        queue_length: Messages that wait while throttled, the oldest dropped first; 0 drops what comes meanwhile.
+    """
+
+    ops = ("subscribe",)
+
+    topic: Name
+    type: str = ""
+    throttle_rate: Milliseconds = 0
+    queue_length: Annotated[int, Field(ge=0)] = 0
+
+
+class Unsubscribe(Operation):
+    """The client wants no more; without an id: under none of its ids."""
+
+    ops = ("unsubscribe",)
+
+    topic: Name
+
+
+class CallService(Operation):
+    """A service call; a list of ``args`` fills the request's fields in order."""
+
+    ops = ("call_service",)
+
+    service: Name
+    args: dict[str, Any] | list[Any] = Field(default_factory=dict)
+    timeout: Seconds = 0
+
+
+class ServiceResponse(Operation):
+    """The answer to a call of a service that the client provides; ``values`` is a text where ``result`` is false."""
+
+    ops = ("service_response",)
+
+    service: str = ""
+    values: Any = None
+    result: bool = False
+
+
+class AdvertiseService(Operation):
+    """The client provides a service."""
+
+    ops = ("advertise_service",)
+
+    service: Name
+    type: Name
+
+
+class UnadvertiseService(Operation):
+    """The client provides it no more."""
+
+    ops = ("unadvertise_service",)
+
+    service: Name
+
+
+class SetLevel(Operation):
+    """From which level on the client wants status messages."""
+
+    ops = ("set_level",)
+
+    level: Level
+
+
+class Auth(Operation):
+    """The login of rosauth; clients log in when they connect instead, so there is nothing to do."""
+
+    ops = ("auth",)
+
+
+class Status(Operation):
+    """A remark of the client."""
+
+    ops = ("status",)
+
+    msg: str = ""
+
+
+class ActionOperation(Operation):
+    """Anything about actions."""
+
+    ops = (
+        "send_action_goal",
+        "cancel_action_goal",
+        "action_feedback",
+        "action_result",
+        "action_status",
+        "advertise_action",
+        "unadvertise_action",
+    )
+
+    action: Name
+
+
+_CLASSES: dict[str, type[Operation]] = {
+    op: cls
+    for cls in (
+        Advertise,
+        Unadvertise,
+        Publish,
+        Subscribe,
+        Unsubscribe,
+        CallService,
+        ServiceResponse,
+        AdvertiseService,
+        UnadvertiseService,
+        SetLevel,
+        Auth,
+        Status,
+        ActionOperation,
+    )
+    for op in cls.ops
+}
+
+
+def parse_frame(text: str) -> Operation:
+    """Return the operation that the frame *text* asks for; a field that is null counts as left out.
+
+    Raises:
+        FrameError: It is no JSON object, nested more than 100 deep, not valid Unicode, of an unknown operation, or a
+            field is missing or wrong; the message names the field and its value.
+    """
+    value = _load(text)
+    if not isinstance(value, dict):
+        raise FrameError(f"a frame is a JSON object, got {text[:60]!r}")
+    fields = {name: item for name, item in value.items() if item is not None}
+    op = fields.get("op")
+    if not isinstance(op, str):
+        raise FrameError("field 'op' is missing" if op is None else f"field 'op' must be a text, got {str(op)[:60]!r}")
+    identifier = fields.get("id")
+    known_id = identifier if isinstance(identifier, str | int) else None
+    target = next((item for key in ("service", "action") if isinstance(item := fields.get(key), str)), "")
+    cls = _CLASSES.get(op)
+    if cls is None:
+        raise FrameError(f"field 'op': {op[:60]!r} is unknown; known are {', '.join(sorted(_CLASSES))}", "", known_id)
+    try:
+        return cls.model_validate(fields)
+    except ValidationError as exc:
+        raise FrameError(validation_problem(exc), op, known_id, target) from exc
+
+
+def encode_frame(frame: JsonObject) -> str:
+    """Return the text of *frame*, in ASCII: what no client can read as broken Unicode."""
+    return json.dumps(frame, separators=(",", ":"), allow_nan=False)
+
+
+def publish_frame(topic: str, message: JsonObject, lost: int = 0) -> JsonObject:
+    """Return the frame that carries *message*; ``lost`` (ours alone) tells how many were dropped before it."""
+    frame: JsonObject = {"op": "publish", "topic": topic, "msg": message}
+    if lost:
+        frame["lost"] = lost
+    return frame
+
+
+def service_success(service: str, identifier: Identifier, values: JsonObject) -> JsonObject:
+    """Return the frame that carries the response of a service."""
+    return _service_response(service, identifier, values, result=True)
+
+
+def service_failure(service: str, identifier: Identifier, problem: str) -> JsonObject:
+    """Return the frame that says why a call failed."""
+    return _service_response(service, identifier, problem, result=False)
+
+
+def service_request(service: str, identifier: str, args: JsonObject) -> JsonObject:
+    """Return the frame that asks a client for a service it provides."""
+    return {"op": "call_service", "id": identifier, "service": service, "args": args}
+
+
+def action_refusal(action: str, identifier: Identifier, problem: str) -> JsonObject:
+    """Return the frame that says why a goal is not pursued."""
+    frame: JsonObject = {"op": "action_result", "action": action, "values": problem}
+    return frame | {"id": identifier or "", "status": _ACTION_ABORTED, "result": False}
+
+
+def status_frame(level: Level, text: str, identifier: Identifier = None) -> JsonObject:
+    """Return the frame of a remark to the client."""
+    frame: JsonObject = {"op": "status", "level": level, "msg": text}
+    return frame if identifier is None else frame | {"id": identifier}
+
+
+def _service_response(service: str, identifier: Identifier, values: JsonValue, *, result: bool) -> JsonObject:
+    frame: JsonObject = {"op": "service_response", "service": service, "values": values, "result": result}
+    return frame if identifier is None else frame | {"id": identifier}
+
+
+def _load(text: str) -> object:
+    try:
+        value: object = json.loads(text)
+    except RecursionError:
+        raise FrameError(f"the JSON is nested more than {MAX_NESTING} deep") from None
+    except ValueError as exc:
+        raise FrameError(f"not JSON: {exc}") from exc
+    if text.count("[") + text.count("{") > MAX_NESTING:
+        _check_nesting(value)
+    if "\\ud" in text or "\\uD" in text:
+        _check_unicode(value)
+    return value
+
+
+def _check_nesting(value: object) -> None:
+    level, depth = [value], 0
+    while level:
+        depth += 1
+        if depth > MAX_NESTING:
+            raise FrameError(f"the JSON is nested more than {MAX_NESTING} deep")
+        level = [
+            item
+            for parent in level
+            for item in (parent.values() if isinstance(parent, dict) else parent if isinstance(parent, list) else ())
+            if isinstance(item, dict | list)
+        ]
+
+
+def _check_unicode(value: object) -> None:
+    try:
+        json.dumps(value, ensure_ascii=False).encode()
+    except UnicodeEncodeError as exc:
+        raise FrameError("a text holds half a surrogate pair, which is not Unicode") from exc

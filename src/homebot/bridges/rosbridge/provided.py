@@ -1,0 +1,105 @@
+"""The services that one client provides to everybody on the graph."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from homebot.bridges.rosbridge.protocol import (
+    AdvertiseService,
+    ServiceResponse,
+    UnadvertiseService,
+    service_request,
+)
+from homebot.bridges.rosbridge.types import service_type_of
+from homebot.errors import PeerError, RefusedError
+from homebot.graph import Node, Service
+from homebot.messages.json import JsonObject, message_from_json, message_to_json
+from homebot.messages.message import Message
+from homebot.messages.service_type import ServiceType
+
+__all__ = ["ProvidedServices"]
+
+
+class ProvidedServices:
+    """What one client provides; services are kept under the names that the client uses.
+
+    Args:
+        node: The node that serves in the client's stead.
+        limit: Calls that the client may owe an answer to; one more fails at once.
+        send: Takes a frame to the client, waiting until there is room for it.
+    """
+
+    def __init__(self, node: Node, limit: int, send: Callable[[JsonObject], Awaitable[None]]) -> None:
+        self._node = node
+        self._limit = limit
+        self._send = send
+        self._services: dict[str, Service[Any, Any]] = {}
+        self._pending: dict[str, asyncio.Future[ServiceResponse]] = {}
+        self._calls = 0
+
+    def __len__(self) -> int:
+        return len(self._services)
+
+    def advertise(self, op: AdvertiseService) -> None:
+        """Offer a service of the client; the same once more is fine.
+
+        Raises:
+            InvalidNameError: The name is illegal.
+            DuplicateNameError: Somebody else serves it.
+            TypeMismatchError: It is of another type.
+            PeerError: The type is unknown.
+        """
+        service_type = service_type_of(self._node.graph, self._node.resolve_name(op.service, "service name"), op.type)
+        if op.service in self._services:
+            return
+
+        async def ask(request: Message) -> Message:
+            return await self._ask(op.service, service_type, request)
+
+        self._services[op.service] = self._node.create_service(service_type, op.service, ask, concurrent=True)
+
+    def unadvertise(self, op: UnadvertiseService) -> None:
+        """Withdraw a service; calls under way fail.
+
+        Raises:
+            PeerError: The client does not provide it.
+        """
+        service = self._services.pop(op.service, None)
+        if service is None:
+            raise PeerError(f"service {op.service} is not provided by this client")
+        service.close()
+
+    def answer(self, op: ServiceResponse) -> None:
+        """Take the client's answer to a call.
+
+        Raises:
+            PeerError: No call waits for it.
+        """
+        pending = self._pending.get(str(op.id))
+        if pending is None or pending.done():
+            raise PeerError(f"no call of {op.service} with the id {op.id!r} waits for a response (any more)")
+        pending.set_result(op)
+
+    def close(self) -> None:
+        """Withdraw everything; calls under way fail."""
+        while self._services:
+            self._services.popitem()[1].close()
+
+    async def _ask(self, name: str, service_type: ServiceType[Any, Any], request: Message) -> Message:
+        if len(self._pending) >= self._limit:
+            raise RefusedError(f"the call of {name}", f"its provider owes {self._limit} answers already")
+        self._calls += 1
+        identifier = f"service_request:{name}:{self._calls}"
+        pending = self._pending[identifier] = asyncio.get_running_loop().create_future()
+        try:
+            await self._send(service_request(name, identifier, message_to_json(request)))
+            response = await pending
+        finally:
+            del self._pending[identifier]
+        if not response.result:
+            raise RefusedError(f"the call of {name}", str(response.values or "its provider gave no reason")[:500])
+        values = response.values if isinstance(response.values, dict) else {}
+        answer: Message = message_from_json(service_type.Response, values)
+        return answer

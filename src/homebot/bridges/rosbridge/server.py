@@ -1,0 +1,178 @@
+"""The door itself: listens, lets clients in, gives each a session, and closes them cleanly.
+
+The only file that imports the WebSocket server.
+"""
+
+from __future__ import annotations
+
+import errno
+import logging
+from collections.abc import AsyncIterator
+from http import HTTPStatus
+from typing import Final
+
+import anyio
+from anyio.abc import TaskStatus
+from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.exceptions import ConnectionClosed
+from websockets.frames import CloseCode
+from websockets.http11 import Request, Response
+
+from homebot.bridges.rosbridge.admission import is_loopback, is_token, refusal, token_of
+from homebot.bridges.rosbridge.protocol import encode_frame
+from homebot.bridges.rosbridge.session import Session
+from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.errors import ConfigError, LinkError
+from homebot.graph import Node
+from homebot.log import LogLimit
+from homebot.messages.json import JsonObject
+
+__all__ = ["Door"]
+
+_CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to say goodbye
+_STOP_TIMEOUT: Final = 3.0  # the whole process has 5 s to stop
+
+
+class Door:
+    """Lets programs outside the process take part in the graph, by rosbridge v2.
+
+    Args:
+        node: The node that acts in the clients' stead; it must outlive the door.
+        settings: Where to listen, whom to let in.
+
+    Raises:
+        ConfigError: The host is not a loopback one and there is no token.
+    """
+
+    def __init__(self, node: Node, settings: DoorSettings) -> None:
+        if settings.token is None and not is_loopback(settings.host):
+            raise ConfigError(
+                "door",
+                "host",
+                f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1",
+            )
+        self._node = node
+        self._settings = settings
+        self._limit = LogLimit(node.graph.clock)
+        self._sessions: dict[ServerConnection, Session] = {}
+        self._port = settings.port
+
+    @property
+    def port(self) -> int:
+        """The TCP port; the real one once the door listens, also where port 0 was asked for."""
+        return self._port
+
+    @property
+    def client_count(self) -> int:
+        """How many clients are connected."""
+        return len(self._sessions)
+
+    async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Serve until cancelled; ``started()`` once it listens. Cancelling closes the clients' connections cleanly.
+
+        Raises:
+            ConfigError: The address cannot be listened on: it is taken, reserved, or not of this machine.
+        """
+        server = await self._listen()
+        self._port = next(iter(server.sockets)).getsockname()[1]
+        task_status.started()
+        try:
+            await anyio.sleep_forever()
+        finally:
+            with anyio.move_on_after(_STOP_TIMEOUT, shield=True):
+                server.close()
+                await server.wait_closed()
+
+    async def _listen(self) -> Server:
+        settings = self._settings
+        log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this door alone; it leads into our own log
+        log.addHandler(_LibraryLog(self._node, self._limit))
+        try:
+            return await serve(
+                self._serve,
+                settings.host,
+                settings.port,
+                process_request=self._admit,
+                compression=None,  # costs more than a local link saves, and a small frame could grow without limit
+                server_header=None,
+                max_size=settings.max_frame_bytes,
+                close_timeout=_CLOSE_TIMEOUT,
+                logger=log,
+            )
+        except OSError as exc:
+            raise ConfigError("door", "", _listening_problem(settings, exc)) from exc
+
+    def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
+        settings, headers = self._settings, request.headers
+        if len(self._sessions) >= settings.max_clients:
+            return self._turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, "too many clients are connected")
+        problem = refusal(settings, headers.get_all("Host"), headers.get_all("Origin"))
+        if problem is not None:
+            return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem)
+        if not is_token(settings, token_of(request.path, headers.get_all("Authorization"))):
+            return self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a token is needed, and this is not it")
+        return None
+
+    def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
+        client = _address_of(connection)
+        if (held_back := self._limit.allows(f"turned away {client.rpartition(':')[0]}")) is not None:
+            self._node.log.warning("door.turned_away", client=client, problem=problem, held_back=held_back)
+        return connection.respond(status, f"{problem}\n")
+
+    async def _serve(self, connection: ServerConnection) -> None:
+        async def send(frame: JsonObject) -> None:
+            try:
+                await connection.send(encode_frame(frame))
+            except ConnectionClosed as exc:
+                raise LinkError("the client is gone") from exc
+
+        session = Session(self._node, self._settings, _address_of(connection), send, self._limit)
+        self._sessions[connection] = session
+        try:
+            await session.run(_texts(connection))
+        finally:
+            del self._sessions[connection]
+
+
+class _LibraryLog(logging.Handler):
+    """Brings what the WebSocket library has to say into our log, limited."""
+
+    def __init__(self, node: Node, limit: LogLimit) -> None:
+        super().__init__()
+        self._node = node
+        self._limit = limit
+
+    def emit(self, record: logging.LogRecord) -> None:
+        error = record.exc_info[1] if record.exc_info else None
+        if (held_back := self._limit.allows(record.msg)) is None:
+            return
+        if record.msg == "connection handler failed":
+            self._node.log.error("door.session_crashed", exc_info=error, held_back=held_back)
+        else:
+            self._node.log.warning("door.handshake_failed", problem=str(error or record.msg), held_back=held_back)
+
+
+async def _texts(connection: ServerConnection) -> AsyncIterator[str]:
+    """Yield the text frames of a client until it leaves; a binary frame ends the connection."""
+    try:
+        async for frame in connection:
+            if isinstance(frame, bytes):
+                await connection.close(CloseCode.UNSUPPORTED_DATA, "this door takes text frames (JSON) only")
+                return
+            yield frame
+    except ConnectionClosed:
+        return
+
+
+def _address_of(connection: ServerConnection) -> str:
+    host, port = (connection.remote_address or ("unknown", 0))[:2]
+    return f"{host}:{port}"
+
+
+def _listening_problem(settings: DoorSettings, error: OSError) -> str:
+    where = f"{settings.host}:{settings.port}"
+    if error.errno == errno.EADDRINUSE:
+        return f"{where} is taken, maybe by another homebot; stop that one, or choose another port"
+    if error.errno == errno.EACCES:
+        return f"{where} is reserved by the system; choose a port from 1024 on"
+    return f"cannot listen on {where}: {error.strerror or error}"

@@ -1,0 +1,41 @@
+"""Where the door listens, whom it lets in, and how much one client may hold."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, SecretStr
+
+__all__ = ["DoorSettings"]
+
+Count = Annotated[int, Field(ge=1)]
+
+
+class DoorSettings(BaseModel):
+    """The settings of the door.
+
+    Attributes:
+        host: Name or address to listen on. Any other than a loopback one needs a token.
+        port: TCP port; 0 takes a free one.
+        token: What a client must show, as ``Authorization: Bearer TOKEN`` or, for browsers, as ``?token=TOKEN``.
+        allowed_origins: Web pages that may connect besides those of the same host and of loopback, for example
+            ``https://panel.example.org``; ``null`` is a page opened from a file.
+        max_clients: Clients at a time; one more is turned away.
+        max_frame_bytes: Largest frame taken from a client; a larger one closes its connection.
+        queue_depth: Messages of one topic that may wait for a slow client (on a keyed topic: of each key); then the
+            oldest is dropped and counted.
+        max_entities: Topics and services that one client may use at a time.
+        max_calls: Service calls of one client under way at a time; one more fails at once.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    host: str = "127.0.0.1"
+    port: Annotated[int, Field(ge=0, le=65535)] = 9090
+    token: SecretStr | None = None
+    allowed_origins: tuple[str, ...] = ()
+    max_clients: Count = 64
+    max_frame_bytes: Count = 1_048_576
+    queue_depth: Count = 1000
+    max_entities: Count = 1000
+    max_calls: Count = 100

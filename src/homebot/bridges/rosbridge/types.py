@@ -1,0 +1,125 @@
+"""Which Python class a ROS type name means; ``std_msgs/String`` and ``std_msgs/msg/String`` are both welcome."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import Any
+
+from homebot import devices
+from homebot.errors import PeerError, TypeMismatchError
+from homebot.graph import Graph
+from homebot.messages import builtin_interfaces, rcl_interfaces, std_msgs, std_srvs
+from homebot.messages.message import Message
+from homebot.messages.service_type import ServiceType
+
+__all__ = ["find_message_type", "find_service_type", "message_type_of_topic", "same_type", "service_type_of"]
+
+_MESSAGES: tuple[type[Message], ...] = (
+    builtin_interfaces.Duration,
+    builtin_interfaces.Time,
+    devices.Device,
+    devices.DeviceChange,
+    devices.Endpoint,
+    devices.KeyValue,
+    devices.RawCommand,
+    devices.RawMessage,
+    devices.Sighting,
+    rcl_interfaces.Log,
+    rcl_interfaces.Parameter,
+    rcl_interfaces.ParameterEvent,
+    rcl_interfaces.ParameterValue,
+    std_msgs.Bool,
+    std_msgs.Empty,
+    std_msgs.Float32,
+    std_msgs.Float64,
+    std_msgs.Int32,
+    std_msgs.Int64,
+    std_msgs.String,
+    std_msgs.UInt8,
+)
+_SERVICES: tuple[ServiceType[Any, Any], ...] = (
+    devices.FindDevices,
+    devices.GetIndexData,
+    devices.SubscribeToTopic,
+    std_srvs.SetBool,
+    std_srvs.Trigger,
+)
+
+
+def same_type(first: str, second: str) -> bool:
+    """Whether two ROS type names mean one type, however they are spelled."""
+    return _parts(first) == _parts(second)
+
+
+def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Message]:
+    """Return what the topic with the full name *topic* carries, or would carry.
+
+    Args:
+        graph: The graph.
+        topic: Full name.
+        ros_type: The type that the client expects; may be empty where the topic exists.
+
+    Raises:
+        TypeMismatchError: The topic carries another type.
+        PeerError: There is no such topic and the type is empty or unknown.
+    """
+    carried = graph.get_message_type(topic)
+    if carried is None:
+        if not ros_type:
+            raise PeerError(f"there is no topic {topic} yet, so its type must be given")
+        return find_message_type(graph, ros_type)
+    if ros_type and not same_type(carried.ros_type, ros_type):
+        raise TypeMismatchError(f"topic {topic} carries {carried.ros_type}, not {ros_type}")
+    return carried
+
+
+def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[Any, Any]:
+    """Return the type that a new server of *service* has.
+
+    Raises:
+        TypeMismatchError: The service is of another type.
+        PeerError: The type is unknown.
+    """
+    used = graph.get_service_type(service)
+    if used is None:
+        return find_service_type(graph, ros_type)
+    if not same_type(used.ros_type, ros_type):
+        raise TypeMismatchError(f"service {service} is a {used.ros_type}, not a {ros_type}")
+    return used
+
+
+def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
+    """Return the message type called *ros_type*, from the standard ones and from those in use on *graph*.
+
+    Raises:
+        PeerError: It is unknown; the message names what is similar.
+    """
+    in_use = (graph.get_message_type(topic) for topic in graph.get_topic_names_and_types())
+    for known in (*_MESSAGES, *in_use):
+        if known is not None and same_type(known.ros_type, ros_type):
+            return known
+    raise _unknown("message", ros_type, [known.ros_type for known in _MESSAGES])
+
+
+def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
+    """Return the service type called *ros_type*, from the standard ones and from those in use on *graph*.
+
+    Raises:
+        PeerError: It is unknown; the message names what is similar.
+    """
+    in_use = (graph.get_service_type(service) for service in graph.get_service_names_and_types())
+    for known in (*_SERVICES, *in_use):
+        if known is not None and same_type(known.ros_type, ros_type):
+            return known
+    raise _unknown("service", ros_type, [known.ros_type for known in _SERVICES])
+
+
+def _parts(ros_type: str) -> tuple[str, str]:
+    package, _, rest = ros_type.partition("/")
+    return package, rest.removeprefix("msg/").removeprefix("srv/")
+
+
+def _unknown(kind: str, ros_type: str, known: list[str]) -> PeerError:
+    similar = get_close_matches(ros_type, known, n=3, cutoff=0.5)
+    hint = f"; similar: {', '.join(similar)}" if similar else ""
+    return PeerError(f"{kind} type {ros_type[:100]!r} is not known here{hint}")
