@@ -18,6 +18,7 @@ import logging
 import secrets
 import socket
 import ssl
+import struct
 import sys
 from collections.abc import AsyncIterator, Iterable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -33,14 +34,16 @@ from paho.mqtt.properties import Properties
 from paho.mqtt.reasoncodes import ReasonCode as PahoReason
 from paho.mqtt.subscribeoptions import SubscribeOptions
 
+from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
 from homebot.mqtt.client import MqttCounters, PublishResult, Session, Subscription
-from homebot.mqtt.dial import dial, make_tls_context
-from homebot.mqtt.incoming import Packet, PacketReader
+from homebot.mqtt.dial import dial, make_tls_context, socket_error
+from homebot.mqtt.incoming import Frame, FrameReader
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.reason import ReasonCode
 from homebot.mqtt.receiver import Receiver
+from homebot.mqtt.refusals import check_granted, farewell_error, login_error, reason_words
 from homebot.mqtt.topics import validate_filter, validate_topic
 
 __all__ = ["AiomqttClient"]
@@ -57,19 +60,6 @@ _SEND_QUEUE = 256
 _GOODBYE = 1.0
 """Seconds that a clean close may take; the broker may be gone already."""
 
-_TRY_LATER: Final = {
-    ReasonCode.SERVER_UNAVAILABLE,
-    ReasonCode.SERVER_BUSY,
-    ReasonCode.QUOTA_EXCEEDED,
-    ReasonCode.CONNECTION_RATE_EXCEEDED,
-}
-_THROWN_OUT: Final = {
-    ReasonCode.NOT_AUTHORIZED,
-    ReasonCode.SESSION_TAKEN_OVER,
-    ReasonCode.ADMINISTRATIVE_ACTION,
-    ReasonCode.BANNED,
-}
-
 # The libraries log what a peer makes them log, without a limit; the facts are in our errors and events.
 _SILENCE: Final = logging.getLogger("homebot.mqtt.silence")
 _SILENCE.disabled = True
@@ -85,12 +75,12 @@ class AiomqttClient:
 
     Args:
         options: Broker, login and limits.
+        clock: Paces log lines.
     """
 
-    def __init__(self, options: MqttOptions) -> None:
+    def __init__(self, options: MqttOptions, clock: Clock | None = None) -> None:
         self._options = options
-        self._receiver = Receiver(options, asyncio.get_running_loop().time)
-        self._tls: ssl.SSLContext | None = None
+        self._receiver = Receiver(options, LoopClock() if clock is None else clock)
         self._link: _Link | None = None
         self._up = False
 
@@ -118,6 +108,8 @@ class AiomqttClient:
     ) -> PublishResult:
         """Publish; see `MqttClient.publish`."""
         validate_topic(topic)
+        if qos not in {0, 1, 2}:
+            raise UsageError(f"QoS is 0, 1 or 2, not {qos}")
         return await self._need_link().send(topic, payload, qos, retain=retain, properties=properties)
 
     async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
@@ -156,23 +148,27 @@ class AiomqttClient:
             self._up = False
 
     async def _open(self) -> tuple[_Link, Session]:
-        if self._options.tls and self._tls is None:
-            self._tls = await make_tls_context(self._options)
+        tls = await make_tls_context(self._options) if self._options.tls else None  # certificates are renewed
         try:
-            return await self._open_as(self._first_version())
+            return await self._open_as(self._first_version(), tls)
         except (RefusedError, _ClosedEarlyError) as error:
             if not self._falls_back(error):
                 raise
-            _log.info("mqtt.fell_back", broker=self._options.url, protocol="3.1.1", reason=str(error))
-        return await self._open_as("3.1.1")
+            _log.info(
+                "mqtt.fell_back",
+                message=f"{self._options.url} does not speak MQTT 5; trying 3.1.1",
+                broker=self._options.url,
+                reason=str(error),
+            )
+        return await self._open_as("3.1.1", tls)
 
-    async def _open_as(self, version: _Version) -> tuple[_Link, Session]:
+    async def _open_as(self, version: _Version, tls: ssl.SSLContext | None) -> tuple[_Link, Session]:
         # The same object on every link: a new one counts packet identifiers from the start again, and a broker
         # with an open QoS 2 hand-shake of that number takes the next message for a repetition and swallows it.
         link = self._link
         if link is None or link.version != version:
             link = _Link(self._options, version, self._receiver)
-        session = await link.open(await dial(self._options, self._tls))
+        session = await link.open(await dial(self._options, tls))
         self._link = link
         return link, session
 
@@ -223,7 +219,7 @@ class _Link(aiomqtt.Client):
         self.pending_calls_threshold = sys.maxsize  # else it warns from ten calls on
         self._options = options
         self._receiver = receiver
-        self._packets = PacketReader(options.maximum_packet_size)
+        self._packets = FrameReader(options.maximum_packet_size)
         self._granted: Session | None = None
         self._greeting: asyncio.Future[Session] = self._loop.create_future()
         self._lost: LinkError | RefusedError | None = LinkError("not connected yet")
@@ -243,17 +239,17 @@ class _Link(aiomqtt.Client):
     async def open(self, sock: socket.socket) -> Session:
         """Say CONNECT on *sock*, which from now on belongs to the link, and wait for the answer."""
         self._dialled = sock
-        self._packets = PacketReader(self._options.maximum_packet_size)
+        self._packets = FrameReader(self._options.maximum_packet_size)
         self._granted = self._lost = None
         self._gone = anyio.Event()
         self._greeting = self._loop.create_future()
-        self._client_connect()
         try:
+            self._client_connect()  # does not block: the socket is there
             with anyio.fail_after(self.timeout):
                 return await self._greeting
         except TimeoutError as error:
             self._abort()
-            raise LinkError(f"{self._options.url}: no answer to CONNECT within {self.timeout:g} s") from error
+            raise self._trouble(f"no answer to CONNECT within {self.timeout:g} s") from error
         except BaseException:
             self._abort()
             raise
@@ -264,17 +260,19 @@ class _Link(aiomqtt.Client):
             if self._client.disconnect() == paho.MQTT_ERR_SUCCESS:
                 await self._gone.wait()
         self._abort()
-        self._lose(LinkError("closed"))
+        self._lose(self._trouble("closed"))
 
     async def wait_lost(self) -> LinkError | RefusedError:
         await self._gone.wait()
-        return self._lost or LinkError("closed")
+        return self._lost or self._trouble("closed")
 
     async def send(
         self, topic: str, payload: bytes, qos: int, *, retain: bool, properties: MessageProperties
     ) -> PublishResult:
-        self._check_room(topic, payload, qos, retain=retain)
         extra = None if properties is NO_PROPERTIES or self.version != "5" else _publish_properties(properties)
+        self._check_alive()
+        if self._granted is not None:
+            check_granted(self._granted, topic, len(payload) + _packed_size(extra), qos, retain=retain)
         if qos:
             async with self._window:
                 return await self._send_and_wait(topic, payload, qos, retain=retain, extra=extra)
@@ -294,7 +292,7 @@ class _Link(aiomqtt.Client):
         refused = [(s.filter, reason) for s, reason in zip(subscriptions, reasons, strict=False) if reason >= 0x80]
         if refused:
             names = ", ".join(repr(name) for name, _ in refused)
-            raise RefusedError(f"the subscription to {names}", _words(refused[0][1]), refused[0][1])
+            raise RefusedError(f"the subscription to {names}", reason_words(refused[0][1]), refused[0][1])
         return reasons
 
     async def cancel(self, filters: tuple[str, ...]) -> None:
@@ -323,11 +321,11 @@ class _Link(aiomqtt.Client):
             with anyio.fail_after(self.timeout):
                 reason = await answer
         except TimeoutError as error:
-            raise LinkError(f"{self._options.url}: no answer to a publish within {self.timeout:g} s") from error
+            raise self._trouble(f"no answer to a publish within {self.timeout:g} s") from error
         finally:
             self._answers.pop(packet_id, None)
         if reason >= 0x80:
-            raise RefusedError(f"the publish to {topic!r}", _words(reason), reason)
+            raise RefusedError(f"the publish to {topic!r}", reason_words(reason), reason)
         return PublishResult(reason)
 
     def _hand_over(self, topic: str, payload: bytes, qos: int, *, retain: bool, extra: Properties | None) -> int:
@@ -339,7 +337,7 @@ class _Link(aiomqtt.Client):
             raise self._lost_error("publish")
         return info.mid
 
-    def _answered(self, packet: Packet) -> None:
+    def _answered(self, packet: Frame) -> None:
         """PUBACK, PUBCOMP, or a PUBREC that says no: the hand-shake is over."""
         packet_id = int.from_bytes(packet.body[:2], "big")
         client = self._client
@@ -351,28 +349,17 @@ class _Link(aiomqtt.Client):
         if answer is not None and not answer.done():
             answer.set_result(packet.body[2] if len(packet.body) > 2 else 0)
 
-    def _check_room(self, topic: str, payload: bytes, qos: int, *, retain: bool) -> None:
-        self._check_alive()
-        session = self._granted
-        if session is None:
-            return
-        limit = session.maximum_packet_size
-        for code, no in (
-            (ReasonCode.QOS_NOT_SUPPORTED, qos > session.maximum_qos),
-            (ReasonCode.RETAIN_NOT_SUPPORTED, retain and not session.retain_available),
-            (ReasonCode.PACKET_TOO_LARGE, limit is not None and len(topic.encode()) + len(payload) + 10 > limit),
-        ):
-            if no:  # a broker would close the link
-                raise RefusedError(f"the publish to {topic!r}", _words(code), code)
-
     def _check_alive(self) -> None:
         if self._lost is not None:
             raise self._lost_error("request")
 
     def _lost_error(self, what: str) -> LinkError:
         if self._lost is None:
-            return LinkError(f"{self._options.url}: no answer to {what} within {self.timeout:g} s")
-        return LinkError(f"{self._options.url}: {what} failed, the link is lost: {self._lost}")
+            return self._trouble(f"no answer to {what} within {self.timeout:g} s")
+        return LinkError(f"{what} failed, the link is lost: {self._lost}")
+
+    def _trouble(self, problem: str) -> LinkError:
+        return LinkError(f"{self._options.url}: {problem}")
 
     def _wish(self, subscription: Subscription) -> Any:
         if self.version != "5":
@@ -430,24 +417,21 @@ class _Link(aiomqtt.Client):
                 data = sock.recv(_READ_SIZE)
             except (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
                 return
-            except ssl.SSLError as error:  # TLS 1.3 tells only now that it does not like our certificate
-                self._break(RefusedError(f"TLS with {self._options.url}", error.reason or "alert"))
-                return
-            except OSError as error:
-                self._break(LinkError(error.strerror or str(error)))
+            except OSError as error:  # also where TLS 1.3 tells that it does not like our certificate
+                self._break(socket_error(self._options.url, error))
                 return
             self._take_in(data)
             more = isinstance(sock, ssl.SSLSocket) and sock.pending() > 0
 
     def _take_in(self, data: bytes) -> None:
         if not data:
-            self._break(LinkError("the broker closed the connection"))
+            self._break(self._trouble("the broker closed the connection"))
             return
         self._client._last_bytes_received = paho.time_func()  # or paho takes the link for dead
         try:
             packets = self._packets.feed(data)
         except WireError as error:
-            self._break(LinkError(str(error)))
+            self._break(self._trouble(str(error)))
             return
         answers = bytearray()
         publish = self._receiver.publish
@@ -461,10 +445,10 @@ class _Link(aiomqtt.Client):
         if answers:
             self.answer(bytes(answers))
 
-    def _handle(self, packet: Packet) -> bytes:
+    def _handle(self, packet: Frame) -> bytes:
         kind = packet.first & 0xF0
         if packet.oversize or (self._granted is None and kind != paho.CONNACK):
-            self._break(LinkError(f"the broker sent a packet of type {kind >> 4} where it must not"))
+            self._break(self._trouble(f"the broker sent a packet of type {kind >> 4} where it must not"))
         elif kind == paho.PUBREL:
             return self._receiver.release(packet)
         elif kind in {paho.PUBACK, paho.PUBCOMP} or (
@@ -475,7 +459,7 @@ class _Link(aiomqtt.Client):
             self._let_paho_handle(packet)
         return b""
 
-    def _let_paho_handle(self, packet: Packet) -> None:
+    def _let_paho_handle(self, packet: Frame) -> None:
         client = self._client
         client._in_packet["command"] = packet.first
         client._in_packet["packet"] = bytearray(packet.body)
@@ -484,10 +468,10 @@ class _Link(aiomqtt.Client):
         try:
             code = client._packet_handle()
         except MQTTException as error:
-            self._break(LinkError(f"the broker sent something unreadable: {error}"))
+            self._break(self._trouble(f"the broker sent something unreadable: {error}"))
             return
         if code != paho.MQTT_ERR_SUCCESS:
-            self._break(LinkError(f"the broker sent something out of place: {paho.error_string(code)}"))
+            self._break(self._trouble(f"the broker sent something out of place: {paho.error_string(code)}"))
 
     # -- the life of a link -------------------------------------------------------------------------------
 
@@ -503,7 +487,9 @@ class _Link(aiomqtt.Client):
             return
         code = reason_code.value
         if code >= 0x80:
-            self._break(_no_entry(self._options, code))
+            error = login_error(self._options.url, code)
+            self._greeting.set_exception(error)
+            self._lose(error)  # paho closes the socket; here it holds the lock for that
             return
         session = _session(self.version, flags, properties)
         self._granted = session
@@ -525,13 +511,10 @@ class _Link(aiomqtt.Client):
         reason_code: PahoReason,
         properties: Properties | None = None,
     ) -> None:
-        words = _words(reason_code.value)
-        if not flags.is_disconnect_packet_from_server:
-            self._lose(LinkError(words))
-        elif reason_code.value in _THROWN_OUT:
-            self._lose(RefusedError("the connection", words, reason_code.value))
+        if flags.is_disconnect_packet_from_server:
+            self._lose(farewell_error(self._options.url, reason_code.value))
         else:
-            self._lose(LinkError(f"the broker said good-bye: {words}"))
+            self._lose(self._trouble(reason_words(reason_code.value) if reason_code.is_failure else "closed"))
 
     def _break(self, reason: LinkError | RefusedError) -> None:
         self._lose(reason)
@@ -546,7 +529,7 @@ class _Link(aiomqtt.Client):
         self._lost = reason
         if not self._greeting.done():
             early = isinstance(reason, LinkError)
-            self._greeting.set_exception(_ClosedEarlyError(f"{self._options.url}: {reason}") if early else reason)
+            self._greeting.set_exception(_ClosedEarlyError(str(reason)) if early else reason)
         self._receiver.end_link(reason)
         self._fail_calls()
         self._gone.set()
@@ -593,6 +576,16 @@ def _publish_properties(wanted: MessageProperties, packet_type: int = PacketType
     return properties
 
 
+def _packed_size(properties: Properties | None) -> int:
+    """Bytes of the properties; it also checks them, which paho does only when half of a publish is booked."""
+    if properties is None:
+        return 0
+    try:
+        return len(properties.pack())  # type: ignore[no-untyped-call] # paho has no types there
+    except (MQTTException, ValueError, struct.error) as error:
+        raise UsageError(f"these message properties cannot be sent: {error}") from error
+
+
 def _will(options: MqttOptions, *, with_properties: bool) -> aiomqtt.Will | None:
     will = options.will
     if will is None:
@@ -614,16 +607,3 @@ def _session(version: _Version, flags: paho.ConnectFlags, properties: Properties
         receive_maximum=fact("ReceiveMaximum", 65_535),
         maximum_packet_size=fact("MaximumPacketSize", 0) or None,
     )
-
-
-def _no_entry(options: MqttOptions, code: int) -> LinkError | RefusedError:
-    if code in _TRY_LATER:
-        return LinkError(f"the broker said: {_words(code)}")
-    return RefusedError(f"the login at {options.url}", _words(code), code)
-
-
-def _words(code: int) -> str:
-    try:
-        return ReasonCode(code).name.lower().replace("_", " ")
-    except ValueError:
-        return f"reason 0x{code:02x}"

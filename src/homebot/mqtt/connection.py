@@ -19,11 +19,13 @@ import structlog
 from anyio.abc import TaskGroup
 
 from homebot.clock import Clock, LoopClock
-from homebot.errors import ClosedError, LinkError, RefusedError
+from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
+from homebot.log import LogLimit
 from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
 from homebot.mqtt.client import MqttClient, MqttCounters, PublishResult, Session, Subscription
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions, Will
+from homebot.mqtt.topics import validate_filter
 
 __all__ = ["OFFLINE", "ONLINE", "ConnectionState", "LinkPhase", "MqttConnection"]
 
@@ -77,9 +79,9 @@ class MqttConnection:
     Args:
         options: Broker, login and limits.
         make_client: Makes the client, for example ``AiomqttClient``.
-        status_topic: Retained "online" and "offline" are published there, the latter also by the broker as this client's
-            will; by default ``homebot/<client id>/status``, with "+" and "#" of the client id made "_". None announces
-            nothing.
+        status_topic: Retained "online" and "offline" are published there, the latter also by the broker as this
+            client's will; by default ``homebot/<client id>/status``, with "+" and "#" of the client id made "_". None
+            announces nothing.
         clock: Measures how long a link was up or down.
         random: Source of the back-off's jitter.
         link_backoff: Delays while the broker cannot be reached.
@@ -105,6 +107,7 @@ class MqttConnection:
         self._url = options.url
         self._client = make_client(options)
         self._clock = LoopClock() if clock is None else clock
+        self._limit = LogLimit(self._clock)
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
         self._link_backoff = link_backoff
         self._refused_backoff = refused_backoff
@@ -178,24 +181,28 @@ class MqttConnection:
     async def subscribe(self, *subscriptions: Subscription) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
 
-        While the link is down they are only remembered; what is refused then is logged and not repeated.
+        While the link is down they are only remembered. What a broker refuses on a later link is logged, and asked for
+        again on the one after.
 
         Raises:
-            UsageError: A filter is not a topic filter.
-            RefusedError: At least one was refused now; none of this call is remembered.
+            InvalidNameError: A filter is not a topic filter; nothing is remembered.
+            RefusedError: At least one was refused; the text names them. They are forgotten, the others stand.
         """
         for subscription in subscriptions:
+            validate_filter(subscription.filter)
+        for subscription in subscriptions:
             self._wanted[subscription.filter] = subscription
+            self._made.discard(subscription.filter)
             self._unwanted.discard(subscription.filter)
+        names = [subscription.filter for subscription in subscriptions]
         try:
-            await self._client.subscribe(*subscriptions)
+            refused = await self._make(names)
         except LinkError:
             return
-        except BaseException:
-            for subscription in subscriptions:
-                self._wanted.pop(subscription.filter, None)
-            raise
-        self._made.update(subscription.filter for subscription in subscriptions)
+        for name in refused:
+            self._wanted.pop(name, None)
+        if refused:
+            raise _join(refused)
 
     async def unsubscribe(self, *filters: str) -> None:
         """Take subscriptions back, now and for every later link."""
@@ -264,38 +271,57 @@ class MqttConnection:
     async def _try_once(self) -> float:
         """One link from its making to its end; returns the seconds to wait before the next."""
         up_since: float | None = None
-        reason: LinkError | RefusedError
+        reason: HomebotError
         try:
             async with self._client.connected() as session:
                 try:
                     await self._prepare(session)
                     up_since = self._clock.monotonic()
                     self._enter(LinkPhase.CONNECTED)
-                    _log.info("mqtt.connected", broker=self._url, protocol=session.protocol, resumed=session.resumed)
+                    _log.info(
+                        "mqtt.connected",
+                        message=f"connected to {self._url} with MQTT {session.protocol}",
+                        broker=self._url,
+                        protocol=session.protocol,
+                        resumed=session.resumed,
+                    )
                     reason = await self._client.wait_lost()
                 except anyio.get_cancelled_exc_class():
                     await self._say_offline()
                     raise
-        except (LinkError, RefusedError) as error:
+        except (LinkError, RefusedError, UsageError) as error:  # UsageError: a certificate file
             reason = error
         return self._plan(reason, up_since)
 
     async def _prepare(self, session: Session) -> None:
         if not session.resumed:
             self._made.clear()
-        missing = [subscription for name, subscription in self._wanted.items() if name not in self._made]
-        for subscription in missing:
-            try:
-                await self._client.subscribe(subscription)
-            except RefusedError as error:
-                self._wanted.pop(subscription.filter, None)
-                _log.error("mqtt.subscription_refused", broker=self._url, reason=str(error))
-            else:
-                self._made.add(subscription.filter)
+        for name, error in (await self._make([name for name in self._wanted if name not in self._made])).items():
+            _log.error(
+                "mqtt.subscription_refused",
+                message=f"{self._url} refuses the subscription to {name!r}: {error.reason}",
+                broker=self._url,
+                filter=name,
+                reason=error.reason,
+            )
         if self._unwanted:
             await self._client.unsubscribe(*self._unwanted)
             self._unwanted.clear()
         await self._announce(ONLINE)
+
+    async def _make(self, names: Iterable[str]) -> dict[str, RefusedError]:
+        """Subscribe one by one, because a no is for one; returns what was refused."""
+        refused: dict[str, RefusedError] = {}
+        for name in names:
+            if (subscription := self._wanted.get(name)) is None:
+                continue
+            try:
+                await self._client.subscribe(subscription)
+            except RefusedError as error:
+                refused[name] = error
+            else:
+                self._made.add(name)
+        return refused
 
     async def _announce(self, payload: bytes) -> None:
         if self._status_topic is None:
@@ -303,7 +329,12 @@ class MqttConnection:
         try:
             await self._client.publish(self._status_topic, payload, qos=1, retain=True)
         except RefusedError as error:  # being visible is a courtesy; all else still works
-            _log.warning("mqtt.status_refused", broker=self._url, reason=str(error))
+            _log.warning(
+                "mqtt.status_refused",
+                message=f"{self._url}: others cannot see whether homebot is there: {error}",
+                broker=self._url,
+                reason=error.reason,
+            )
 
     async def _say_offline(self) -> None:
         with anyio.CancelScope(shield=True), anyio.move_on_after(_FAREWELL):
@@ -312,9 +343,9 @@ class MqttConnection:
             except LinkError:
                 return  # the broker says it for us: the will
 
-    def _plan(self, reason: LinkError | RefusedError, up_since: float | None) -> float:
+    def _plan(self, reason: HomebotError, up_since: float | None) -> float:
         now = self._clock.monotonic()
-        refused = isinstance(reason, RefusedError)
+        refused = not isinstance(reason, LinkError)
         if up_since is not None and now - up_since >= _STABLE:
             self._failures = 0
         if self._failures == 0:
@@ -326,14 +357,20 @@ class MqttConnection:
             backoff = self._refused_backoff if refused else self._link_backoff
             delay = backoff.delay(self._failures + 1, now - self._failing_since, self._random)
         self._failures += 1
-        self._enter(LinkPhase.REFUSED if refused else LinkPhase.WAITING, _why(reason), delay)
+        self._enter(LinkPhase.REFUSED if refused else LinkPhase.WAITING, str(reason), delay)
+        self._report("mqtt.refused" if refused else "mqtt.link_lost" if was_up else "mqtt.unreachable", reason, delay)
+        return delay
+
+    def _report(self, event: str, reason: HomebotError, delay: float) -> None:
+        if self._limit.allows(event) is None:  # a broker that is away is tried many times in a minute
+            return
         _log.warning(
-            "mqtt.refused" if refused else "mqtt.link_lost" if was_up else "mqtt.unreachable",
+            event,
+            message=f"{reason}; next try {'at once' if delay == 0 else f'in {delay:.1f} s'}",
             broker=self._url,
             reason=str(reason),
             retry_in=round(delay, 2),
         )
-        return delay
 
     def _enter(self, phase: LinkPhase, reason: str = "", retry_in: float | None = None) -> None:
         self._state = ConnectionState(phase, reason, retry_in)
@@ -341,5 +378,7 @@ class MqttConnection:
         self._changed = anyio.Event()
 
 
-def _why(reason: LinkError | RefusedError) -> str:
-    return reason.reason if isinstance(reason, RefusedError) else str(reason)
+def _join(refused: dict[str, RefusedError]) -> RefusedError:
+    names = ", ".join(repr(name) for name in refused)
+    first = next(iter(refused.values()))
+    return RefusedError(f"the subscription to {names}", first.reason, first.code)

@@ -13,7 +13,7 @@ import anyio.to_thread
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.options import MqttOptions
 
-__all__ = ["dial", "make_tls_context"]
+__all__ = ["dial", "make_tls_context", "socket_error"]
 
 
 async def dial(options: MqttOptions, context: ssl.SSLContext | None) -> socket.socket:
@@ -35,10 +35,15 @@ async def dial(options: MqttOptions, context: ssl.SSLContext | None) -> socket.s
         raise LinkError(f"{options.url}: no answer within {options.timeout:g} s") from error
     except ssl.SSLCertVerificationError as error:
         raise RefusedError(f"the certificate of {options.url}", error.verify_message) from error
-    except ssl.SSLError as error:
-        raise RefusedError(f"TLS with {options.url}", error.reason or "hand-shake failed") from error
     except OSError as error:
-        raise LinkError(f"{options.url}: {error.strerror or error}") from error
+        raise socket_error(options.url, error) from error
+
+
+def socket_error(url: str, error: OSError) -> LinkError | RefusedError:
+    """What a failure of a socket means: a no of the TLS hand-shake is a no, all else is the link."""
+    if isinstance(error, ssl.SSLError) and not isinstance(error, ssl.SSLEOFError | ssl.SSLZeroReturnError):
+        return RefusedError(f"TLS with {url}", (error.reason or "hand-shake failed").lower().replace("_", " "))
+    return LinkError(f"{url}: {error.strerror or error}")
 
 
 async def make_tls_context(options: MqttOptions) -> ssl.SSLContext:
@@ -72,7 +77,11 @@ async def _connect(options: MqttOptions) -> socket.socket:
 
 
 async def _encrypt(raw: socket.socket, options: MqttOptions, context: ssl.SSLContext) -> ssl.SSLSocket:
-    sock = context.wrap_socket(raw, server_hostname=options.host, do_handshake_on_connect=False)
+    try:
+        sock = context.wrap_socket(raw, server_hostname=options.host, do_handshake_on_connect=False)
+    except BaseException:
+        raw.close()
+        raise
     try:
         while True:
             try:

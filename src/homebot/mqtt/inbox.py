@@ -33,7 +33,7 @@ class Inbox:
         self._messages: deque[MqttMessage] = deque()
         self._droppable = 0
         self._droppable_bytes = 0
-        self._ended: LinkError | RefusedError | None = None
+        self._ended: LinkError | RefusedError | None = LinkError("not connected yet")
         self._wake: anyio.Event | None = None
         self.dropped = 0
 
@@ -47,8 +47,7 @@ class Inbox:
                 self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes
             ):
                 self._drop_oldest()
-        if self._wake is not None:
-            self._wake.set()
+        self._wake_up()
 
     async def take(self) -> list[MqttMessage]:
         """Everything that is there, oldest first.
@@ -59,11 +58,9 @@ class Inbox:
         while not self._messages:
             if self._ended is not None:
                 raise LinkError(f"no more messages: {self._ended}") from self._ended
-            self._wake = anyio.Event()
-            try:
-                await self._wake.wait()
-            finally:
-                self._wake = None
+            if self._wake is None:
+                self._wake = anyio.Event()
+            await self._wake.wait()
         taken = list(self._messages)
         self._messages.clear()
         self._droppable = self._droppable_bytes = 0
@@ -72,14 +69,18 @@ class Inbox:
     def end(self, reason: LinkError | RefusedError) -> None:
         """Nothing more will come, because of *reason*; what is there can still be taken."""
         self._ended = reason
-        if self._wake is not None:
-            self._wake.set()
+        self._wake_up()
 
     def reopen(self, *, resumed: bool) -> None:
-        """Messages will come again; in a *resumed* session the broker repeats those of QoS 1 and 2 that wait here."""
+        """Messages will come again; in a *resumed* session the broker repeats those of QoS 1 that wait here."""
         self._ended = None
         if resumed:
-            self._messages = deque(message for message in self._messages if message.qos == 0)
+            self._messages = deque(message for message in self._messages if message.qos != 1)
+
+    def _wake_up(self) -> None:
+        if self._wake is not None:
+            self._wake.set()
+            self._wake = None
 
     def _drop_oldest(self) -> None:
         index = next(index for index, message in enumerate(self._messages) if message.qos == 0)

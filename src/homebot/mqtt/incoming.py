@@ -15,7 +15,7 @@ from homebot.mqtt.packets.primitives import Cursor
 from homebot.mqtt.packets.properties import PacketType, decode_properties
 from homebot.mqtt.topics import validate_topic
 
-__all__ = ["Packet", "PacketReader", "PublishReader"]
+__all__ = ["Frame", "FrameReader", "PublishReader"]
 
 _HEAD = 2 + 65_535 + 2
 """Longest topic and packet identifier at the start of a PUBLISH: what is kept of one that is too large."""
@@ -27,8 +27,8 @@ _LONGEST_CACHED = 256
 """Longer topics are checked each time, so that the memory stays near one megabyte."""
 
 
-class Packet(NamedTuple):
-    """One control packet.
+class Frame(NamedTuple):
+    """One control packet as it came, not yet understood.
 
     Attributes:
         first: First byte: type in the upper four bits, flags in the lower.
@@ -42,7 +42,7 @@ class Packet(NamedTuple):
 
 
 @final
-class PacketReader:
+class FrameReader:
     """Cuts a byte stream into packets; holds at most one incomplete packet within the limit.
 
     Args:
@@ -54,16 +54,16 @@ class PacketReader:
     def __init__(self, maximum: int) -> None:
         self._maximum = maximum
         self._rest = b""
-        self._skipping: Packet | None = None
+        self._skipping: Frame | None = None
         self._skip = 0
 
-    def feed(self, data: bytes) -> list[Packet]:
+    def feed(self, data: bytes) -> list[Frame]:
         """The packets that *data* completes.
 
         Raises:
             WireError: A length has more than four bytes; the stream cannot be followed any further.
         """
-        packets: list[Packet] = []
+        packets: list[Frame] = []
         if self._skipping is not None:
             data = self._skip_over(data, packets)
         buffer = self._rest + data if self._rest else data
@@ -82,17 +82,17 @@ class PacketReader:
                 continue
             if end > size:
                 break
-            packets.append(Packet(buffer[position], buffer[start:end]))
+            packets.append(Frame(buffer[position], buffer[start:end]))
             position = end
         self._rest = buffer[position:]
         return packets
 
-    def _start_skipping(self, buffer: bytes, position: int, start: int, length: int, done: list[Packet]) -> int:
-        self._skipping = Packet(buffer[position], b"", length)
+    def _start_skipping(self, buffer: bytes, position: int, start: int, length: int, done: list[Frame]) -> int:
+        self._skipping = Frame(buffer[position], b"", length)
         self._skip = length
         return len(buffer) - len(self._skip_over(buffer[start:], done))
 
-    def _skip_over(self, data: bytes, done: list[Packet]) -> bytes:
+    def _skip_over(self, data: bytes, done: list[Frame]) -> bytes:
         packet = self._skipping
         assert packet is not None  # noqa: S101 - private; the caller looked
         head = packet.body + data[: min(_HEAD - len(packet.body), self._skip)]
@@ -119,14 +119,15 @@ class PublishReader:
         self._has_properties = has_properties
         self._topics: dict[bytes, str] = {}
 
-    def packet_id(self, packet: Packet) -> int:
-        """The packet identifier, also of a packet whose rest is cut or bad; 0 where it has none."""
+    def packet_id(self, packet: Frame) -> int:
+        """The packet identifier, also of a packet whose rest is cut or bad; 0 where none can be read."""
         if not packet.first & 0x06:
             return 0
         start = 2 + int.from_bytes(packet.body[:2], "big")
-        return int.from_bytes(packet.body[start : start + 2], "big")
+        raw = packet.body[start : start + 2]
+        return int.from_bytes(raw, "big") if len(raw) == 2 else 0
 
-    def read(self, packet: Packet, receipt: int) -> MqttMessage:
+    def read(self, packet: Frame, receipt: int) -> MqttMessage:
         """The message in a whole packet.
 
         Args:

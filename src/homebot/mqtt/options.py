@@ -96,12 +96,12 @@ class MqttOptions:
 
     def __post_init__(self) -> None:
         for problem, bad in (
-            ("host is empty", not self.host),
+            ("host is no host name or address", not _is_host(self.host)),
             ("port must be 1 to 65535", not 1 <= self.port <= 65535),
             ("a password needs a user", self.password is not None and self.user is None),
             ("CA file and client certificate need mqtts://", not self.tls and (self.ca_file or self.cert_file)),
             ("a client key needs a client certificate", self.key_file and not self.cert_file),
-            ("client id must have 1 to 256 characters, without NUL", not _is_client_id(self.client_id)),
+            ("client id must be text of 1 to 256 characters, without NUL", not _is_client_id(self.client_id)),
             ("keep alive must be 5 to 65535 s", not 5 <= self.keep_alive <= 65535),
             ("timeout must be more than 0 s", not self.timeout > 0),
             ("session expiry must be 0 to 4294967295 s", not 0 <= self.session_expiry < 2**32),
@@ -140,6 +140,13 @@ class MqttOptions:
         """The address without user and password, fit for logs, as ``mqtt://host:port``."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"mqtt{'s' if self.tls else ''}://{host}:{self.port}"
+
+
+def _is_host(value: str) -> bool:
+    try:
+        return bool(value.encode("idna"))  # what the resolver does later, where the error would be a surprise
+    except UnicodeError:
+        return False
 
 
 def _is_client_id(value: str) -> bool:

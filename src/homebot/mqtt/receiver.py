@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import final
 
 import structlog
 
+from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.log import LogLimit
 from homebot.mqtt.client import MqttCounters, Session
 from homebot.mqtt.delivery import DeliveryLedger
 from homebot.mqtt.inbox import Inbox
-from homebot.mqtt.incoming import Packet, PublishReader
+from homebot.mqtt.incoming import Frame, PublishReader
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 
 __all__ = ["Receiver"]
-
-_LOG_EVERY = 10.0
-"""Seconds between two lines about dropped packets: somebody else decides how many there are."""
 
 _log = structlog.get_logger()
 
@@ -29,19 +28,18 @@ class Receiver:
 
     Args:
         options: The limits.
-        now: Seconds of a clock that never goes back.
+        clock: Paces the log lines about dropped messages: somebody else decides how many there are.
 
     Attributes:
         counters: What happened since this was made.
     """
 
-    def __init__(self, options: MqttOptions, now: Callable[[], float]) -> None:
+    def __init__(self, options: MqttOptions, clock: Clock) -> None:
         self._options = options
-        self._now = now
+        self._limit = LogLimit(clock)
         self._ledger = DeliveryLedger()
         self._inbox = Inbox(options.inbox_messages, options.inbox_bytes)
         self._reader = PublishReader(has_properties=True)
-        self._quiet_until = float("-inf")
         self.counters = MqttCounters()
 
     def begin_link(self, session: Session) -> None:
@@ -54,7 +52,7 @@ class Receiver:
         """No more messages before the next link."""
         self._inbox.end(reason)
 
-    def publish(self, packet: Packet) -> bytes:
+    def publish(self, packet: Frame) -> bytes:
         """Take in one PUBLISH; returns what has to be answered at once, mostly nothing. Never raises."""
         qos = packet.first >> 1 & 3
         receipt: int | None = 0
@@ -63,7 +61,11 @@ class Receiver:
             self.counters.dropped_oversize += 1
             return self._drop(packet, f"{packet.oversize} bytes, over the limit")
         if qos:
-            receipt, answer = self._ledger.admit(qos, self._reader.packet_id(packet))
+            packet_id = self._reader.packet_id(packet)
+            if packet_id == 0 or qos == 3:
+                self.counters.dropped_malformed += 1
+                return self._drop(packet, "QoS 3, or no packet identifier")
+            receipt, answer = self._ledger.admit(qos, packet_id)
             if receipt is None:
                 return answer
         try:
@@ -78,7 +80,7 @@ class Receiver:
             self._say("the inbox is full; the oldest messages of QoS 0 go")
         return answer
 
-    def release(self, packet: Packet) -> bytes:
+    def release(self, packet: Frame) -> bytes:
         """Take in one PUBREL; returns the answer."""
         return self._ledger.release(int.from_bytes(packet.body[:2], "big"))
 
@@ -90,18 +92,17 @@ class Receiver:
         """All messages that are there; see `Inbox.take`."""
         return await self._inbox.take()
 
-    def _drop(self, packet: Packet, problem: str) -> bytes:
+    def _drop(self, packet: Frame, problem: str) -> bytes:
         self._say(problem, start=packet.body[:64].hex())
         qos, packet_id = packet.first >> 1 & 3, self._reader.packet_id(packet)
         return self._ledger.refuse(qos, packet_id) if qos in {1, 2} and packet_id else b""
 
     def _say(self, reason: str, **facts: str) -> None:
-        now = self._now()
-        if now < self._quiet_until:
+        if self._limit.allows("dropped") is None:
             return
-        self._quiet_until = now + _LOG_EVERY
         _log.warning(
             "mqtt.messages_dropped",
+            message=f"{self._options.url}: messages were dropped, the last one because: {reason}",
             broker=self._options.url,
             reason=reason,
             malformed=self.counters.dropped_malformed,
