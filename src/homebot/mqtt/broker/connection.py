@@ -1,0 +1,145 @@
+"""One client's socket: joins what is written within one turn of the loop, and closes without losing the reason."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import Callable
+from typing import final
+
+import structlog
+
+from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.peer import Peer
+from homebot.mqtt.packets import ReasonCode
+
+__all__ = ["Connection"]
+
+_JOIN_AT_MOST = 128 * 1024  # write at once what has grown to this, so that the transport's limit counts
+
+_log = structlog.get_logger()
+
+
+@final
+class Connection(asyncio.Protocol):
+    """Carries bytes between a transport and a :class:`Peer`; fills the :class:`Link` port.
+
+    Args:
+        hub: The broker.
+        loop: The running loop.
+        on_lost: Told when the socket is closed.
+
+    Attributes:
+        choked: As :class:`Link` says.
+        address: The far side's address.
+        peer: The state machine.
+    """
+
+    def __init__(self, hub: Hub, loop: asyncio.AbstractEventLoop, on_lost: Callable[[Connection], None]) -> None:
+        self.choked = False
+        self.address = "?"
+        self.peer = Peer(hub, self)
+        self._hub = hub
+        self._loop = loop
+        self._on_lost = on_lost
+        self._transport: asyncio.Transport | None = None
+        self._out: list[bytes] = []
+        self._out_size = 0
+        self._closing = False
+        self._lingering: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """The socket is open."""
+        assert isinstance(transport, asyncio.Transport)  # noqa: S101 - what create_server gives
+        self._transport = transport
+        transport.set_write_buffer_limits(high=self._hub.limits.write_buffer)
+        address = transport.get_extra_info("peername")
+        if isinstance(address, tuple):
+            self.address = f"{address[0]}:{address[1]}"
+        sock = transport.get_extra_info("socket")
+        if sock is not None and sock.family in (socket.AF_INET, socket.AF_INET6):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def data_received(self, data: bytes) -> None:
+        """Bytes came; a fault of ours costs this connection only."""
+        try:
+            self.peer.receive(data)
+        except Exception:  # noqa: BLE001 - one connection's fault must not reach the others
+            _log.exception("broker.internal_error", address=self.address)
+            self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
+
+    def eof_received(self) -> bool:
+        """The far side sends no more."""
+        return False
+
+    def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002 - why does not matter
+        """The socket is closed."""
+        self._closing = True
+        if self._lingering is not None:
+            self._lingering.cancel()
+        self.peer.lost()
+        self._on_lost(self)
+
+    def pause_writing(self) -> None:
+        """The socket takes bytes slower than they come."""
+        self.choked = True
+
+    def resume_writing(self) -> None:
+        """The socket's buffer is almost empty again."""
+        self.choked = False
+        self.peer.writable()
+
+    def write(self, data: bytes) -> None:
+        """Send *data* with all else of this turn of the loop."""
+        if self._closing:
+            return
+        if not self._out:
+            self._loop.call_soon(self._flush)
+        self._out.append(data)
+        self._out_size += len(data)
+        if self._out_size > _JOIN_AT_MOST:
+            self._flush()
+
+    def pause_reading(self) -> None:
+        """Leave what comes in the kernel, so that the far side has to wait."""
+        if self._transport is not None and not self._closing:
+            self._transport.pause_reading()
+
+    def resume_reading(self) -> None:
+        """Read again."""
+        if self._transport is not None and not self._closing:
+            self._transport.resume_reading()
+
+    def close(self, *, linger: bool) -> None:
+        """Send what was written and close.
+
+        A socket closed with unread bytes makes the kernel reset the connection, and the peer loses the reason;
+        so with *linger* only the sending half is closed and what comes is thrown away for a moment.
+        """
+        if self._closing or self._transport is None:
+            return
+        self._flush()
+        self._closing = True
+        if not linger:
+            self._transport.close()
+            return
+        self._transport.resume_reading()
+        if self._transport.can_write_eof():
+            self._transport.write_eof()
+            self._lingering = self._loop.call_later(self._hub.limits.linger, self._transport.abort)
+        else:
+            self._lingering = self._loop.call_later(self._hub.limits.linger, self._transport.abort)
+            self._transport.close()
+
+    def abort(self) -> None:
+        """Cut the connection without a word."""
+        self._closing = True
+        if self._transport is not None:
+            self._transport.abort()
+
+    def _flush(self) -> None:
+        if self._out and self._transport is not None:
+            data = self._out[0] if len(self._out) == 1 else b"".join(self._out)
+            self._out.clear()
+            self._out_size = 0
+            self._transport.write(data)

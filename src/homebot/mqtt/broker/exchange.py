@@ -1,0 +1,144 @@
+"""Where messages meet subscriptions. No I/O."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, final
+
+from homebot.clock import Clock
+from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.queue import Parcel
+from homebot.mqtt.broker.retained import RetainedMessages
+from homebot.mqtt.broker.session import Delivery, Session
+from homebot.mqtt.broker.stats import Counters
+from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
+from homebot.mqtt.packets import FilterRequest, ReasonCode
+
+__all__ = ["Exchange", "Receipt"]
+
+
+class Receipt(NamedTuple):
+    """What became of a published message.
+
+    Attributes:
+        reason: Success, 0x10 nobody subscribes, or 0x97 somebody could not be sent it or it was not retained.
+        slow: Connected sessions whose queue is now so long that their publishers should wait.
+    """
+
+    reason: ReasonCode
+    slow: tuple[Session, ...] = ()
+
+
+_DELIVERED = Receipt(ReasonCode.SUCCESS)
+_UNMATCHED = Receipt(ReasonCode.NO_MATCHING_SUBSCRIBERS)
+
+
+@final
+class Exchange:
+    """Takes messages and subscriptions and brings them together.
+
+    Args:
+        clock: For expiry.
+        limits: Bounds of the retained messages and subscriptions.
+        counters: Counts what is not retained.
+    """
+
+    def __init__(self, clock: Clock, limits: BrokerLimits, counters: Counters) -> None:
+        self._clock = clock
+        self._limits = limits
+        self._counters = counters
+        self.subscriptions = SubscriptionTree()
+        self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
+
+    def publish(self, message: Message) -> Receipt:
+        """Send *message* to all who subscribe to its topic, and retain it where it asks for it."""
+        retained = not message.retain or self._retain(message)
+        route = self.subscriptions.route(message.topic)
+        refused = False
+        slow: list[Session] = []
+        for target in route.targets:
+            outcome = _deliver(target, message)
+            if outcome:
+                refused = refused or outcome is Delivery.REFUSED
+                slow.append(target.session)
+        for group in route.groups:
+            chosen, outcome = _deliver_to_one(group, message)
+            if chosen is not None and outcome:
+                refused = refused or outcome is Delivery.REFUSED
+                slow.append(chosen)
+        if refused or not retained:
+            return Receipt(ReasonCode.QUOTA_EXCEEDED, tuple(each for each in slow if not each.overrun))
+        if slow:
+            return Receipt(ReasonCode.SUCCESS, tuple(slow))
+        return _DELIVERED if route.targets or route.groups else _UNMATCHED
+
+    def subscribe(self, session: Session, request: FilterRequest, identifier: int) -> ReasonCode:
+        """Add a subscription, or put it in place of the one with the same filter; queue its retained messages.
+
+        Returns:
+            The granted QoS, 0x8F for too many levels, or 0x97 for too many subscriptions.
+        """
+        subscription = Subscription.of(request, identifier)
+        known = session.subscriptions.get(request.filter)
+        if len(subscription.levels) > self._limits.max_topic_levels:
+            return ReasonCode.TOPIC_FILTER_INVALID
+        if known is None and len(session.subscriptions) >= self._limits.max_subscriptions:
+            return ReasonCode.QUOTA_EXCEEDED
+        session.subscriptions[request.filter] = subscription
+        self.subscriptions.add(session, subscription)
+        if subscription.share is None and (
+            request.retain_handling == 0 or (request.retain_handling == 1 and known is None)
+        ):
+            self._replay(session, subscription)
+        return ReasonCode(request.qos)
+
+    def unsubscribe(self, session: Session, name: str) -> ReasonCode:
+        """Remove a subscription; success, or 0x11 where there was none."""
+        subscription = session.subscriptions.pop(name, None)
+        if subscription is None:
+            return ReasonCode.NO_SUBSCRIPTION_EXISTED
+        self.subscriptions.remove(session, subscription)
+        return ReasonCode.SUCCESS
+
+    def forget(self, session: Session) -> None:
+        """Remove all of a session that has ended; shared messages it did not finish go to others of the group."""
+        for name in list(session.subscriptions):
+            self.unsubscribe(session, name)
+        for parcel in session.unsent_shares():
+            group = None if parcel.share is None else self.subscriptions.group(parcel.share)
+            if group is not None:
+                _deliver_to_one(group, parcel.message)
+
+    def _retain(self, message: Message) -> bool:
+        if self.retained.keep(message, self._clock.monotonic()):
+            return True
+        self._counters.retained_refused += 1
+        return False
+
+    def _replay(self, session: Session, subscription: Subscription) -> None:
+        identifiers = (subscription.identifier,) if subscription.identifier else ()
+        for message in self.retained.matching(subscription.filter, self._clock.monotonic()):
+            qos = min(subscription.qos, message.qos)
+            session.replay(Parcel(message, qos, retain=True, identifiers=identifiers))
+
+
+def _deliver(target: Target, message: Message) -> Delivery:
+    if target.matched and target.session.client_id == message.origin:
+        rest = target.without_local()
+        if rest is None:
+            return Delivery.TAKEN
+        target = rest
+    session, qos, keep_retain, identifiers, _ = target
+    return session.deliver(Parcel(message, min(qos, message.qos), message.retain and keep_retain, identifiers))
+
+
+def _deliver_to_one(group: ShareGroup, message: Message) -> tuple[Session | None, Delivery]:
+    chosen = group.choose()
+    if chosen is None:
+        return None, Delivery.TAKEN
+    session, subscription = chosen
+    identifiers = (subscription.identifier,) if subscription.identifier else ()
+    retain = message.retain and subscription.retain_as_published
+    parcel = Parcel(message, min(subscription.qos, message.qos), retain, identifiers, group.key)
+    return session, session.deliver(parcel)

@@ -1,0 +1,91 @@
+"""The broker without sockets: all its parts put together. A carrier gives it links, bytes and the time.
+
+Everything runs in order on one thread; no method waits.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, final
+
+import structlog
+
+from homebot.clock import Clock
+from homebot.log import LogLimit
+from homebot.mqtt.broker.authentication import Authentication
+from homebot.mqtt.broker.deadlines import Deadlines
+from homebot.mqtt.broker.exchange import Exchange
+from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.policy import Policy, RefusedFilters
+from homebot.mqtt.broker.sessions import Sessions
+from homebot.mqtt.broker.stats import BrokerStats, Counters
+
+if TYPE_CHECKING:
+    from homebot.mqtt.broker.peer import Peer
+
+__all__ = ["Hub"]
+
+_log = structlog.get_logger()
+
+
+@final
+class Hub:
+    """What all connections of one broker share.
+
+    Args:
+        clock: The time to go by.
+        limits: All bounds.
+        authentication: Who may log in; by default everybody.
+        policy: Who may publish and subscribe what; by default everybody everything.
+        keep_alive: The longest keep-alive interval a client may have, in seconds; None leaves it to them.
+
+    Attributes:
+        peers: Logged-in connections by client id.
+        deadlines: What is due when; the carrier runs it.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        limits: BrokerLimits,
+        authentication: Authentication | None = None,
+        policy: Policy | None = None,
+        keep_alive: int | None = None,
+    ) -> None:
+        self.clock = clock
+        self.limits = limits
+        self.authentication = authentication or Authentication()
+        self.policy = policy or RefusedFilters()
+        self.keep_alive = keep_alive
+        self.counters = Counters()
+        self.deadlines = Deadlines()
+        self.peers: dict[str, Peer] = {}
+        self._log_limit = LogLimit(clock)
+        self._clear()
+
+    @property
+    def stats(self) -> BrokerStats:
+        """A snapshot of all counts."""
+        return BrokerStats.of(
+            self.counters,
+            clients=len(self.peers),
+            sessions=len(self.sessions),
+            subscriptions=len(self.exchange.subscriptions),
+            retained_messages=len(self.exchange.retained),
+            retained_bytes=self.exchange.retained.size,
+            queued_messages=self.sessions.queued,
+        )
+
+    def forget(self) -> None:
+        """Forget all sessions, wills and retained messages, once no client is connected any more."""
+        self.sessions.end_all()
+        self._clear()
+
+    def warn(self, event: str, **facts: object) -> None:
+        """Log something an outsider caused: one line per event in ten seconds, the others counted."""
+        held_back = self._log_limit.allows(event)
+        if held_back is not None:
+            _log.warning(event, held_back=held_back, **facts)
+
+    def _clear(self) -> None:
+        self.exchange = Exchange(self.clock, self.limits, self.counters)
+        self.sessions = Sessions(self.exchange, self.clock, self.deadlines, self.limits, self.counters)

@@ -1,0 +1,144 @@
+"""The messages one client publishes: topic aliases, packet ids, and the answers. No I/O."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import final
+
+from homebot.mqtt.broker.exchange import Receipt
+from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.outbound import Outbound
+from homebot.mqtt.broker.session import Session
+from homebot.mqtt.packets import (
+    NO_PROPERTIES,
+    PacketError,
+    ProtocolVersion,
+    Puback,
+    Pubcomp,
+    Publish,
+    Pubrec,
+    Pubrel,
+    ReasonCode,
+)
+
+__all__ = ["Inbound"]
+
+_REFUSED = Receipt(ReasonCode.NOT_AUTHORIZED)
+
+
+@final
+class Inbound:
+    """The reading half of one connection, as far as messages go.
+
+    Args:
+        hub: The broker.
+        session: Whose messages.
+        outbound: Where the answers go.
+    """
+
+    def __init__(self, hub: Hub, session: Session, outbound: Outbound) -> None:
+        self._hub = hub
+        self._session = session
+        self._outbound = outbound
+        self._aliases: dict[int, str] = {}
+        self._open: set[int] = set()  # QoS 2 ids taken on this connection and not released
+        self._is_v5 = outbound.version is ProtocolVersion.V5
+        self._max_levels = hub.limits.max_topic_levels
+
+    def check_quota(self, packet: Publish, waiting: int) -> None:
+        """Make sure that an MQTT 5 client keeps to the broker's Receive Maximum.
+
+        Args:
+            packet: The newest PUBLISH.
+            waiting: How many QoS 1 and 2 messages of the client the broker has not looked at yet.
+
+        Raises:
+            PacketError: 0x93.
+        """
+        unanswered = waiting + len(self._open)
+        if self._is_v5 and packet.qos and unanswered >= self._hub.limits.receive_maximum:
+            if packet.packet_id in self._open:
+                return
+            raise PacketError(
+                f"more than {self._hub.limits.receive_maximum} messages without an answer",
+                code=ReasonCode.RECEIVE_MAXIMUM_EXCEEDED,
+            )
+
+    def publish(self, packet: Publish) -> tuple[Session, ...]:
+        """Take a PUBLISH, answer it, and return the sessions that are now too slow for more.
+
+        Raises:
+            PacketError: The client must not have sent this.
+        """
+        self._hub.counters.messages_received += 1
+        qos = packet.qos
+        if qos == 2:
+            return self._publish_qos2(packet)
+        receipt = self._forward(packet)
+        if qos:
+            packet_id = packet.packet_id or 0
+            if self._is_v5 and receipt.reason:
+                self._outbound.send(Puback(packet_id, receipt.reason))
+            else:
+                self._outbound.link.write(b"\x40\x02" + packet_id.to_bytes(2, "big"))
+        return receipt.slow
+
+    def release(self, packet: Pubrel) -> None:
+        """Take a PUBREL and answer it."""
+        known = packet.packet_id in self._session.received
+        self._session.received.discard(packet.packet_id)
+        self._open.discard(packet.packet_id)
+        reason = ReasonCode.SUCCESS if known else ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
+        self._outbound.send(Pubcomp(packet.packet_id, reason))
+
+    def _publish_qos2(self, packet: Publish) -> tuple[Session, ...]:
+        packet_id = packet.packet_id or 0
+        session = self._session
+        if packet_id in session.received:  # sent again: it was forwarded the first time
+            self._resolve(packet)
+            self._open.add(packet_id)
+            self._outbound.send(Pubrec(packet_id))
+            return ()
+        receipt = self._forward(packet)
+        if not receipt.reason.failed or not self._is_v5:
+            session.received.add(packet_id)
+            self._open.add(packet_id)
+        self._outbound.send(Pubrec(packet_id, receipt.reason))
+        return receipt.slow
+
+    def _forward(self, packet: Publish) -> Receipt:
+        topic, payload, qos, retain, _, _, properties = packet
+        hub = self._hub
+        expires_at = None
+        if properties is not NO_PROPERTIES:
+            topic = self._resolve(packet)
+            if properties.topic_alias is not None:
+                properties = replace(properties, topic_alias=None)
+            if properties.message_expiry_interval is not None:
+                expires_at = hub.clock.monotonic() + properties.message_expiry_interval
+        if topic.count("/") >= self._max_levels:
+            raise PacketError("the topic has too many levels", code=ReasonCode.TOPIC_NAME_INVALID)
+        verdict = hub.policy.publish(self._session.client_id, topic)
+        if verdict:
+            hub.counters.dropped_refused += 1
+            return _REFUSED if verdict is ReasonCode.NOT_AUTHORIZED else Receipt(verdict)
+        return hub.exchange.publish(
+            Message(topic, payload, qos, retain, properties, self._session.client_id, expires_at)
+        )
+
+    def _resolve(self, packet: Publish) -> str:
+        """The topic a PUBLISH means, noting a topic alias."""
+        properties = packet.properties
+        if properties.subscription_identifiers:
+            raise PacketError("a client must not send a subscription identifier", code=ReasonCode.PROTOCOL_ERROR)
+        alias = properties.topic_alias
+        if alias is None:
+            return packet.topic
+        if alias > self._hub.limits.topic_alias_maximum:
+            raise PacketError(f"topic alias {alias} is too high", code=ReasonCode.TOPIC_ALIAS_INVALID)
+        if packet.topic:
+            self._aliases[alias] = packet.topic
+        elif alias not in self._aliases:
+            raise PacketError(f"topic alias {alias} was not set", code=ReasonCode.PROTOCOL_ERROR)
+        return self._aliases[alias]

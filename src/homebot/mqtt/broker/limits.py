@@ -1,0 +1,78 @@
+"""How much the broker keeps and how long it waits: every bound in one place, with what happens beyond it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from homebot.errors import UsageError
+from homebot.mqtt.packets import MAX_PACKET_SIZE
+
+__all__ = ["BrokerLimits"]
+
+_MIB = 1024 * 1024
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BrokerLimits:
+    """The bounds of one broker; sizes in bytes, times in seconds, all above 0.
+
+    Attributes:
+        max_connections: Clients connected at once; one more is refused (0x97). Twice as many sockets may be
+            open; one more is closed at once.
+        max_sessions: Sessions kept, connected or not; one more pushes out the one that was left longest ago.
+        max_subscriptions: Subscriptions of one session; one more is refused (0x97).
+        max_topic_levels: Levels of a topic or filter; a deeper one is refused (0x90, 0x8F).
+        max_packet_size: The largest packet taken; a larger one ends the connection (0x95).
+        max_connect_size: The largest CONNECT taken, so that nobody fills the memory without a password.
+        max_inflight: QoS 1 and 2 messages sent to a client and not acknowledged; the client may ask for less.
+        receive_maximum: QoS 1 and 2 messages taken from a client and not answered; one more from an MQTT 5
+            client ends its connection (0x93).
+        topic_alias_maximum: Topic aliases in each direction of a connection.
+        max_queued_messages: Messages waiting for one client. While it is away the oldest is dropped; while it
+            is connected but slow, publishers are held back from three quarters of this on.
+        max_queued_bytes: The same in bytes of payload and topic.
+        hold_time: How long publishers are held back for a slow client; after that its share of further
+            messages is refused (0x97) until it has caught up.
+        max_held_packets: Packets of a publisher that is held back; beyond it the socket is not read.
+        write_buffer: Bytes waiting for a client's socket; beyond it QoS 0 messages for it are dropped.
+        max_retained_messages: Retained messages; one more is delivered but not retained (0x97).
+        max_retained_bytes: The same in bytes of payload and topic.
+        connect_timeout: How long a socket may be open without a CONNECT.
+        linger: How long a connection closed for an error is drained, so that the peer can read the reason.
+        stop_timeout: How long stopping waits for the sockets to empty before it cuts them.
+    """
+
+    max_connections: int = 1000
+    max_sessions: int = 2000
+    max_subscriptions: int = 5000
+    max_topic_levels: int = 128
+    max_packet_size: int = 16 * _MIB
+    max_connect_size: int = _MIB // 2
+    max_inflight: int = 64
+    receive_maximum: int = 1024
+    topic_alias_maximum: int = 64
+    max_queued_messages: int = 1000
+    max_queued_bytes: int = 32 * _MIB
+    hold_time: float = 10.0
+    max_held_packets: int = 1024
+    write_buffer: int = 2 * _MIB
+    max_retained_messages: int = 50_000
+    max_retained_bytes: int = 64 * _MIB
+    connect_timeout: float = 10.0
+    linger: float = 1.0
+    stop_timeout: float = 2.0
+
+    def __post_init__(self) -> None:
+        """Refuse bounds that cannot work.
+
+        Raises:
+            UsageError: A bound is not above 0, or larger than its field in MQTT.
+        """
+        for field in fields(self):
+            if getattr(self, field.name) <= 0:
+                raise UsageError(f"broker limit {field.name} must be above 0")
+        for name in ("max_inflight", "receive_maximum", "topic_alias_maximum"):
+            if getattr(self, name) > 65_535:
+                raise UsageError(f"broker limit {name} must not be above 65535")
+        if self.max_packet_size > MAX_PACKET_SIZE:
+            raise UsageError(f"broker limit max_packet_size must not be above {MAX_PACKET_SIZE}")

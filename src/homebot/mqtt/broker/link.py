@@ -1,0 +1,40 @@
+"""The port between a client's state machine and whatever carries its bytes."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+__all__ = ["Link"]
+
+
+class Link(Protocol):
+    """One client's connection as the broker sees it: a socket, or a pair of queues in memory.
+
+    Attributes:
+        choked: Whether the far side takes bytes slower than they come, so that nothing more should be
+            written that can wait. The carrier calls the peer's ``writable()`` when it has become False.
+        address: The far side in words, for the log.
+    """
+
+    choked: bool
+    address: str
+
+    def write(self, data: bytes) -> None:
+        """Send *data* in order, sooner or later; nothing after a close."""
+        ...
+
+    def pause_reading(self) -> None:
+        """Take no more bytes from the far side."""
+        ...
+
+    def resume_reading(self) -> None:
+        """Take bytes again."""
+        ...
+
+    def close(self, *, linger: bool) -> None:
+        """Send what was written, then close.
+
+        Args:
+            linger: The far side may still be sending: drain it for a moment, or the reason is lost.
+        """
+        ...

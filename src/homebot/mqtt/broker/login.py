@@ -1,0 +1,114 @@
+"""What the broker answers to a CONNECT. No I/O."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from uuid import uuid4
+
+from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.packets import (
+    MAX_PACKET_SIZE,
+    Connack,
+    Connect,
+    Properties,
+    ProtocolVersion,
+    ReasonCode,
+)
+
+__all__ = ["Login", "accept", "expiry_of", "refusal", "welcome"]
+
+_NEVER = 0xFFFF_FFFF
+_DEFAULT_RECEIVE_MAXIMUM = 65_535
+
+
+@dataclass(frozen=True, slots=True)
+class Login:
+    """What a client asked for, with the protocol's defaults filled in.
+
+    Attributes:
+        client_id: Its own, or the one assigned.
+        assigned: Whether it was assigned.
+        expiry: Seconds its session is kept after the connection; infinite for ever.
+        keep_alive: The longest silence in seconds; 0 is no limit.
+        keep_alive_imposed: Whether the broker shortened it.
+        receive_maximum: QoS 1 and 2 messages the client takes unanswered.
+        max_packet_size: The largest packet it takes, in bytes.
+        alias_maximum: How many topic aliases it takes.
+        problem_information: Whether it wants reasons in words.
+    """
+
+    client_id: str
+    assigned: bool
+    expiry: float
+    keep_alive: int
+    keep_alive_imposed: bool
+    receive_maximum: int
+    max_packet_size: int
+    alias_maximum: int
+    problem_information: bool
+
+
+def refusal(connect: Connect, hub: Hub) -> ReasonCode:
+    """Why *connect* is refused; success where it is not."""
+    if connect.properties.authentication_method is not None:
+        return ReasonCode.BAD_AUTHENTICATION_METHOD
+    verdict = hub.authentication.check(connect.username, connect.password)
+    if verdict.failed:
+        return verdict
+    if not connect.client_id and not connect.clean_start and connect.version is ProtocolVersion.V311:
+        return ReasonCode.CLIENT_IDENTIFIER_NOT_VALID
+    if not connect.client_id and connect.version is ProtocolVersion.V31:
+        return ReasonCode.CLIENT_IDENTIFIER_NOT_VALID
+    if len(hub.peers) >= hub.limits.max_connections and connect.client_id not in hub.peers:
+        return ReasonCode.QUOTA_EXCEEDED
+    if connect.will is not None:
+        if connect.will.topic.count("/") >= hub.limits.max_topic_levels:
+            return ReasonCode.TOPIC_NAME_INVALID
+        return hub.policy.publish(connect.client_id, connect.will.topic)
+    return ReasonCode.SUCCESS
+
+
+def accept(connect: Connect, hub: Hub) -> Login:
+    """Fill in what *connect* leaves open."""
+    properties = connect.properties
+    is_v5 = connect.version is ProtocolVersion.V5
+    keep_alive, limit = connect.keep_alive, hub.keep_alive
+    imposed = is_v5 and limit is not None and (keep_alive == 0 or keep_alive > limit)
+    if imposed and limit is not None:
+        keep_alive = limit
+    expiry = 0.0 if connect.clean_start else inf
+    if is_v5:
+        expiry = expiry_of(properties.session_expiry_interval or 0)
+    return Login(
+        client_id=connect.client_id or f"auto-{uuid4().hex}",
+        assigned=not connect.client_id,
+        expiry=expiry,
+        keep_alive=keep_alive,
+        keep_alive_imposed=imposed,
+        receive_maximum=properties.receive_maximum or _DEFAULT_RECEIVE_MAXIMUM,
+        max_packet_size=properties.maximum_packet_size or MAX_PACKET_SIZE,
+        alias_maximum=min(properties.topic_alias_maximum or 0, hub.limits.topic_alias_maximum),
+        problem_information=properties.request_problem_information != 0,
+    )
+
+
+def welcome(login: Login, hub: Hub, *, session_present: bool) -> Connack:
+    """The CONNACK for an accepted client."""
+    limits = hub.limits
+    return Connack(
+        session_present,
+        ReasonCode.SUCCESS,
+        Properties(
+            receive_maximum=limits.receive_maximum,
+            maximum_packet_size=limits.max_packet_size,
+            topic_alias_maximum=limits.topic_alias_maximum,
+            assigned_client_identifier=login.client_id if login.assigned else None,
+            server_keep_alive=login.keep_alive if login.keep_alive_imposed else None,
+        ),
+    )
+
+
+def expiry_of(seconds: int) -> float:
+    """A session expiry interval as a number to count with: 0xFFFFFFFF is infinite."""
+    return inf if seconds == _NEVER else float(seconds)

@@ -1,0 +1,92 @@
+"""A message on its way through the broker, encoded once for all who get the same bytes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import ceil
+from typing import final
+
+from homebot.mqtt.packets import NO_PROPERTIES, Properties, ProtocolVersion, Publish
+from homebot.mqtt.packets.publish import encode_publish_parts
+
+__all__ = ["Message"]
+
+
+@final
+class Message:
+    """One published message; its public attributes do not change.
+
+    Attributes:
+        topic: Full topic name.
+        payload: The content.
+        qos: What it was published with.
+        retain: Whether it was published to be retained.
+        properties: What goes on to subscribers: no topic alias, no subscription identifiers.
+        origin: Client id of the publisher.
+        expires_at: When it is worthless, on the clock's monotonic scale, or None.
+        size: Bytes of topic and payload, for the bounds.
+    """
+
+    __slots__ = ("_parts", "expires_at", "origin", "payload", "properties", "qos", "retain", "size", "topic")
+
+    def __init__(
+        self,
+        topic: str,
+        payload: bytes,
+        qos: int = 0,
+        retain: bool = False,  # noqa: FBT001, FBT002 - made for every message, by position for speed
+        properties: Properties = NO_PROPERTIES,
+        origin: str = "",
+        expires_at: float | None = None,
+    ) -> None:
+        self.topic = topic
+        self.payload = payload
+        self.qos = qos
+        self.retain = retain
+        self.properties = properties
+        self.origin = origin
+        self.expires_at = expires_at
+        self.size = len(topic) + len(payload)
+        self._parts: dict[object, tuple[bytes, bytes]] = {}
+
+    def parts(
+        self,
+        version: ProtocolVersion,
+        qos: int,
+        retain: bool,  # noqa: FBT001 - as above
+        identifiers: tuple[int, ...],
+        now: float,
+    ) -> tuple[bytes, bytes]:
+        """The PUBLISH packet before and behind the packet id.
+
+        Args:
+            version: What the receiver speaks.
+            qos: What it is sent with.
+            retain: The retain flag it is sent with.
+            identifiers: The subscription identifiers the receiver gave.
+            now: The clock's monotonic time; a message that expires is sent with what is left of its interval.
+        """
+        is_v5 = version is ProtocolVersion.V5
+        key: object = is_v5 << 3 | qos << 1 | retain
+        if is_v5 and (identifiers or self.expires_at is not None):
+            key = (key, identifiers, self._left(now))
+        parts = self._parts.get(key)
+        if parts is None:
+            properties = self.properties_for(identifiers, now) if is_v5 else NO_PROPERTIES
+            packet = Publish(self.topic, self.payload, qos, retain, properties=properties)
+            parts = self._parts[key] = encode_publish_parts(packet, version)
+        return parts
+
+    def properties_for(self, identifiers: tuple[int, ...], now: float) -> Properties:
+        """The MQTT 5 properties as one receiver gets them; arguments as for :meth:`parts`."""
+        left = self._left(now)
+        if not identifiers and left is None:
+            return self.properties
+        return replace(self.properties, subscription_identifiers=identifiers, message_expiry_interval=left)
+
+    def expired(self, now: float) -> bool:
+        """Whether the message is worthless by *now*."""
+        return self.expires_at is not None and self.expires_at <= now
+
+    def _left(self, now: float) -> int | None:
+        return None if self.expires_at is None else max(ceil(self.expires_at - now), 0)

@@ -1,0 +1,98 @@
+"""Writes packets to one client: in its protocol version, within its size limit, with its topic aliases."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import final
+
+from homebot.clock import Clock
+from homebot.mqtt.broker.link import Link
+from homebot.mqtt.broker.queue import Parcel
+from homebot.mqtt.broker.stats import Counters
+from homebot.mqtt.packets import MAX_PACKET_SIZE, Packet, ProtocolVersion, Publish, encode
+from homebot.mqtt.packets.publish import encode_publish_parts
+
+__all__ = ["Outbound"]
+
+
+@final
+class Outbound:
+    """The writing half of one connection.
+
+    Args:
+        link: Where the bytes go.
+        clock: For the rest of a message's expiry interval.
+        counters: Counts what is sent and what is too large.
+        version: What the client speaks.
+        max_packet_size: The largest packet the client takes, in bytes.
+        alias_maximum: How many topic aliases the client accepts; 0 is none.
+    """
+
+    __slots__ = ("_alias_maximum", "_aliases", "_clock", "_counters", "link", "max_packet_size", "version")
+
+    def __init__(
+        self,
+        link: Link,
+        clock: Clock,
+        counters: Counters,
+        version: ProtocolVersion,
+        max_packet_size: int = MAX_PACKET_SIZE,
+        alias_maximum: int = 0,
+    ) -> None:
+        self.link = link
+        self.version = version
+        self.max_packet_size = max_packet_size
+        self._clock = clock
+        self._counters = counters
+        self._alias_maximum = alias_maximum
+        self._aliases: dict[str, int] = {}
+
+    def send(self, packet: Packet) -> None:
+        """Write *packet*."""
+        self.link.write(encode(packet, self.version))
+
+    def publish(self, parcel: Parcel, packet_id: int = 0, *, dup: bool = False) -> bool:
+        """Write a message; False, and counted, where the client does not take packets of its size.
+
+        Args:
+            parcel: What to send.
+            packet_id: 1 to 65,535 at QoS 1 and 2.
+            dup: It may have been sent before.
+        """
+        message, qos, retain, identifiers, _ = parcel
+        alias = 0
+        if self._alias_maximum:
+            alias = self._aliases.get(message.topic) or self._next_alias()
+        if alias:
+            head, tail = self._aliased(parcel, alias)
+        else:
+            now = 0.0 if message.expires_at is None else self._clock.monotonic()
+            head, tail = message.parts(self.version, qos, retain, identifiers, now)
+        data = head + packet_id.to_bytes(2, "big") + tail if qos else head + tail
+        if len(data) > self.max_packet_size:
+            self._counters.dropped_too_large += 1
+            return False
+        if alias:
+            self._aliases[message.topic] = alias
+        if dup:
+            data = (data[0] | 8).to_bytes(1, "big") + data[1:]
+        self._counters.messages_sent += 1
+        self.link.write(data)
+        return True
+
+    def _next_alias(self) -> int:
+        used = len(self._aliases)
+        return used + 1 if used < self._alias_maximum else 0
+
+    def _aliased(self, parcel: Parcel, alias: int) -> tuple[bytes, bytes]:
+        message = parcel.message
+        known = message.topic in self._aliases
+        properties = message.properties_for(parcel.identifiers, self._clock.monotonic())
+        packet = Publish(
+            "" if known else message.topic,
+            message.payload,
+            parcel.qos,
+            parcel.retain,
+            properties=replace(properties, topic_alias=alias),
+        )
+        return encode_publish_parts(packet, self.version)

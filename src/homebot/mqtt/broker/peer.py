@@ -1,0 +1,366 @@
+"""One client's connection from CONNECT to its end, without a socket.
+
+Order: packets are handled one after the other as they come. While a publisher is held back for a slow subscriber,
+its acknowledgements and pings are still handled, everything else waits in its order; when too much waits, the
+socket is not read.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+from homebot.mqtt.broker import login
+from homebot.mqtt.broker.deadlines import Deadline
+from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.inbound import Inbound
+from homebot.mqtt.broker.link import Link
+from homebot.mqtt.broker.outbound import Outbound
+from homebot.mqtt.broker.session import Session
+from homebot.mqtt.packets import (
+    Auth,
+    Connack,
+    Connect,
+    Disconnect,
+    Packet,
+    PacketError,
+    PacketReader,
+    Pingreq,
+    Pingresp,
+    Properties,
+    ProtocolVersion,
+    Puback,
+    Pubcomp,
+    Publish,
+    Pubrec,
+    Pubrel,
+    ReasonCode,
+    Suback,
+    Subscribe,
+    Unsuback,
+    Unsubscribe,
+    Will,
+    encode,
+)
+
+__all__ = ["Peer"]
+
+_KEEP_ALIVE_GRACE = 1.5  # MQTT 5.0, section 3.1.2.10
+
+
+@final
+class Peer:
+    """The state machine of one connection; fills nothing's port and raises nothing for what the client sends.
+
+    Args:
+        hub: The broker.
+        link: Where bytes go; tells this object what comes.
+    """
+
+    def __init__(self, hub: Hub, link: Link) -> None:
+        self._hub = hub
+        self._link = link
+        self._reader = PacketReader(ProtocolVersion.V311, hub.limits.max_connect_size)
+        self._client: _Client | None = None
+        self._closed = False
+        self._held: deque[Packet] = deque()
+        self._held_messages = 0  # at QoS 1 and 2
+        self._slow: set[Session] = set()
+        self._hold_end: Deadline | None = None
+        self._heard_at = hub.clock.monotonic()
+        self._silence = hub.deadlines.at(self._heard_at + hub.limits.connect_timeout, self._no_connect)
+
+    @property
+    def client_id(self) -> str | None:
+        """Who it is, once logged in."""
+        return None if self._client is None else self._client.session.client_id
+
+    def receive(self, data: bytes) -> None:
+        """Bytes came from the client."""
+        if self._closed:
+            return
+        self._heard_at = self._hub.clock.monotonic()
+        try:
+            for packet in self._reader.feed(data):
+                self._handle(packet)
+                if self._closed:
+                    return
+        except PacketError as error:
+            self._fail(error)
+
+    def writable(self) -> None:
+        """The link is no longer choked."""
+        if self._client is not None:
+            self._client.session.pump()
+
+    def lost(self) -> None:
+        """The link is gone."""
+        self._finish(publish_will=True)
+
+    def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
+        """Close the connection from the broker's side: MQTT 5 clients are told *reason*.
+
+        Args:
+            reason: What DISCONNECT carries.
+            publish_will: Whether the client's will is published.
+        """
+        self._close(reason, "", publish_will=publish_will)
+
+    def caught_up(self, session: Session) -> None:
+        """A slow session has room again; see :class:`~homebot.mqtt.broker.session.HeldPublisher`."""
+        self._slow.discard(session)
+        if not self._slow:
+            self._go_on()
+
+    def _handle(self, packet: Packet) -> None:
+        client = self._client
+        if client is None:
+            self._login(packet)
+        elif self._slow and not isinstance(packet, _NEVER_HELD):
+            self._hold_packet(client, packet)
+        elif type(packet) is Publish:
+            client.inbound.check_quota(packet, 0)
+            slow = client.inbound.publish(packet)
+            if slow:
+                self._hold(slow)
+        else:
+            handler = self._HANDLERS.get(type(packet))
+            if handler is None:
+                raise _protocol_error(f"a client must not send {type(packet).__name__}")
+            handler(self, client, packet)
+
+    def _login(self, packet: Packet) -> None:
+        if not isinstance(packet, Connect):
+            raise _protocol_error(f"{type(packet).__name__} came before CONNECT")
+        hub = self._hub
+        self._silence.cancel()
+        self._reader.version = packet.version
+        verdict = login.refusal(packet, hub)
+        if verdict.failed:
+            hub.counters.connections_refused += 1
+            hub.warn("broker.login_refused", address=self._link.address, reason=verdict.name.lower())
+            self._refuse(verdict, packet.version)
+            return
+        self._reader.max_packet_size = hub.limits.max_packet_size
+        wanted = login.accept(packet, hub)
+        other = hub.peers.get(wanted.client_id)
+        if other is not None:
+            other.end(ReasonCode.SESSION_TAKEN_OVER)
+        session, present = hub.sessions.open(wanted.client_id, clean_start=packet.clean_start)
+        session.expiry = wanted.expiry
+        outbound = Outbound(
+            self._link,
+            hub.clock,
+            hub.counters,
+            packet.version,
+            wanted.max_packet_size,
+            wanted.alias_maximum,
+        )
+        self._client = _Client(wanted, session, outbound, Inbound(hub, session, outbound), packet.will)
+        hub.peers[wanted.client_id] = self
+        outbound.send(login.welcome(wanted, hub, session_present=present))
+        self._expect_signs_of_life()
+        session.resume(outbound, wanted.receive_maximum)
+
+    def _acknowledged(self, client: _Client, packet: Puback) -> None:
+        client.session.acknowledged(packet.packet_id)
+
+    def _taken(self, client: _Client, packet: Pubrec) -> None:
+        reason = client.session.taken(packet.packet_id, packet.reason)
+        if not packet.reason.failed:
+            client.outbound.send(Pubrel(packet.packet_id, reason))
+
+    def _released(self, client: _Client, packet: Pubrel) -> None:
+        client.inbound.release(packet)
+
+    def _completed(self, client: _Client, packet: Pubcomp) -> None:
+        client.session.completed(packet.packet_id)
+
+    def _ping(self, client: _Client, _packet: Pingreq) -> None:
+        client.outbound.send(Pingresp())
+
+    def _subscribe(self, client: _Client, packet: Subscribe) -> None:
+        session, hub = client.session, self._hub
+        identifier = (*packet.properties.subscription_identifiers, 0)[0]
+        reasons = []
+        for request in packet.filters:
+            reason = hub.policy.subscribe(session.client_id, request.filter)
+            reasons.append(reason if reason.failed else hub.exchange.subscribe(session, request, identifier))
+        client.outbound.send(Suback(packet.packet_id, tuple(reasons)))
+        session.pump()
+        if session.congested and not session.overrun:
+            self._hold((session,))
+
+    def _unsubscribe(self, client: _Client, packet: Unsubscribe) -> None:
+        reasons = tuple(self._hub.exchange.unsubscribe(client.session, name) for name in packet.filters)
+        client.outbound.send(Unsuback(packet.packet_id, reasons))
+
+    def _disconnect(self, client: _Client, packet: Disconnect) -> None:
+        seconds = packet.properties.session_expiry_interval
+        if seconds is not None:
+            if seconds and not client.session.expiry:
+                raise _protocol_error("a session that was to end with the connection cannot be prolonged")
+            client.session.expiry = login.expiry_of(seconds)
+        self._finish(publish_will=packet.reason is not ReasonCode.SUCCESS)
+        self._link.close(linger=False)
+
+    def _auth(self, _client: _Client, _packet: Auth) -> None:
+        raise PacketError("there is no extended authentication", code=ReasonCode.BAD_AUTHENTICATION_METHOD)
+
+    def _hold(self, slow: Iterable[Session]) -> None:
+        self._slow.update(slow)
+        for session in self._slow:
+            session.held_publishers.add(self)
+        if self._hold_end is None:
+            self._hub.counters.holds += 1
+            until = self._hub.clock.monotonic() + self._hub.limits.hold_time
+            self._hold_end = self._hub.deadlines.at(until, self._held_long_enough)
+
+    def _hold_packet(self, client: _Client, packet: Packet) -> None:
+        if isinstance(packet, Publish):
+            client.inbound.check_quota(packet, self._held_messages)
+            self._held_messages += packet.qos > 0
+        self._held.append(packet)
+        if len(self._held) >= self._hub.limits.max_held_packets:
+            self._link.pause_reading()
+
+    def _held_long_enough(self) -> None:
+        for session in self._slow:
+            session.overrun = True
+            self._hub.warn("broker.client_too_slow", client_id=session.client_id, queued=session.queued)
+            session.held_publishers.discard(self)
+        self._slow.clear()
+        self._go_on()
+
+    def _go_on(self) -> None:
+        if self._hold_end is not None:
+            self._hold_end.cancel()
+            self._hold_end = None
+        try:
+            while self._held and not self._slow and not self._closed:
+                packet = self._held.popleft()
+                self._held_messages -= isinstance(packet, Publish) and packet.qos > 0
+                self._handle(packet)
+        except PacketError as error:
+            self._fail(error)
+        if len(self._held) < self._hub.limits.max_held_packets:
+            self._link.resume_reading()
+
+    def _expect_signs_of_life(self) -> None:
+        client = self._client
+        if client is None or not client.wanted.keep_alive:
+            return
+        limit = client.wanted.keep_alive * _KEEP_ALIVE_GRACE
+        due = self._heard_at + limit
+        if due <= self._hub.clock.monotonic():
+            self._fail(PacketError("nothing came for too long", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
+        else:
+            self._silence = self._hub.deadlines.at(due, self._expect_signs_of_life)
+
+    def _no_connect(self) -> None:
+        self._fail(PacketError("no CONNECT came", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
+
+    def _fail(self, error: PacketError) -> None:
+        hub = self._hub
+        hub.counters.connections_failed += 1
+        hub.warn(
+            "broker.connection_failed",
+            address=self._link.address,
+            client_id=self.client_id,
+            code=error.code.name.lower(),
+            problem=error.problem,
+        )
+        if self._client is None:
+            self._silence.cancel()
+            self._refuse_unread(error)
+        else:
+            self._close(error.code, error.problem, publish_will=True)
+
+    def _close(self, reason: ReasonCode, words: str, *, publish_will: bool) -> None:
+        client = self._client
+        if client is not None and not self._closed and client.outbound.version is ProtocolVersion.V5:
+            self._say_goodbye(client, reason, words)
+        self._finish(publish_will=publish_will)
+        self._link.close(linger=True)
+
+    def _say_goodbye(self, client: _Client, reason: ReasonCode, words: str) -> None:
+        outbound = client.outbound
+        if words and client.wanted.problem_information:
+            goodbye = encode(Disconnect(reason, Properties(reason_string=words)), outbound.version)
+            if len(goodbye) <= outbound.max_packet_size:
+                self._link.write(goodbye)
+                return
+        outbound.send(Disconnect(reason))
+
+    def _refuse_unread(self, error: PacketError) -> None:
+        """Answer a CONNECT that could not be read, in the version it seems to have."""
+        if error.code is ReasonCode.UNSUPPORTED_PROTOCOL_VERSION:
+            newer = error.frame[:6] == b"\0\4MQTT" and error.frame[6:7] > b"\5"
+            self._refuse(error.code, ProtocolVersion.V5 if newer else ProtocolVersion.V311)
+        elif b"\0\4MQTT\5" in error.frame[:16]:
+            self._refuse(error.code, ProtocolVersion.V5)
+        else:
+            self._finish(publish_will=False)
+            self._link.close(linger=True)
+
+    def _refuse(self, reason: ReasonCode, version: ProtocolVersion) -> None:
+        self._link.write(encode(Connack(reason=reason), version))
+        self._finish(publish_will=False)
+        self._link.close(linger=True)
+
+    def _finish(self, *, publish_will: bool) -> None:
+        if self._closed:
+            return
+        client = self._client
+        for session in self._slow:
+            session.held_publishers.discard(self)
+        self._slow.clear()
+        if client is not None:
+            self._take_held(client)
+        self._closed = True
+        self._silence.cancel()
+        if self._hold_end is not None:
+            self._hold_end.cancel()
+        if client is not None:
+            del self._hub.peers[client.session.client_id]
+            self._hub.sessions.detach(client.session, client.will if publish_will else None)
+
+    def _take_held(self, client: _Client) -> None:
+        """Forward the messages that were held back; nobody can be kept waiting any more."""
+        try:
+            for packet in self._held:
+                if isinstance(packet, Publish):
+                    client.inbound.publish(packet)
+        except PacketError as error:
+            self._hub.warn("broker.connection_failed", client_id=self.client_id, problem=error.problem)
+        self._held.clear()
+
+    _HANDLERS: ClassVar[dict[type, Callable[..., None]]] = {
+        Pubrel: _released,
+        Puback: _acknowledged,
+        Pubrec: _taken,
+        Pubcomp: _completed,
+        Pingreq: _ping,
+        Subscribe: _subscribe,
+        Unsubscribe: _unsubscribe,
+        Disconnect: _disconnect,
+        Auth: _auth,
+    }
+
+
+_NEVER_HELD = (Puback, Pubrec, Pubrel, Pubcomp, Pingreq)
+
+
+@dataclass(slots=True)
+class _Client:
+    wanted: login.Login
+    session: Session
+    outbound: Outbound
+    inbound: Inbound
+    will: Will | None
+
+
+def _protocol_error(problem: str) -> PacketError:
+    return PacketError(problem, code=ReasonCode.PROTOCOL_ERROR)

@@ -1,0 +1,38 @@
+"""Who may publish and subscribe what: a port that a fault injector or an access list can fill."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Protocol, final
+
+from homebot.mqtt.packets import ReasonCode
+
+__all__ = ["Policy", "RefusedFilters"]
+
+
+class Policy(Protocol):
+    """Answers for each request of a logged-in client."""
+
+    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - the protocol's own word
+        """Success, or the failure that SUBACK is to carry for *filter* (``$share/GROUP/`` included)."""
+        ...
+
+    def publish(self, client_id: str, topic: str) -> ReasonCode:
+        """Success, or the failure that PUBACK or PUBREC is to carry; before MQTT 5 the message just vanishes."""
+        ...
+
+
+@final
+class RefusedFilters:
+    """Refuses subscriptions to some filters, as written, with 0x80, as an access list would."""
+
+    def __init__(self, filters: Collection[str] = ()) -> None:
+        self._filters = frozenset(filters)
+
+    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002, ARG002 - fills the port
+        """0x80 for the refused filters."""
+        return ReasonCode.UNSPECIFIED_ERROR if filter in self._filters else ReasonCode.SUCCESS
+
+    def publish(self, client_id: str, topic: str) -> ReasonCode:  # noqa: ARG002 - fills the port
+        """Always success."""
+        return ReasonCode.SUCCESS

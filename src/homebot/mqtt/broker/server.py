@@ -1,0 +1,263 @@
+"""The embedded broker: :class:`Hub` on a TCP port."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import socket
+import ssl
+from collections.abc import Collection, Mapping
+from types import TracebackType
+from typing import Self, final
+
+import anyio
+import structlog
+
+from homebot.clock import Clock, LoopClock
+from homebot.errors import LinkError, UsageError
+from homebot.mqtt.broker.authentication import Authentication, is_loopback
+from homebot.mqtt.broker.connection import Connection
+from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.policy import Policy, RefusedFilters
+from homebot.mqtt.broker.stats import BrokerStats
+from homebot.mqtt.packets import ReasonCode
+
+__all__ = ["Broker", "PortTakenError"]
+
+_BACKLOG = 512
+_log = structlog.get_logger()
+
+
+class PortTakenError(LinkError):
+    """Another program listens on the port.
+
+    Attributes:
+        port: The port that was asked for.
+    """
+
+    def __init__(self, host: str, port: int) -> None:
+        super().__init__(
+            f"port {port} of {host} is taken by another program; stop that one, or choose another port (0: any free)"
+        )
+        self.port = port
+
+
+@final
+class Broker:
+    """A real MQTT broker for 3.1, 3.1.1 and 5 in this process and on this event loop.
+
+    ``async with broker:`` listens inside the block; after it the port is free and every connection closed.
+    Nothing is written to disk.
+
+    Args:
+        host: Address to listen on; other than loopback only with *credentials*.
+        port: TCP port; 0 takes any free one and keeps it for later starts.
+        clock: The time to go by; the loop's by default.
+        limits: All bounds.
+        credentials: Passwords by user name; None lets everybody in.
+        tls: Speak TLS with this server-side context.
+        keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds; a longer one, or none,
+            is replaced.
+        refuse_filters: Filters whose subscription is answered with 0x80; only without *policy*.
+        policy: Who may publish and subscribe what.
+
+    Raises:
+        UsageError: The address is not loopback and there is no password, or an argument is out of its range.
+    """
+
+    def __init__(
+        self,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        clock: Clock | None = None,
+        limits: BrokerLimits | None = None,
+        credentials: Mapping[str, str] | None = None,
+        tls: ssl.SSLContext | None = None,
+        keep_alive: int | None = None,
+        refuse_filters: Collection[str] = (),
+        policy: Policy | None = None,
+    ) -> None:
+        if not credentials and not is_loopback(host):
+            raise UsageError(
+                f"a broker on {host} can be reached by others: give it user and password, or listen on 127.0.0.1"
+            )
+        if not 0 <= port <= 65_535:
+            raise UsageError(f"{port} is not a TCP port")
+        if keep_alive is not None and not 1 <= keep_alive <= 65_535:
+            raise UsageError(f"a keep-alive of {keep_alive} s is not in 1 to 65535")
+        if policy is not None and refuse_filters:
+            raise UsageError("give refuse_filters or policy, not both")
+        self._host = host
+        self._port = port
+        self._clock = clock
+        self._limits = limits or BrokerLimits()
+        self._authentication = Authentication(credentials)
+        self._tls = tls
+        self._keep_alive = keep_alive
+        self._policy = policy or RefusedFilters(refuse_filters)
+        self._hub: Hub | None = None
+        self._server: asyncio.Server | None = None
+        self._connections: set[Connection] = set()
+        self._empty = anyio.Event()
+        self._timer: asyncio.TimerHandle | None = None
+
+    def __repr__(self) -> str:
+        return f"Broker({self.url!r})"
+
+    @property
+    def host(self) -> str:
+        """The address it listens on."""
+        return self._host
+
+    @property
+    def port(self) -> int:
+        """The TCP port; 0 before the first start where any was asked for."""
+        return self._port
+
+    @property
+    def url(self) -> str:
+        """Where clients find it, such as ``mqtt://127.0.0.1:1883``."""
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        return f"{'mqtt' if self._tls is None else 'mqtts'}://{host}:{self._port}"
+
+    @property
+    def running(self) -> bool:
+        """Whether it listens."""
+        return self._server is not None
+
+    @property
+    def stats(self) -> BrokerStats:
+        """A snapshot of all counts; they go on over restarts.
+
+        Raises:
+            UsageError: The broker was never started.
+        """
+        if self._hub is None:
+            raise UsageError("the broker was never started")
+        return self._hub.stats
+
+    async def __aenter__(self) -> Self:
+        await self.start()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.stop()
+
+    async def start(self) -> None:
+        """Listen, with the sessions and retained messages that :meth:`stop` left; nothing where it listens already.
+
+        Raises:
+            PortTakenError: Another program has the port.
+            LinkError: The address cannot be listened on.
+        """
+        if self._server is not None:
+            return
+        loop = asyncio.get_running_loop()
+        if self._hub is None:
+            clock = self._clock or LoopClock()
+            self._hub = Hub(clock, self._limits, self._authentication, self._policy, self._keep_alive)
+        hub = self._hub
+        try:
+            sock = await self._bind(loop)
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                raise PortTakenError(self._host, self._port) from error
+            raise LinkError(f"cannot listen on {self._host} port {self._port}: {error.strerror}") from error
+        self._port = sock.getsockname()[1]
+        self._server = await loop.create_server(
+            lambda: self._accept(hub, loop), sock=sock, ssl=self._tls, backlog=_BACKLOG
+        )
+        hub.deadlines.wake = self._wake_at
+        self.tick()
+        _log.info("broker.listening", url=self.url)
+
+    async def stop(self, *, abrupt: bool = False) -> None:
+        """Close all connections and free the port; sessions and retained messages stay for the next start.
+
+        Wills of the clients cut off are not published: there is nobody to hear them.
+
+        Args:
+            abrupt: As if the process were killed: no DISCONNECT, buffers thrown away. Otherwise MQTT 5 clients
+                get a DISCONNECT with 0x8B, and at most ``limits.stop_timeout`` seconds are waited for the sockets.
+        """
+        server, self._server = self._server, None
+        if server is None or self._hub is None:
+            return
+        server.close()
+        for connection in list(self._connections):
+            connection.peer.end(ReasonCode.SERVER_SHUTTING_DOWN, publish_will=False)
+            if abrupt:
+                connection.abort()
+        with anyio.move_on_after(self._limits.stop_timeout):
+            await self._gone()
+        for connection in list(self._connections):
+            connection.abort()
+        await self._gone()
+        self._hub.deadlines.wake = None
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        _log.info("broker.stopped", url=self.url)
+
+    async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
+        """Stop, and start again on the same port.
+
+        Args:
+            keep_sessions: Whether sessions, their queues and the retained messages live on.
+            abrupt: As in :meth:`stop`.
+        """
+        await self.stop(abrupt=abrupt)
+        if not keep_sessions and self._hub is not None:
+            self._hub.forget()
+        await self.start()
+
+    def tick(self) -> None:
+        """Do what is due by the clock; needed only by those who move a clock of their own by hand."""
+        hub = self._hub
+        if hub is None:
+            return
+        hub.deadlines.run(hub.clock.monotonic())
+        earliest = hub.deadlines.earliest
+        if earliest is not None:
+            self._wake_at(earliest)
+
+    async def _bind(self, loop: asyncio.AbstractEventLoop) -> socket.socket:
+        infos = await loop.getaddrinfo(self._host, self._port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        family, kind, protocol, _, address = infos[0]
+        sock = socket.socket(family, kind, protocol)
+        try:
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            sock.setblocking(False)  # noqa: FBT003 - socket's own signature
+            sock.bind(address)
+        except OSError:
+            sock.close()
+            raise
+        return sock
+
+    def _accept(self, hub: Hub, loop: asyncio.AbstractEventLoop) -> Connection:
+        connection = Connection(hub, loop, self._lost)
+        self._connections.add(connection)
+        hub.counters.connections_accepted += 1
+        return connection
+
+    def _lost(self, connection: Connection) -> None:
+        self._connections.discard(connection)
+        if not self._connections:
+            self._empty.set()
+
+    async def _gone(self) -> None:
+        while self._connections:
+            self._empty = anyio.Event()
+            await self._empty.wait()
+
+    def _wake_at(self, when: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        hub = self._hub
+        if hub is not None:
+            delay = max(0.0, when - hub.clock.monotonic())
+            self._timer = asyncio.get_running_loop().call_later(delay, self.tick)

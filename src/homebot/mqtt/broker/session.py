@@ -1,0 +1,254 @@
+"""What the broker keeps for one client id, and the delivery of messages to it. No I/O.
+
+A message at QoS 1 or 2 is *in flight* from the moment it is written until the client has acknowledged it; the
+number in flight is bounded by the client's Receive Maximum, the others wait in the queue. When the client comes
+back to its session, everything in flight is sent again, in the first order, before the queue.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from enum import IntEnum
+from typing import Protocol, final
+
+from homebot.clock import Clock
+from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.outbound import Outbound
+from homebot.mqtt.broker.queue import MessageQueue, Parcel
+from homebot.mqtt.broker.stats import Counters
+from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
+
+__all__ = ["Delivery", "HeldPublisher", "Session"]
+
+
+class Delivery(IntEnum):
+    """What became of a message for one session: taken; taken, but slow down; not taken."""
+
+    TAKEN = 0
+    SLOW = 1
+    REFUSED = 2
+
+
+class HeldPublisher(Protocol):
+    """A publisher that waits for slow sessions."""
+
+    def caught_up(self, session: Session) -> None:
+        """*session* has room again, or has gone."""
+        ...
+
+
+@final
+class Session:
+    """The state of one client id, while connected and in between.
+
+    Attributes:
+        client_id: Whose it is.
+        expiry: Seconds it is kept after the connection ends; infinite for ever.
+        outbound: Where messages go, None while the client is away.
+        subscriptions: By the filter as the client gave it.
+        received: Packet ids of QoS 2 messages taken from the client and not released.
+        overrun: The client stayed too slow for too long; its queue takes no more than it has room for.
+        held_publishers: Those who wait for this session to catch up.
+    """
+
+    def __init__(self, client_id: str, clock: Clock, limits: BrokerLimits, counters: Counters) -> None:
+        self.client_id = client_id
+        self.expiry = 0.0
+        self.outbound: Outbound | None = None
+        self.subscriptions: dict[str, Subscription] = {}
+        self.received: set[int] = set()
+        self.overrun = False
+        self.held_publishers: set[HeldPublisher] = set()
+        self._clock = clock
+        self._limits = limits
+        self._counters = counters
+        self._queue = MessageQueue(limits.max_queued_messages, limits.max_queued_bytes)
+        self._in_flight: dict[int, Parcel | None] = {}  # None once PUBREC has come
+        self._resend: deque[int] = deque()
+        self._window = limits.max_inflight
+        self._last_id = 0
+
+    @property
+    def queued(self) -> int:
+        """Number of messages that wait."""
+        return len(self._queue)
+
+    @property
+    def congested(self) -> bool:
+        """Whether the client is connected and too slow for what is sent to it."""
+        return self.outbound is not None and self._queue.high
+
+    @property
+    def backlogged(self) -> bool:
+        """Whether more than half of the queue is used."""
+        return not self._queue.low
+
+    @property
+    def reluctance(self) -> int:
+        """How little a shared message is welcome: 0 connected, 1 connected but slow, 2 away."""
+        if self.outbound is None:
+            return 2
+        return 1 if self._queue else 0
+
+    def deliver(self, parcel: Parcel) -> Delivery:
+        """Send a message or keep it for later.
+
+        QoS 0: dropped while the client is away or its socket is full. QoS 1 and 2: queued; while the client is
+        away the oldest makes room, while it is connected and overrun the message is refused.
+        """
+        outbound = self.outbound
+        queue = self._queue
+        if not parcel.qos:
+            if outbound is None:
+                return Delivery.TAKEN
+            if outbound.link.choked or (queue.holds_qos0 and queue.full):
+                self._counters.dropped_qos0 += 1
+            elif queue.holds_qos0:
+                queue.append(parcel)
+            else:
+                outbound.publish(parcel)
+            return Delivery.TAKEN
+        if outbound is None:
+            return self._keep(parcel)
+        if not queue and len(self._in_flight) < self._window and not outbound.link.choked:
+            self._send(outbound, parcel)
+            return Delivery.TAKEN
+        if self.overrun and queue.full:
+            self._counters.dropped_overrun += 1
+            return Delivery.REFUSED
+        queue.append(parcel)
+        return Delivery.SLOW if queue.high and not self.overrun else Delivery.TAKEN
+
+    def replay(self, parcel: Parcel) -> None:
+        """Queue a retained message for a new subscription, also at QoS 0; :meth:`pump` sends it.
+
+        The queue's bound does not count here, since the retained messages have one of their own; but a client
+        that is overrun gets no more than the queue has room for.
+        """
+        if self.overrun and self._queue.full:
+            self._counters.dropped_overrun += 1
+        else:
+            self._queue.append(parcel)
+
+    def resume(self, outbound: Outbound, receive_maximum: int) -> None:
+        """The client is connected: send what is in flight again, then what waited."""
+        self.outbound = outbound
+        self._window = min(receive_maximum, self._limits.max_inflight)
+        self._resend.clear()
+        for packet_id, parcel in self._in_flight.items():
+            if parcel is None:
+                outbound.send(Pubrel(packet_id))
+            else:
+                self._resend.append(packet_id)
+        self.pump()
+
+    def detach(self) -> None:
+        """The client is gone; QoS 0 messages that wait are dropped, no publisher has to wait any more."""
+        self.outbound = None
+        self.overrun = False
+        self._queue.drop_qos0()
+        self._release_publishers()
+
+    def pump(self) -> None:
+        """Send what waits, as far as the client takes it."""
+        outbound, queue, resend = self.outbound, self._queue, self._resend
+        while outbound is not None and not outbound.link.choked:
+            if resend and len(self._in_flight) - len(resend) < self._window:
+                self._send_again(outbound, resend.popleft())
+            elif queue and (not queue.first.qos or len(self._in_flight) < self._window):
+                parcel = queue.popleft()
+                if parcel.message.expired(self._clock.monotonic()):
+                    self._counters.dropped_expired += 1
+                elif parcel.qos:
+                    self._send(outbound, parcel)
+                else:
+                    outbound.publish(parcel)
+            else:
+                break
+        if queue.low:
+            self.overrun = False
+            self._release_publishers()
+
+    def acknowledged(self, packet_id: int) -> None:
+        """PUBACK came.
+
+        Raises:
+            PacketError: 0x82, the message was not sent at QoS 1.
+        """
+        if packet_id not in self._in_flight:
+            return
+        parcel = self._in_flight[packet_id]
+        if parcel is None or parcel.qos != 1:
+            raise PacketError("PUBACK for a message at QoS 2", code=ReasonCode.PROTOCOL_ERROR)
+        self._forget(packet_id)
+
+    def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
+        """PUBREC came; returns the reason that PUBREL is to carry: 0, or 0x92 for an id nobody knows.
+
+        Raises:
+            PacketError: 0x82, the message was not sent at QoS 2.
+        """
+        if packet_id not in self._in_flight:
+            return ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
+        parcel = self._in_flight[packet_id]
+        if parcel is not None and parcel.qos != 2:
+            raise PacketError("PUBREC for a message at QoS 1", code=ReasonCode.PROTOCOL_ERROR)
+        if reason.failed:
+            self._forget(packet_id)
+        else:
+            self._in_flight[packet_id] = None
+            self._not_again(packet_id)
+        return ReasonCode.SUCCESS
+
+    def completed(self, packet_id: int) -> None:
+        """PUBCOMP came."""
+        if packet_id in self._in_flight:
+            self._forget(packet_id)
+
+    def unsent_shares(self) -> Iterator[Parcel]:
+        """Take all messages of shared subscriptions that this client has not acknowledged, for the others."""
+        parcels = [each for each in self._in_flight.values() if each is not None] + self._queue.clear()
+        self._in_flight.clear()
+        self._resend.clear()
+        return (each for each in parcels if each.share is not None and each.qos)
+
+    def _keep(self, parcel: Parcel) -> Delivery:
+        while self._queue and self._queue.full:
+            self._queue.popleft()
+            self._counters.dropped_offline += 1
+        self._queue.append(parcel)
+        return Delivery.TAKEN
+
+    def _send(self, outbound: Outbound, parcel: Parcel) -> None:
+        packet_id = self._last_id
+        while True:
+            packet_id = packet_id % 65_535 + 1
+            if packet_id not in self._in_flight:
+                break
+        self._last_id = packet_id
+        if outbound.publish(parcel, packet_id):
+            self._in_flight[packet_id] = parcel
+
+    def _send_again(self, outbound: Outbound, packet_id: int) -> None:
+        parcel = self._in_flight[packet_id]
+        if parcel is not None and not outbound.publish(parcel, packet_id, dup=True):
+            del self._in_flight[packet_id]
+
+    def _forget(self, packet_id: int) -> None:
+        del self._in_flight[packet_id]
+        self._not_again(packet_id)
+        if self._queue or self._resend:
+            self.pump()
+        elif self.held_publishers:
+            self._release_publishers()
+
+    def _not_again(self, packet_id: int) -> None:
+        if self._resend and packet_id in self._resend:  # it was answered before it was sent again
+            self._resend.remove(packet_id)
+
+    def _release_publishers(self) -> None:
+        publishers, self.held_publishers = self.held_publishers, set()
+        for publisher in publishers:
+            publisher.caught_up(self)

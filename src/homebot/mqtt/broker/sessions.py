@@ -1,0 +1,142 @@
+"""The sessions of all clients: made, found again, kept while the client is away, and ended. No I/O."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+from typing import final
+
+from homebot.clock import Clock
+from homebot.mqtt.broker.deadlines import Deadline, Deadlines
+from homebot.mqtt.broker.exchange import Exchange
+from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.stats import Counters
+from homebot.mqtt.packets import Will
+
+__all__ = ["Sessions"]
+
+
+@final
+class Sessions:
+    """All sessions by client id, with what is to happen to them later.
+
+    Args:
+        exchange: Where wills are published and subscriptions live.
+        clock: The time to go by.
+        deadlines: Where ends and delayed wills are noted.
+        limits: How many sessions there may be.
+        counters: Counts those pushed out.
+    """
+
+    def __init__(
+        self, exchange: Exchange, clock: Clock, deadlines: Deadlines, limits: BrokerLimits, counters: Counters
+    ) -> None:
+        self._exchange = exchange
+        self._clock = clock
+        self._deadlines = deadlines
+        self._limits = limits
+        self._counters = counters
+        self._sessions: dict[str, Session] = {}
+        self._away: dict[str, _Absence] = {}  # in the order of leaving
+
+    def __len__(self) -> int:
+        return len(self._sessions)
+
+    @property
+    def connected(self) -> int:
+        """Number of clients connected."""
+        return len(self._sessions) - len(self._away)
+
+    @property
+    def queued(self) -> int:
+        """Number of messages that wait in all sessions."""
+        return sum(session.queued for session in self._sessions.values())
+
+    def knows(self, client_id: str) -> bool:
+        """Whether there is a session of that id."""
+        return client_id in self._sessions
+
+    def open(self, client_id: str, *, clean_start: bool) -> tuple[Session, bool]:
+        """The session for a client that has just connected, and whether it was kept from before.
+
+        The caller has detached a connection that used the id before.
+        """
+        if clean_start:
+            self.end(client_id)
+        absence = self._away.pop(client_id, None)
+        if absence is not None:
+            absence.over()
+            return self._sessions[client_id], True
+        if len(self._sessions) >= self._limits.max_sessions and self._away:
+            self._counters.sessions_evicted += 1
+            self.end(next(iter(self._away)))
+        session = Session(client_id, self._clock, self._limits, self._counters)
+        self._sessions[client_id] = session
+        return session, False
+
+    def detach(self, session: Session, will: Will | None) -> None:
+        """The client of *session* is gone.
+
+        Args:
+            session: Whose client.
+            will: What is to be published, after its delay or when the session ends, or None.
+        """
+        session.detach()
+        absence = _Absence(will)
+        self._away[session.client_id] = absence
+        if session.expiry <= 0:
+            self.end(session.client_id)
+            return
+        now = self._clock.monotonic()
+        if session.expiry < inf:
+            absence.end = self._deadlines.at(now + session.expiry, lambda: self.end(session.client_id))
+        delay = will.properties.will_delay_interval if will is not None else None
+        if will is not None and not delay:
+            self._publish_will(session.client_id, absence)
+        elif delay and delay < session.expiry:
+            absence.will_due = self._deadlines.at(now + delay, lambda: self._publish_will(session.client_id, absence))
+
+    def end(self, client_id: str) -> None:
+        """Forget the session of an absent client; a will that waits is published now."""
+        absence = self._away.pop(client_id, None)
+        if absence is None:
+            return
+        absence.over()
+        session = self._sessions.pop(client_id)
+        self._exchange.forget(session)
+        self._publish_will(client_id, absence)
+
+    def end_all(self) -> None:
+        """Forget all sessions of absent clients and their wills unpublished."""
+        for client_id, absence in list(self._away.items()):
+            absence.will = None
+            self.end(client_id)
+
+    def _publish_will(self, client_id: str, absence: _Absence) -> None:
+        will, absence.will = absence.will, None
+        if will is None:
+            return
+        properties = replace(will.properties, will_delay_interval=None)
+        interval = properties.message_expiry_interval
+        expires_at = None if interval is None else self._clock.monotonic() + interval
+        self._exchange.publish(
+            Message(will.topic, will.payload, will.qos, will.retain, properties, client_id, expires_at)
+        )
+
+
+class _Absence:
+    """What is to happen while a client is away."""
+
+    __slots__ = ("end", "will", "will_due")
+
+    def __init__(self, will: Will | None) -> None:
+        self.will = will
+        self.end: Deadline | None = None
+        self.will_due: Deadline | None = None
+
+    def over(self) -> None:
+        for deadline in (self.end, self.will_due):
+            if deadline is not None:
+                deadline.cancel()
