@@ -1,0 +1,52 @@
+"""Clocks."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+
+import pytest
+
+from homebot.clock import LoopClock, ManualClock
+from homebot.errors import UsageError
+
+
+@pytest.mark.virtual_time
+async def test_both_readings_of_a_loop_clock_run_with_virtual_time() -> None:
+    clock = LoopClock(epoch=1_000.0)
+    start = clock.monotonic()
+    await asyncio.sleep(86_400)
+    assert clock.monotonic() - start == 86_400
+    assert clock.now() == 87_400
+
+
+@pytest.mark.virtual_time
+async def test_without_an_epoch_virtual_time_starts_at_the_computers_own() -> None:
+    before = time.time()
+    clock = LoopClock()
+    await asyncio.sleep(3_600)
+    assert before <= clock.now() - 3_600 <= time.time()
+
+
+async def test_on_a_real_loop_now_is_the_computers_time_even_after_it_was_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hub that slept, or whose clock was set, must not stamp with the old offset for ever."""
+    clock = LoopClock()
+    monkeypatch.setattr(time, "time", lambda: 2_000_000_000.0)
+    assert clock.now() == 2_000_000_000.0
+    assert clock.monotonic() == pytest.approx(asyncio.get_running_loop().time(), abs=1)
+
+
+async def test_on_a_real_loop_a_given_epoch_is_kept() -> None:
+    assert LoopClock(epoch=0.0).now() == pytest.approx(0.0, abs=1)
+
+
+def test_a_manual_clock_stands_still_until_it_is_moved() -> None:
+    clock = ManualClock(10.0)
+    assert (clock.monotonic(), clock.now()) == (10.0, 10.0)
+    clock.advance(2.5)
+    assert (clock.monotonic(), clock.now()) == (12.5, 12.5)
+
+
+def test_a_manual_clock_does_not_go_back() -> None:
+    with pytest.raises(UsageError, match="does not go back: -1"):
+        ManualClock().advance(-1)

@@ -1,0 +1,80 @@
+"""The event loop whose time jumps."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import threading
+
+import anyio
+import pytest
+
+from homebot.errors import UsageError
+from homebot.testing import VirtualTimeLoop, virtual_time
+
+
+@pytest.mark.virtual_time
+async def test_a_year_passes_at_once_and_every_timer_fires_at_its_own_time() -> None:
+    loop = asyncio.get_running_loop()
+    fired: list[float] = []
+
+    async def note(seconds: float) -> None:
+        await anyio.sleep(seconds)
+        fired.append(loop.time())
+
+    async with anyio.create_task_group() as tasks:
+        for seconds in (31_536_000.0, 0.001, 60.0):
+            tasks.start_soon(note, seconds)
+    assert fired == [0.001, 60.0, pytest.approx(31_536_000.0)]
+
+
+@pytest.mark.virtual_time
+async def test_what_is_ready_runs_before_time_passes() -> None:
+    loop = asyncio.get_running_loop()
+    for _ in range(1_000):
+        await asyncio.sleep(0)
+    assert loop.time() == 0.0
+
+
+@pytest.mark.virtual_time
+async def test_a_time_limit_is_virtual_too() -> None:
+    with pytest.raises(TimeoutError):
+        with anyio.fail_after(3_600):
+            await anyio.sleep_forever()
+    assert asyncio.get_running_loop().time() == 3_600
+
+
+@pytest.mark.virtual_time
+async def test_the_shortest_sleep_ends_even_where_a_float_is_coarse() -> None:
+    await asyncio.sleep(2.0**25)
+    await asyncio.sleep(1e-9)
+    await asyncio.sleep(1e-3)
+    assert asyncio.get_running_loop().time() == pytest.approx(2.0**25)
+
+
+@pytest.mark.virtual_time
+async def test_what_a_socket_brings_comes_before_the_next_timer() -> None:
+    reading, writing = socket.socketpair()
+    with reading, writing:
+        reading.setblocking(False)
+        writing.send(b"x")
+        async with asyncio.timeout(1):
+            assert await asyncio.get_running_loop().sock_recv(reading, 1) == b"x"
+
+
+@pytest.mark.virtual_time
+async def test_another_thread_can_wake_a_loop_without_timers() -> None:
+    done = asyncio.Event()
+    thread = threading.Thread(target=asyncio.get_running_loop().call_soon_threadsafe, args=(done.set,))
+    thread.start()
+    await done.wait()
+    thread.join()
+
+
+def test_waiting_for_what_cannot_come_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(virtual_time, "STUCK_AFTER", 0.0)
+    with (
+        asyncio.Runner(loop_factory=VirtualTimeLoop) as runner,
+        pytest.raises(UsageError, match="nothing is ready and no timer is set"),
+    ):
+        runner.run(anyio.sleep_forever())
