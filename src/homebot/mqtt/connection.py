@@ -20,7 +20,6 @@ from anyio.abc import TaskGroup
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
-from homebot.log import LogLimit
 from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
 from homebot.mqtt.client import MqttClient, MqttCounters, PublishResult, Session, Subscription
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
@@ -74,7 +73,8 @@ class MqttConnection:
     """One connection to one broker that mends itself; use it as ``async with`` inside a running event loop.
 
     Entering starts the supervision and does not wait for the broker (`wait_connected` does). Leaving says "offline",
-    then good-bye.
+    then good-bye; after that it may be entered again. Changes of the link are states, and logged at debug level only:
+    how loud they should be is for the owner to say.
 
     Args:
         options: Broker, login and limits.
@@ -107,7 +107,6 @@ class MqttConnection:
         self._url = options.url
         self._client = make_client(options)
         self._clock = LoopClock() if clock is None else clock
-        self._limit = LogLimit(self._clock)
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
         self._link_backoff = link_backoff
         self._refused_backoff = refused_backoff
@@ -237,7 +236,7 @@ class MqttConnection:
 
     async def __aenter__(self) -> Self:
         if self._tasks is not None:
-            raise ClosedError(f"the connection to {self._url} was opened before")
+            raise UsageError(f"the connection to {self._url} is open already")
         self._tasks = anyio.create_task_group()
         await self._tasks.__aenter__()
         self._enter(LinkPhase.CONNECTING)
@@ -247,7 +246,7 @@ class MqttConnection:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> bool | None:
-        tasks = self._tasks
+        tasks, self._tasks = self._tasks, None
         if tasks is None:
             return None
         tasks.cancel_scope.cancel()
@@ -278,7 +277,7 @@ class MqttConnection:
                     await self._prepare(session)
                     up_since = self._clock.monotonic()
                     self._enter(LinkPhase.CONNECTED)
-                    _log.info(
+                    _log.debug(
                         "mqtt.connected",
                         message=f"connected to {self._url} with MQTT {session.protocol}",
                         broker=self._url,
@@ -362,9 +361,7 @@ class MqttConnection:
         return delay
 
     def _report(self, event: str, reason: HomebotError, delay: float) -> None:
-        if self._limit.allows(event) is None:  # a broker that is away is tried many times in a minute
-            return
-        _log.warning(
+        _log.debug(
             event,
             message=f"{reason}; next try {'at once' if delay == 0 else f'in {delay:.1f} s'}",
             broker=self._url,

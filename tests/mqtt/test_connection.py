@@ -1,0 +1,376 @@
+"""The supervisor over a client that does as it is told, in virtual time."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
+from random import Random
+
+import anyio
+import pytest
+from anyio import wait_all_tasks_blocked
+from structlog.testing import capture_logs
+
+from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, UsageError
+from homebot.mqtt.backoff import Backoff
+from homebot.mqtt.client import MqttClient, MqttCounters, PublishResult, Session, Subscription
+from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.options import MqttOptions
+
+pytestmark = pytest.mark.virtual_time
+
+FRESH = Session(resumed=False, protocol="5")
+RESUMED = Session(resumed=True, protocol="5")
+ABSENT = LinkError("nobody there")
+WRONG_PASSWORD = RefusedError("the login", "bad user name or password", 0x86)
+EXACT = Backoff(first=1.0, factor=2.0, cap=4.0, late_cap=60.0, late_after=1000.0, jitter=0.0)
+SLOW = Backoff(first=100.0, factor=2.0, cap=1000.0, late_cap=1000.0, late_after=1000.0, jitter=0.0)
+
+
+class FakeClient:
+    """Fills the port; each try to connect meets the next of `answers`, and the last one again and again."""
+
+    def __init__(self, *answers: Session | LinkError | RefusedError) -> None:
+        self.options: MqttOptions | None = None
+        self.answers = deque(answers)
+        self.tries: list[float] = []
+        self.said: list[str] = []
+        self.published: list[tuple[int, MessageProperties]] = []
+        self.refused_filters: set[str] = set()
+        self.refuses_publish = False
+        self.acked: list[MqttMessage] = []
+        self.counters = MqttCounters()
+        self.inbox: list[MqttMessage] = []
+        self._up = False
+        self._gone = anyio.Event()
+        self._news = anyio.Event()
+        self._reason: LinkError | RefusedError = ABSENT
+
+    def __call__(self, options: MqttOptions) -> MqttClient:
+        self.options = options
+        return self
+
+    @asynccontextmanager
+    async def connected(self) -> AsyncIterator[Session]:
+        self.tries.append(round(anyio.current_time(), 6))
+        answer = self.answers.popleft() if len(self.answers) > 1 else self.answers[0]
+        if not isinstance(answer, Session):
+            raise answer
+        self._up, self._gone = True, anyio.Event()
+        try:
+            yield answer
+        finally:
+            self._up = False
+            self.tell()
+
+    async def wait_lost(self) -> LinkError | RefusedError:
+        await self._gone.wait()
+        return self._reason
+
+    async def publish(
+        self,
+        topic: str,
+        payload: bytes = b"",
+        *,
+        qos: int = 0,
+        retain: bool = False,
+        properties: MessageProperties = NO_PROPERTIES,
+    ) -> PublishResult:
+        self._check()
+        if self.refuses_publish:
+            raise RefusedError("the publish", "not authorized", 0x87)
+        self.published.append((qos, properties))
+        self.said.append(f"{topic} {payload.decode()}{' retained' if retain else ''}")
+        return PublishResult()
+
+    async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
+        self._check()
+        for subscription in subscriptions:
+            if subscription.filter in self.refused_filters:
+                raise RefusedError(f"the subscription to {subscription.filter!r}", "not authorized", 0x87)
+            self.said.append(f"subscribe {subscription.filter}")
+        return tuple(subscription.qos for subscription in subscriptions)
+
+    async def unsubscribe(self, *filters: str) -> None:
+        self._check()
+        self.said.extend(f"unsubscribe {name}" for name in filters)
+
+    async def receive(self) -> list[MqttMessage]:
+        while not self.inbox:
+            self._check()
+            await self._news.wait()
+        batch, self.inbox = self.inbox, []
+        return batch
+
+    def ack(self, messages: Iterable[MqttMessage]) -> None:
+        self.acked.extend(messages)
+
+    def lose(self, reason: LinkError | RefusedError = ABSENT) -> None:
+        self._reason = reason
+        self._up = False
+        self._gone.set()
+        self.tell()
+
+    def tell(self, *messages: MqttMessage) -> None:
+        self.inbox.extend(messages)
+        self._news.set()
+        self._news = anyio.Event()
+
+    def _check(self) -> None:
+        if not self._up:
+            raise ABSENT
+
+
+def supervise(client: FakeClient, *, status_topic: str | None = None) -> MqttConnection:
+    return MqttConnection(
+        MqttOptions(host="broker", client_id="hub"),
+        client,
+        status_topic=status_topic,
+        random=Random(1),  # noqa: S311 - jitter is no secret
+        link_backoff=EXACT,
+        refused_backoff=SLOW,
+    )
+
+
+async def until(connection: MqttConnection, phase: LinkPhase) -> ConnectionState:
+    async for state in connection.states():
+        if state.phase is phase:
+            return state
+    pytest.fail(f"closed before {phase}")
+
+
+async def test_entering_does_not_wait_for_a_broker_that_is_absent() -> None:
+    async with supervise(FakeClient(ABSENT)) as connection:
+        state = await until(connection, LinkPhase.WAITING)
+        assert state == ConnectionState(LinkPhase.WAITING, "nobody there", 1.0)
+
+
+async def test_an_absent_broker_is_tried_again_with_growing_delays() -> None:
+    client = FakeClient(ABSENT, ABSENT, ABSENT, ABSENT, ABSENT, FRESH)
+    async with supervise(client) as connection:
+        await until(connection, LinkPhase.CONNECTED)
+    start = client.tries[0]
+    assert [moment - start for moment in client.tries] == [0, 1, 3, 7, 11, 15]
+
+
+async def test_a_link_that_breaks_after_a_while_is_made_again_at_once() -> None:
+    client = FakeClient(FRESH)
+    async with supervise(client) as connection:
+        await until(connection, LinkPhase.CONNECTED)
+        await anyio.sleep(60)
+        client.lose()
+        await wait_all_tasks_blocked()
+        await connection.wait_connected()
+    assert client.tries[1] - client.tries[0] == 60
+
+
+async def test_a_link_that_breaks_right_after_the_login_is_not_made_in_a_hot_loop() -> None:
+    client = FakeClient(FRESH)
+    async with supervise(client) as connection:
+        for _ in range(4):
+            await connection.wait_connected()
+            client.lose()
+            await wait_all_tasks_blocked()
+            await until(connection, LinkPhase.CONNECTED)
+    delays = [after - before for before, after in zip(client.tries, client.tries[1:], strict=False)]
+    assert delays == [0, 2, 4, 4]
+
+
+async def test_a_refused_login_is_a_state_of_its_own_and_repeated_slowly() -> None:
+    client = FakeClient(WRONG_PASSWORD, WRONG_PASSWORD, FRESH)
+    async with supervise(client) as connection:
+        state = await until(connection, LinkPhase.REFUSED)
+        assert "bad user name or password" in state.reason
+        assert state.retry_in == 100
+        with pytest.raises(RefusedError, match="bad user name or password"):
+            await connection.wait_connected()
+        await until(connection, LinkPhase.CONNECTED)
+    assert client.tries[-1] - client.tries[0] == 300
+
+
+async def test_who_is_thrown_out_comes_back_slowly() -> None:
+    """Two programs with one client id would push each other out for ever."""
+    client = FakeClient(FRESH)
+    async with supervise(client) as connection:
+        await until(connection, LinkPhase.CONNECTED)
+        await anyio.sleep(60)
+        client.lose(RefusedError("the connection", "session taken over", 0x8E))
+        assert (await until(connection, LinkPhase.REFUSED)).retry_in == 100
+
+
+async def test_a_certificate_file_that_cannot_be_used_waits_for_a_person() -> None:
+    class Unusable(FakeClient):
+        @asynccontextmanager
+        async def connected(self) -> AsyncIterator[Session]:
+            if not self.tries:
+                self.tries.append(0)
+                raise UsageError("CA file ca.pem: No such file or directory")
+            async with super().connected() as session:
+                yield session
+
+    async with supervise(Unusable(FRESH)) as connection:
+        assert "ca.pem" in (await until(connection, LinkPhase.REFUSED)).reason
+        await until(connection, LinkPhase.CONNECTED)
+
+
+async def test_subscriptions_are_made_again_on_a_new_session() -> None:
+    client = FakeClient(FRESH)
+    async with supervise(client) as connection:
+        await connection.subscribe(Subscription("early"))
+        await connection.wait_connected()
+        await connection.subscribe(Subscription("late"))
+        client.lose()
+        await wait_all_tasks_blocked()
+        await connection.wait_connected()
+    assert client.said == ["subscribe early", "subscribe late", "subscribe early", "subscribe late"]
+
+
+async def test_a_resumed_session_keeps_its_subscriptions_and_gets_only_the_changes() -> None:
+    client = FakeClient(FRESH, ABSENT, RESUMED)
+    async with supervise(client) as connection:
+        await connection.wait_connected()
+        await connection.subscribe(Subscription("kept"), Subscription("dropped"))
+        client.lose()
+        await until(connection, LinkPhase.WAITING)
+        await connection.subscribe(Subscription("new"))
+        await connection.unsubscribe("dropped")
+        await until(connection, LinkPhase.CONNECTED)
+    assert client.said == ["subscribe kept", "subscribe dropped", "subscribe new", "unsubscribe dropped"]
+
+
+async def test_the_first_link_of_a_process_subscribes_even_into_an_old_session() -> None:
+    client = FakeClient(RESUMED)
+    async with supervise(client) as connection:
+        await connection.subscribe(Subscription("a"))
+        await connection.wait_connected()
+    assert client.said == ["subscribe a"]
+
+
+async def test_a_refused_subscription_is_raised_and_forgotten_and_the_others_stand() -> None:
+    client = FakeClient(FRESH)
+    client.refused_filters = {"secret/#"}
+    async with supervise(client) as connection:
+        await connection.wait_connected()
+        with pytest.raises(RefusedError, match="'secret/#' was refused: not authorized"):
+            await connection.subscribe(Subscription("secret/#"), Subscription("open/#"))
+        client.lose()
+        await wait_all_tasks_blocked()
+        await connection.wait_connected()
+    assert client.said == ["subscribe open/#"] * 2
+
+
+async def test_a_subscription_refused_on_a_later_link_is_logged_and_asked_for_again() -> None:
+    client = FakeClient(FRESH)
+    client.refused_filters = {"a"}
+    with capture_logs() as lines:
+        async with supervise(client) as connection:
+            await connection.subscribe(Subscription("a"))
+            await connection.wait_connected()
+            client.refused_filters.clear()
+            client.lose()
+            await wait_all_tasks_blocked()
+            await connection.wait_connected()
+    assert [line["filter"] for line in lines if line["event"] == "mqtt.subscription_refused"] == ["a"]
+    assert client.said == ["subscribe a"]
+
+
+async def test_a_filter_that_is_none_is_refused_even_while_the_link_is_down() -> None:
+    async with supervise(FakeClient(ABSENT)) as connection:
+        with pytest.raises(InvalidNameError):
+            await connection.subscribe(Subscription("a/#/b"))
+
+
+async def test_a_publish_while_the_link_is_down_fails_at_once() -> None:
+    async with supervise(FakeClient(ABSENT)) as connection:
+        with pytest.raises(LinkError):
+            await connection.publish("t", b"x", qos=1)
+
+
+async def test_one_reader_gets_the_messages_of_all_links() -> None:
+    client = FakeClient(FRESH, ABSENT, FRESH)
+    first, second = MqttMessage("t", b"1", 1), MqttMessage("t", b"2", 1)
+    got: list[MqttMessage] = []
+
+    async def read(connection: MqttConnection) -> None:
+        for _ in range(2):
+            batch = await connection.receive()
+            got.extend(batch)
+            connection.ack(batch)
+        with pytest.raises(ClosedError):
+            await connection.receive()
+
+    async with anyio.create_task_group() as tasks, supervise(client) as connection:
+        tasks.start_soon(read, connection)
+        await connection.wait_connected()
+        client.tell(first)
+        await wait_all_tasks_blocked()
+        client.lose()
+        await until(connection, LinkPhase.WAITING)
+        await connection.wait_connected()
+        client.tell(second)
+        await wait_all_tasks_blocked()
+    assert got == client.acked == [first, second]
+
+
+async def test_a_reader_of_a_connection_that_never_came_up_is_freed_by_closing() -> None:
+    async def read(connection: MqttConnection) -> None:
+        with pytest.raises(ClosedError):
+            await connection.receive()
+
+    async with anyio.create_task_group() as tasks, supervise(FakeClient(ABSENT)) as connection:
+        tasks.start_soon(read, connection)
+        await wait_all_tasks_blocked()
+
+
+async def test_online_and_offline_are_announced_and_the_will_says_it_for_a_crash() -> None:
+    client = FakeClient(FRESH)
+    async with supervise(client, status_topic="") as connection:
+        assert connection.status_topic == "homebot/hub/status"
+        await connection.wait_connected()
+    assert client.said == ["homebot/hub/status online retained", "homebot/hub/status offline retained"]
+    assert client.published == [(1, NO_PROPERTIES)] * 2
+    assert client.options is not None
+    will = client.options.will
+    assert will is not None
+    assert (will.topic, will.payload, will.retain) == ("homebot/hub/status", b"offline", True)
+
+
+async def test_a_broker_that_refuses_the_announcement_is_used_all_the_same() -> None:
+    client = FakeClient(FRESH)
+    client.refuses_publish = True
+    with capture_logs() as lines:
+        async with supervise(client, status_topic="status") as connection:
+            await connection.wait_connected()
+    assert {line["event"] for line in lines} >= {"mqtt.status_refused"}
+
+
+async def test_states_are_told_until_closed() -> None:
+    seen: list[LinkPhase] = []
+
+    async def watch(connection: MqttConnection) -> None:
+        seen.extend([state.phase async for state in connection.states()])
+
+    async with anyio.create_task_group() as tasks, supervise(FakeClient(ABSENT, FRESH)) as connection:
+        tasks.start_soon(watch, connection)
+        await connection.wait_connected()
+        await wait_all_tasks_blocked()
+    assert seen[-3:] == [LinkPhase.WAITING, LinkPhase.CONNECTED, LinkPhase.CLOSED]
+    with pytest.raises(ClosedError):
+        await connection.wait_connected()
+
+
+async def test_an_error_inside_the_block_comes_out_as_it_is() -> None:
+    with pytest.raises(ValueError, match="mine"):
+        async with supervise(FakeClient(FRESH)):
+            raise ValueError("mine")
+
+
+async def test_a_connection_can_be_opened_again_but_not_twice_at_once() -> None:
+    connection = supervise(FakeClient(FRESH))
+    for _ in range(2):
+        async with connection:
+            await connection.wait_connected()
+            with pytest.raises(UsageError, match="open already"):
+                await connection.__aenter__()
