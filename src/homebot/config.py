@@ -127,7 +127,7 @@ def parse_settings(model: type[ModelT], table: Mapping[str, object], source: str
     except ValidationError as exc:
         first = exc.errors(include_url=False, include_context=False)[0]
         path = ".".join(part for part in (key, *(str(part) for part in first["loc"])) if part)
-        reason = _reason(model, first["type"], first["msg"])
+        reason = _reason(_model_at(model, first["loc"][:-1]), first["type"], first["msg"])
         is_secret = any(word in path for word in ("password", "token", "url"))
         shown = "" if is_secret or first["type"] in _TELL_ALL else f", got {first.get('input')!r}"
         # The cause is left out: it would show the value of a secret.
@@ -135,6 +135,16 @@ def parse_settings(model: type[ModelT], table: Mapping[str, object], source: str
 
 
 _TELL_ALL = {"extra_forbidden", "missing", "value_error"}
+
+
+def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseModel]:
+    """The model of the table at *path*, as far as tables are models."""
+    for part in path:
+        field = model.model_fields.get(str(part))
+        if field is None or not isinstance(field.annotation, type) or not issubclass(field.annotation, BaseModel):
+            break
+        model = field.annotation
+    return model
 
 
 def _reason(model: type[BaseModel], kind: str, message: str) -> str:

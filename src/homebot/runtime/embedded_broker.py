@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 import structlog
 
 from homebot.clock import Clock
+from homebot.errors import LinkError
 from homebot.mqtt.broker import Broker, PortTakenError
 
 __all__ = ["embedded_broker"]
@@ -15,31 +16,30 @@ __all__ = ["embedded_broker"]
 STARTED = "runtime.broker_started"
 
 FIRST_PORT = 1883
-LAST_PORT = 1903
+NEIGHBOURS = 20
+ANY_PORT = 0
 
 _log = structlog.get_logger(node="/homebot")
 
 
 @asynccontextmanager
 async def embedded_broker(clock: Clock) -> AsyncIterator[Broker]:
-    """Run the embedded broker on 127.0.0.1, port 1883 or the next free one up to 1903, and say which.
-
-    Raises:
-        PortTakenError: All of them are taken.
-    """
-    broker = await _start(clock)
-    async with broker:
-        taken = f"; port {FIRST_PORT} was taken" if broker.port != FIRST_PORT else ""
+    """Run the embedded broker on 127.0.0.1, port 1883 or the next free one, and say which."""
+    broker = await _started(clock)
+    try:
+        taken = f" (port {FIRST_PORT} was taken)" if broker.port != FIRST_PORT else ""
         _log.info(STARTED, message=f"embedded MQTT broker on {broker.url}{taken}", url=broker.url)
         yield broker
+    finally:
+        await broker.stop()
 
 
-async def _start(clock: Clock) -> Broker:
-    for port in range(FIRST_PORT, LAST_PORT):
+async def _started(clock: Clock) -> Broker:
+    for port in (*range(FIRST_PORT, FIRST_PORT + NEIGHBOURS), ANY_PORT):
         broker = Broker(port=port, clock=clock)
         try:
             await broker.start()
         except PortTakenError:
             continue
         return broker
-    return Broker(port=LAST_PORT, clock=clock)
+    raise LinkError("no TCP port is free for the embedded broker")

@@ -10,6 +10,7 @@ from contextlib import AsyncExitStack, contextmanager
 from dataclasses import replace
 from typing import Self
 
+import anyio
 import structlog
 from anyio.abc import TaskStatus
 
@@ -132,7 +133,9 @@ class Runtime:
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosapi") as node:
-            await RosApi(node).run(task_status=task_status)
+            RosApi(node)
+            task_status.started()
+            await anyio.sleep_forever()
 
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:

@@ -1,0 +1,51 @@
+"""The arguments of ``homebot run``."""
+
+from __future__ import annotations
+
+from homebot.cli.arguments import Commands, add_plain_command, address, positive
+
+__all__ = ["add_parser"]
+
+_EXAMPLES = """\
+  homebot run                                     embedded broker, a small simulated house, the light service
+  homebot run --for 15                            the same, for 15 seconds
+  homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, looking only
+  homebot run --mqtt mqtt://192.168.1.10 --root home425 --act    the same, and act
+  homebot run --app my_app:MyApp                  an app of your own instead of the light service
+  homebot run --config homebot.toml               everything from a file
+
+Without --config a homebot.toml in the working directory is used. Ctrl-C stops everything in order.
+"""
+
+
+def add_parser(commands: Commands) -> None:
+    """Add ``run`` to *commands*."""
+    parser = add_plain_command(
+        commands,
+        "run",
+        "run homebot: find the devices of a house and act on them",
+        _EXAMPLES,
+        "homebot.cli.commands.run:run",
+    )
+    parser.add_argument(
+        "--config", metavar="FILE", help="configuration in TOML (default: homebot.toml, if there is one)"
+    )
+    parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
+    parser.add_argument(
+        "--root", metavar="NAME", help="home that the gateway `mqtt` listens to: its topics' first level"
+    )
+    parser.add_argument(
+        "--app",
+        metavar="NAME",
+        action="append",
+        default=[],
+        help="app to run, a plug-in's name or module:Class; may be given more than once",
+    )
+    parser.add_argument("--act", action="store_true", help="let the gateway `mqtt` send commands to an outside broker")
+    parser.add_argument(
+        "--door", metavar="HOST:PORT", type=address, help="where tools come in (default: 127.0.0.1:9090)"
+    )
+    parser.add_argument(
+        "--log-format", choices=("console", "json"), default="console", help="lines for people or for programs"
+    )
+    parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this time")

@@ -1,0 +1,177 @@
+"""The index is pure: sightings and readings of a clock go in, changes come out."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import pytest
+
+from homebot.devices import Sighting
+from homebot.discovery import DeviceIndex
+from homebot.messages import Time
+
+FORGET_AFTER = 1000.0
+EXPIRES_AFTER = 60.0
+
+
+def sighting(
+    key: str = "lights/lamp1",
+    *,
+    kind: Literal["appeared", "updated", "removed"] = "appeared",
+    at: float = 0.0,
+    gateway: str = "mqtt",
+    confirmed: bool = True,
+    name: str = "lamp1",
+) -> Sighting:
+    service_type = key.partition("/")[0]
+    return Sighting(
+        gateway=gateway,
+        key=key,
+        kind=kind,
+        why="it spoke",
+        name=name,
+        service_type=service_type,
+        address=f"home/{key}/out",
+        command_address=f"home/{key}/in",
+        seen_at=Time.from_seconds(at),
+        expires_at=Time.from_seconds(at + EXPIRES_AFTER),
+        confirmed=confirmed,
+    )
+
+
+@pytest.fixture
+def index() -> DeviceIndex:
+    return DeviceIndex(forget_after=FORGET_AFTER)
+
+
+def test_a_first_sighting_makes_a_device_appear(index: DeviceIndex) -> None:
+    """The device carries what the sighting said, and both times are that of the sighting."""
+    change = index.observe(sighting(at=5))
+
+    assert change is not None
+    assert (change.kind, change.device.id, change.device.service_type) == ("appeared", "lights/lamp1", "lights")
+    assert change.device.endpoints[0].address == "home/lights/lamp1/out"
+    assert change.device.first_seen == change.device.last_seen == Time.from_seconds(5)
+
+
+def test_a_second_sighting_of_the_same_device_says_nothing_new_but_moves_last_seen(index: DeviceIndex) -> None:
+    """Every message of a device is no event."""
+    index.observe(sighting(at=0))
+
+    assert index.observe(sighting(kind="updated", at=7)) is None
+    (device,) = index.devices()
+    assert device.first_seen.sec == 0
+    assert device.last_seen.sec == 7
+
+
+def test_many_devices_of_one_type_are_all_kept(index: DeviceIndex) -> None:
+    """The thesis stored None when a second device of a type appeared."""
+    for number in range(50):
+        index.observe(sighting(f"lights/lamp{number:02}"))
+    index.observe(sighting("windows/motor"))
+
+    lights = index.devices("lights")
+    assert [device.id for device in lights] == [f"lights/lamp{number:02}" for number in range(50)]
+    assert len(index) == 51
+
+
+def test_a_changed_description_is_a_change(index: DeviceIndex) -> None:
+    """A device that is called something else now is the same device."""
+    index.observe(sighting())
+    change = index.observe(sighting(kind="updated", name="reading lamp"))
+
+    assert change is not None
+    assert (change.kind, change.device.id, change.device.name) == ("changed", "lights/lamp1", "reading lamp")
+
+
+def test_a_removed_device_is_gone_and_can_appear_again(index: DeviceIndex) -> None:
+    """Removal is no death sentence."""
+    index.observe(sighting())
+    removed = index.observe(sighting(kind="removed"))
+    again = index.observe(sighting(at=9))
+
+    assert removed is not None
+    assert removed.kind == "removed"
+    assert again is not None
+    assert (again.kind, again.device.first_seen.sec) == ("appeared", 9)
+
+
+def test_removing_what_was_never_seen_changes_nothing(index: DeviceIndex) -> None:
+    """A gateway may say more than the index knows."""
+    assert index.observe(sighting(kind="removed")) is None
+
+
+def test_a_silent_device_becomes_stale_once_and_is_forgotten_later(index: DeviceIndex) -> None:
+    """At exactly its expiry, and exactly `forget_after` later."""
+    index.observe(sighting())
+
+    assert index.expire(EXPIRES_AFTER - 0.001) == ()
+    assert [change.kind for change in index.expire(EXPIRES_AFTER)] == ["stale"]
+    assert index.expire(EXPIRES_AFTER + 1) == ()
+    assert [change.kind for change in index.expire(EXPIRES_AFTER + FORGET_AFTER)] == ["removed"]
+    assert len(index) == 0
+
+
+def test_a_long_jump_of_the_clock_makes_stale_and_forgets_in_one_go(index: DeviceIndex) -> None:
+    """Both are announced, in order."""
+    index.observe(sighting())
+    assert [change.kind for change in index.expire(10_000)] == ["stale", "removed"]
+
+
+def test_a_stale_device_that_speaks_returns(index: DeviceIndex) -> None:
+    """It is the same device with its old first_seen."""
+    index.observe(sighting())
+    index.expire(EXPIRES_AFTER)
+    change = index.observe(sighting(kind="updated", at=100))
+
+    assert change is not None
+    assert (change.kind, change.device.freshness, change.device.first_seen.sec) == ("returned", "fresh", 0)
+
+
+def test_a_retained_message_alone_leaves_a_device_unconfirmed(index: DeviceIndex) -> None:
+    """It may be a ghost; its own word confirms it."""
+    ghost = index.observe(sighting(confirmed=False))
+    alive = index.observe(sighting(kind="updated", at=3))
+
+    assert ghost is not None
+    assert ghost.device.freshness == "unconfirmed"
+    assert alive is not None
+    assert (alive.kind, alive.device.freshness) == ("changed", "fresh")
+
+
+def test_a_retained_message_does_not_refresh_a_device_that_has_spoken(index: DeviceIndex) -> None:
+    """What the broker repeats after a reconnect is old news: last_seen and expiry stay."""
+    index.observe(sighting(at=0))
+    assert index.observe(sighting(kind="updated", at=50, confirmed=False)) is None
+
+    (device,) = index.devices()
+    assert (device.last_seen.sec, device.freshness, device.expires.sec) == (0, "fresh", 60)
+
+
+def test_the_same_key_at_two_gateways_is_two_devices(index: DeviceIndex) -> None:
+    """A key is unique at its gateway only."""
+    index.observe(sighting(gateway="mqtt"))
+    index.observe(sighting(gateway="garage"))
+
+    assert [device.id for device in index.devices()] == ["lights/lamp1", "lights/lamp1@garage"]
+
+
+def test_the_next_deadline_is_the_earliest_of_all_devices(index: DeviceIndex) -> None:
+    """None when there is nothing to wait for."""
+    assert index.next_deadline() is None
+    index.observe(sighting("lights/a", at=0))
+    index.observe(sighting("lights/b", at=10))
+    assert index.next_deadline() == EXPIRES_AFTER
+    index.expire(EXPIRES_AFTER)
+    assert index.next_deadline() == EXPIRES_AFTER + 10
+
+
+def test_sequences_grow_with_every_change_and_start_where_they_are_told() -> None:
+    """A restarted directory goes on above the numbers of the one before."""
+    index = DeviceIndex(forget_after=1, first_sequence=100)
+    first = index.observe(sighting("lights/a"))
+    second = index.observe(sighting("lights/b"))
+
+    assert first is not None
+    assert second is not None
+    assert (first.sequence, second.sequence, index.sequence) == (100, 101, 101)

@@ -1,0 +1,83 @@
+"""The table of an MQTT gateway: what it accepts, and where the password comes from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from homebot.config import parse_settings
+from homebot.errors import ConfigError, UsageError
+from homebot.gateways.mqtt import MqttGatewaySettings
+
+
+def settings(**table: object) -> MqttGatewaySettings:
+    return parse_settings(MqttGatewaySettings, table, "homebot.toml", "gateways.mqtt")
+
+
+def test_an_empty_table_means_the_embedded_broker_and_inboxes() -> None:
+    """The defaults of the issue."""
+    empty = settings()
+    assert (empty.url, empty.delivery, empty.act, empty.max_payload) == ("embedded", "inbox", None, 256 * 1024)
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "reason"),
+    [
+        ({"url": "http://broker"}, "url", "must start with mqtt:// or mqtts://"),
+        ({"url": 5}, "url", "valid string"),
+        ({"root": "home/+"}, "root", "wildcard"),
+        ({"root": "home/"}, "root", "empty level"),
+        ({"delivery": "post"}, "delivery", "'inbox' or 'mirror'"),
+        ({"act": "yes"}, "act", "valid boolean"),
+        ({"rooot": "home"}, "rooot", "is unknown; known are url, root"),
+        ({"max_payload": 3}, "max_payload", "greater than or equal to 1024"),
+        ({"stale_after": -1}, "stale_after", "greater than 0"),
+    ],
+)
+def test_a_wrong_value_is_refused_with_file_key_and_reason(table: dict[str, object], key: str, reason: str) -> None:
+    """Everything that a person needs to mend it."""
+    with pytest.raises(ConfigError, match=reason) as caught:
+        settings(**table)
+    assert str(caught.value).startswith(f"homebot.toml: gateways.mqtt.{key}: ")
+
+
+def test_two_places_for_the_password_are_one_too_many() -> None:
+    """Nobody could tell which one counts."""
+    with pytest.raises(ConfigError, match="not both"):
+        settings(password_file="a", password_env="B")
+
+
+def test_the_password_comes_from_the_first_line_of_its_file(tmp_path: Path) -> None:
+    """A final line break is no part of it, and it shows nowhere."""
+    file = tmp_path / "password"
+    file.write_text("s3cret\n")
+    options = settings(url="mqtt://broker", user="robot", password_file=str(file)).options()
+
+    assert options.password is not None
+    assert options.password.get_secret_value() == "s3cret"
+    assert "s3cret" not in repr(options)
+
+
+def test_the_password_comes_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The way of containers."""
+    monkeypatch.setenv("HOMEBOT_TEST_PASSWORD", "s3cret")
+    options = settings(url="mqtt://broker", user="robot", password_env="HOMEBOT_TEST_PASSWORD").options()
+    assert options.password is not None
+    assert options.password.get_secret_value() == "s3cret"
+
+
+def test_a_password_that_cannot_be_read_is_a_clear_error(tmp_path: Path) -> None:
+    """It names the file, or the variable."""
+    with pytest.raises(UsageError, match="missing"):
+        settings(url="mqtt://broker", user="a", password_file=str(tmp_path / "missing")).options()
+    with pytest.raises(UsageError, match="HOMEBOT_NOT_SET"):
+        settings(url="mqtt://broker", user="a", password_env="HOMEBOT_NOT_SET").options()
+
+
+def test_an_address_with_a_password_never_shows_it_in_an_error() -> None:
+    """Not even when the address is wrong."""
+    with pytest.raises(ConfigError) as caught:
+        settings(url="mqtt://robot:s3cret@broker:port")
+    assert "s3cret" not in str(caught.value)
+    assert caught.value.__cause__ is None

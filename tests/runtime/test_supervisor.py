@@ -1,0 +1,124 @@
+"""A component that crashes is started anew and disturbs nobody."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from anyio.abc import TaskStatus
+from structlog.testing import capture_logs
+
+from homebot.clock import LoopClock
+from homebot.errors import UsageError
+from homebot.runtime.supervisor import Supervisor
+
+pytestmark = pytest.mark.virtual_time
+
+
+class Fragile:
+    """Becomes ready, then crashes as often as it was told to, *after* seconds each time."""
+
+    def __init__(self, crashes: int, after: float = 1.0) -> None:
+        self.starts: list[float] = []
+        self._crashes = crashes
+        self._after = after
+
+    async def work(self, *, task_status: TaskStatus[None]) -> None:
+        self.starts.append(anyio.current_time())
+        task_status.started()
+        await anyio.sleep(self._after)
+        if len(self.starts) <= self._crashes:
+            raise RuntimeError("ouch")
+        await anyio.sleep_forever()
+
+
+async def test_a_crashed_component_is_started_anew_after_a_growing_delay() -> None:
+    """0.5 s, 1 s, 2 s: the starts of the component show it."""
+    fragile = Fragile(crashes=3)
+    supervisor = Supervisor(LoopClock())
+    with capture_logs() as lines:
+        async with supervisor.running("fragile", fragile.work):
+            await anyio.sleep(60)
+
+    assert fragile.starts == [0.0, 1.5, 3.5, 6.5]
+    assert supervisor.restarts == {"fragile": 3}
+    assert lines[0]["message"] == "fragile crashed (RuntimeError: ouch); it is started anew in 0.5 s"
+
+
+async def test_a_component_that_keeps_crashing_is_given_up_and_reported() -> None:
+    """Five times within a minute."""
+    fragile = Fragile(crashes=99)
+    supervisor = Supervisor(LoopClock())
+    with capture_logs() as lines:
+        async with supervisor.running("fragile", fragile.work):
+            await anyio.sleep(3600)
+
+    assert supervisor.given_up == ["fragile"]
+    assert len(fragile.starts) == 5
+    assert lines[-1]["event"] == "runtime.given_up"
+    assert lines[-1]["log_level"] == "critical"
+
+
+async def test_crashes_far_apart_are_forgiven() -> None:
+    """Once an hour is bad, but no reason to give up."""
+    fragile = Fragile(crashes=99, after=3600)
+    supervisor = Supervisor(LoopClock())
+    async with supervisor.running("fragile", fragile.work):
+        await anyio.sleep(20 * 3600)
+
+    assert supervisor.given_up == []
+    assert supervisor.restarts["fragile"] >= 18
+
+
+async def test_a_crash_does_not_disturb_the_others() -> None:
+    """The steady one runs on."""
+    steady_ticks = 0
+
+    async def steady(*, task_status: TaskStatus[None]) -> None:
+        nonlocal steady_ticks
+        task_status.started()
+        while True:
+            await anyio.sleep(1)
+            steady_ticks += 1
+
+    supervisor = Supervisor(LoopClock())
+    async with (
+        supervisor.running("steady", steady),
+        supervisor.running("fragile", Fragile(crashes=99).work),
+    ):
+        await anyio.sleep(100.5)
+    assert steady_ticks == 100
+
+
+async def test_a_mistake_of_the_user_at_the_first_start_ends_the_start() -> None:
+    """Trying again would not mend the configuration."""
+
+    async def misconfigured(*, task_status: TaskStatus[None]) -> None:
+        raise UsageError("no such file")
+
+    with pytest.raises(UsageError, match="no such file"):
+        async with Supervisor(LoopClock()).running("app", misconfigured):
+            pytest.fail("it must not start")
+
+
+async def test_a_component_that_returns_is_done() -> None:
+    """Not every app is there for ever."""
+
+    async def short(*, task_status: TaskStatus[None]) -> None:
+        return
+
+    supervisor = Supervisor(LoopClock())
+    async with supervisor.running("short", short):
+        await anyio.sleep(100)
+    assert supervisor.restarts == {}
+
+
+async def test_entering_waits_until_the_component_is_ready() -> None:
+    """ "Started" is a signal."""
+
+    async def slow(*, task_status: TaskStatus[None]) -> None:
+        await anyio.sleep(3)
+        task_status.started()
+        await anyio.sleep_forever()
+
+    async with Supervisor(LoopClock()).running("slow", slow):
+        assert anyio.current_time() == 3

@@ -1,0 +1,74 @@
+"""The configuration file: what is refused, and how the error reads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from homebot.config import load_config
+from homebot.errors import ConfigError
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Path:
+    return tmp_path / "homebot.toml"
+
+
+def test_a_full_file_is_read_into_its_tables(write: Path) -> None:
+    """The tables of plug-ins are handed on as they are."""
+    write.write_text(
+        '[home]\nname = "villa"\n[gateways.mqtt]\nurl = "mqtt://b"\n[apps.light_service]\n[door]\nport = 1\n'
+    )
+    config = load_config(write)
+
+    assert config.home.name == "villa"
+    assert config.gateways == {"mqtt": {"url": "mqtt://b"}}
+    assert config.apps == {"light_service": {}}
+    assert config.door == {"port": 1}
+
+
+def test_an_empty_file_is_a_home_with_nothing_in_it(write: Path) -> None:
+    """Defaults everywhere."""
+    write.write_text("")
+    assert load_config(write).gateways == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "reason"),
+    [
+        ("[hoome]", "hoome", "is unknown; known are home, gateways, apps, door, discovery"),
+        ('[home]\nnmae = "x"', "home.nmae", "is unknown; known are name"),
+        ("[home]\nname = 5", "home.name", "valid string, got 5"),
+        ('[home]\nname = ""', "home.name", "at least 1 character"),
+        ("gateways = 3", "gateways", "object"),
+        ('source = "x"', "source", "is unknown"),
+        ('[gateways."front door"]', "gateways.front door", "has a character that names may not hold"),
+        ("[apps.2nd]", "apps.2nd", "starts with a digit"),
+    ],
+)
+def test_a_mistake_is_told_with_file_key_and_reason(write: Path, text: str, key: str, reason: str) -> None:
+    """In that order, in one line."""
+    write.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_config(write)
+    message = str(caught.value)
+    assert message.startswith(f"{write}: {key}: ")
+    assert reason in message
+    assert "\n" not in message
+
+
+def test_what_is_no_toml_is_told_with_its_line(write: Path) -> None:
+    """The parser knows where."""
+    write.write_text("[home\n")
+    with pytest.raises(ConfigError, match=r"is no TOML.*line 1"):
+        load_config(write)
+
+
+def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
+    """Missing, and not text."""
+    with pytest.raises(ConfigError, match="cannot be read: No such file"):
+        load_config(tmp_path / "missing.toml")
+    (tmp_path / "binary").write_bytes(b"\xff\xfe")
+    with pytest.raises(ConfigError, match="not UTF-8"):
+        load_config(tmp_path / "binary")

@@ -1,0 +1,47 @@
+"""Plug-ins: found by name or by path, and a clear word when they are not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from homebot.apps.light_service import LightService
+from homebot.errors import PluginError
+from homebot.plugins import load_plugin, plugin_names
+
+
+def test_installed_plugins_are_found_by_name() -> None:
+    """The light service comes with homebot."""
+    assert "light_service" in plugin_names("homebot.apps")
+    assert load_plugin("homebot.apps", "light_service") is LightService
+
+
+def test_an_unknown_name_is_told_with_what_is_installed() -> None:
+    """So that a slip of the pen is seen at once."""
+    with pytest.raises(PluginError, match=r"plug-in 'lightservice': is not installed \(installed: .*light_service"):
+        load_plugin("homebot.apps", "lightservice")
+
+
+def test_a_class_of_your_own_is_found_in_the_working_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As ``python -m`` would find its module."""
+    (tmp_path / "my_first_app.py").write_text("class Mine: pass\nnothing = 3\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", [*__import__("sys").path])
+
+    assert load_plugin("homebot.apps", "my_first_app:Mine").__name__ == "Mine"
+    with pytest.raises(PluginError, match="has no 'Yours'"):
+        load_plugin("homebot.apps", "my_first_app:Yours")
+    with pytest.raises(PluginError, match="not a class"):
+        load_plugin("homebot.apps", "my_first_app:nothing")
+
+
+def test_a_module_that_cannot_be_imported_is_told_with_its_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The author's own mistake, in its own words."""
+    (tmp_path / "my_broken_app.py").write_text("import nothing_of_that_name\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", [*__import__("sys").path])
+    with pytest.raises(PluginError, match=r"'my_broken_app' cannot be imported: ModuleNotFoundError"):
+        load_plugin("homebot.apps", "my_broken_app:App")
