@@ -1,5 +1,5 @@
 """``/rosapi``: the services by which programs outside look around on the graph."""
 
-from homebot.bridges.rosapi.rosapi import Rosapi
+from homebot.bridges.rosapi.rosapi import RosApi
 
-__all__ = ["Rosapi"]
+__all__ = ["RosApi"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.bridges.rosapi.messages import EndpointDetails, FindEndpointsRequest, FindEndpointsResponse
+from homebot.bridges.rosapi.endpoint_messages import EndpointDetails, FindEndpointsRequest, FindEndpointsResponse
 from homebot.errors import RefusedError
 from homebot.graph import EndpointInfo, EntityKind, Graph
 

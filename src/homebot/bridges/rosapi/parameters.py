@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from homebot.bridges.rosapi.messages import (
+from homebot.bridges.rosapi.parameter_messages import (
     DeleteParamRequest,
     DeleteParamResponse,
     GetParamNamesRequest,

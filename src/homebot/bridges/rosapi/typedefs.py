@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.bridges.rosapi.messages import TypeDef
+from homebot.bridges.rosapi.topic_messages import TypeDef
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
 from homebot.messages.message import Message
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from homebot.bridges.rosbridge.protocol import CallService, service_failure, service_success
-from homebot.errors import HomebotError, ServiceUnavailableError, TypeMismatchError
+from homebot.errors import HomebotError, ServiceFailedError, ServiceUnavailableError, TypeMismatchError
 from homebot.graph import Node
 from homebot.messages.definition import fields_of
 from homebot.messages.json import JsonObject, message_from_json, message_to_json
@@ -21,6 +21,8 @@ async def call_service(node: Node, op: CallService) -> JsonObject:
     """Make the call *op* on the graph of *node* and return the frame that answers it, be it a failure."""
     try:
         values = await _call(node, op)
+    except ServiceFailedError as exc:
+        return service_failure(op.service, op.id, exc.reason)
     except HomebotError as exc:
         return service_failure(op.service, op.id, str(exc))
     return service_success(op.service, op.id, values)

@@ -140,7 +140,8 @@ class Session:
                 holdings.publications.unadvertise(op)
             case Subscribe():
                 self._check_room(holdings)
-                await holdings.subscriptions.subscribe(op)
+                if (remark := await holdings.subscriptions.subscribe(op)) is not None:
+                    await self._remark("warning", remark, op.id)
             case Unsubscribe():
                 holdings.subscriptions.unsubscribe(op)
             case AdvertiseService():
@@ -177,8 +178,13 @@ class Session:
             await self._send(service_failure(target, identifier, problem))
         elif op == "send_action_goal":
             await self._send(action_refusal(target, identifier, problem))
-        elif _SEVERITY[self._level] >= _SEVERITY["error"]:
-            await self._send(status_frame("error", problem, identifier))
+        else:
+            await self._remark("error", problem, identifier)
+
+    async def _remark(self, level: Level, text: str, identifier: Identifier) -> None:
+        """Tell the client something, if it wants to hear things of this *level*."""
+        if _SEVERITY[self._level] >= _SEVERITY[level]:
+            await self._send(status_frame(level, text, identifier))
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,13 +46,12 @@ class Subscriptions:
         """Messages dropped because the client was too slow, on the topics it reads now."""
         return sum(feed.lost for feed in self._feeds.values())
 
-    async def subscribe(self, op: Subscribe) -> None:
-        """Begin to send a topic.
+    async def subscribe(self, op: Subscribe) -> str | None:
+        """Begin to send a topic; where its type cannot be told yet, return that in words and begin once it can.
 
         Raises:
             InvalidNameError: The name is illegal.
             TypeMismatchError: The topic carries another type than the client expects.
-            PeerError: The type cannot be told; the messages will come once the topic exists.
         """
         full_name = self._node.resolve_name(op.topic)
         is_absent = self._node.graph.get_message_type(full_name) is None
@@ -65,7 +64,8 @@ class Subscriptions:
             if not self._watches:
                 self._watches = True
                 await self._tasks.start(self._watch)
-            raise PeerError(f"{exc}; messages will come once somebody publishes on it") from exc
+            return f"{exc}; messages will come once somebody publishes on it"
+        return None
 
     def unsubscribe(self, op: Unsubscribe) -> None:
         """Stop sending a topic.

@@ -1,0 +1,140 @@
+"""What the commands' parsers have in common: how a noun and its verbs are added, and the types of arguments."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+from typing import Protocol
+
+from homebot.cli.flow import parse_flow
+from homebot.errors import WireError
+
+__all__ = [
+    "Commands",
+    "add_command",
+    "add_global_options",
+    "add_noun",
+    "add_plain_command",
+    "address",
+    "message",
+    "positive",
+    "type_or_message",
+    "whole",
+]
+
+DEFAULT_DOOR = "127.0.0.1:9090"
+
+
+class Commands(Protocol):
+    """Where a parser for one more command can be added; what ``ArgumentParser.add_subparsers`` returns."""
+
+    def add_parser(
+        self,
+        name: str,
+        *,
+        help: str,  # noqa: A002  # argparse's spelling
+        description: str,
+        epilog: str | None,
+        formatter_class: type[argparse.HelpFormatter],
+    ) -> argparse.ArgumentParser:
+        """Add a parser."""
+        ...
+
+
+def add_noun(commands: Commands, name: str, summary: str, examples: str) -> Commands:
+    """Add the noun *name* to *commands* and return where its verbs go."""
+    parser = _add(commands, name, summary, examples)
+    verbs: Commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    return verbs
+
+
+def add_plain_command(
+    commands: Commands, name: str, summary: str, examples: str, function: str
+) -> argparse.ArgumentParser:
+    """Add a command; *function* is what runs it, as ``module:function``."""
+    parser = _add(commands, name, summary, examples)
+    parser.set_defaults(command=function)
+    return parser
+
+
+def add_command(commands: Commands, name: str, summary: str, examples: str, function: str) -> argparse.ArgumentParser:
+    """Add a command that talks through the door; *function* is what runs it, as ``module:function``."""
+    parser = add_plain_command(commands, name, summary, examples, function)
+    _add_door_options(parser, argparse.SUPPRESS, argparse.SUPPRESS)
+    return parser
+
+
+def add_global_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that may stand before any command that talks through the door, and after it as well."""
+    _add_door_options(parser, os.environ.get("HOMEBOT_DOOR") or DEFAULT_DOOR, None)
+
+
+def address(text: str) -> tuple[str, int]:
+    """Return the host and port of ``HOST:PORT``; an IPv6 address stands in brackets."""
+    host, colon, port = text.rpartition(":")
+    host = host.removeprefix("[").removesuffix("]")
+    if not colon or not host or not port.isascii() or not port.isdigit() or int(port) > 65535:
+        raise argparse.ArgumentTypeError(f"an address is HOST:PORT, got {text!r}")
+    return host, int(port)
+
+
+def message(text: str) -> dict[str, object]:
+    """Return the fields that *text* spells, in JSON or in YAML's flow style."""
+    try:
+        value = parse_flow(text)
+    except WireError as exc:
+        raise argparse.ArgumentTypeError(str(exc)) from exc
+    if not isinstance(value, dict):
+        raise argparse.ArgumentTypeError(f"give the fields as {{name: value, ...}}, got {text!r}")
+    return dict(value)
+
+
+def type_or_message(text: str) -> str | dict[str, object]:
+    """Return *text* as it is, or the fields that it spells where it begins with a brace."""
+    return message(text) if text.lstrip().startswith("{") else text
+
+
+def positive(text: str) -> float:
+    """Return the positive number *text*."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"a positive number is expected, got {text!r}")
+    return number
+
+
+def whole(text: str) -> int:
+    """Return the positive whole number *text*."""
+    if not text.isascii() or not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"a whole number from 1 on is expected, got {text!r}")
+    return int(text)
+
+
+def _add_door_options(parser: argparse.ArgumentParser, address_default: str, file_default: str | None) -> None:
+    door = parser.add_argument_group("which homebot to talk to")
+    door.add_argument(
+        "--door",
+        metavar="HOST:PORT",
+        type=address,
+        default=address_default,
+        help=f"where it listens (default: HOMEBOT_DOOR, else {DEFAULT_DOOR})",
+    )
+    door.add_argument(
+        "--token-file",
+        metavar="FILE",
+        default=file_default,
+        help="file that holds the door's token (default: the token in HOMEBOT_DOOR_TOKEN, if any)",
+    )
+
+
+def _add(commands: Commands, name: str, summary: str, examples: str) -> argparse.ArgumentParser:
+    return commands.add_parser(
+        name,
+        help=summary,
+        description=f"{summary[0].upper()}{summary[1:]}.",
+        epilog=f"examples:\n{examples}" if examples else None,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )

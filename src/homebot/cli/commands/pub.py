@@ -1,0 +1,39 @@
+"""``homebot topic pub``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+import anyio
+
+from homebot.cli.directory import no_such_topic, topic_type
+from homebot.cli.door_client import DoorClient
+from homebot.cli.through_door import through_door
+
+__all__ = ["pub"]
+
+
+def pub(options: argparse.Namespace) -> int:
+    """Publish a message as often as the options say; by default once a second until Ctrl-C."""
+
+    async def run(door: DoorClient) -> int:
+        ros_type = options.type or await topic_type(door, options.topic)
+        if not ros_type:
+            raise await no_such_topic(door, options.topic)
+        await door.advertise(options.topic, ros_type)
+        await door.settle()
+        shown = json.dumps(options.value, ensure_ascii=False)
+        number = 0
+        due = anyio.current_time()
+        while True:
+            number += 1
+            await door.publish(options.topic, options.value)
+            await door.settle()
+            print(f"publishing #{number} on {options.topic}: {shown}", flush=True)
+            if number == options.times:
+                return 0
+            due = max(due + 1 / options.rate, anyio.current_time())
+            await anyio.sleep_until(due)
+
+    return through_door(options, run)

@@ -1,0 +1,57 @@
+"""``homebot service list`` and ``homebot service call``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from homebot.cli.directory import entities
+from homebot.cli.door_client import DoorClient
+from homebot.cli.schema import response_schema
+from homebot.cli.similar import not_found
+from homebot.cli.through_door import through_door
+from homebot.cli.yaml import to_yaml
+from homebot.errors import PeerError
+
+__all__ = ["call", "list_services"]
+
+
+def list_services(options: argparse.Namespace) -> int:
+    """Print every service, one a line."""
+
+    async def run(door: DoorClient) -> int:
+        for one in await entities(door, kind="service"):
+            if options.all or not one.is_hidden:
+                print(f"{one.name} [{one.type}]" if options.show_types else one.name)
+        return 0
+
+    return through_door(options, run)
+
+
+def call(options: argparse.Namespace) -> int:
+    """Call a service and print its response."""
+    expected, request = options.type, options.request
+    if isinstance(expected, dict):  # the type was left out
+        expected, request = "", expected
+
+    async def run(door: DoorClient) -> int:
+        ros_type = await _type(door, options.service, expected)
+        response = await door.call(options.service, request, options.timeout)
+        if options.json:
+            print(json.dumps(response, ensure_ascii=False))
+        else:
+            print(to_yaml((await response_schema(door, ros_type)).readable(response)), end="")
+        return 0
+
+    return through_door(options, run)
+
+
+async def _type(door: DoorClient, service: str, expected: str) -> str:
+    """Return the type of *service*, which should be the *expected* one, if any."""
+    name = service if service.startswith("/") else f"/{service}"
+    known = {one.name: one.type for one in await entities(door, kind="service")}
+    if name not in known:
+        raise PeerError(not_found("service", name, known))
+    if expected and expected.replace("/srv/", "/") != known[name].replace("/srv/", "/"):
+        raise PeerError(f"service {name} is a {known[name]}, not a {expected}")
+    return known[name]

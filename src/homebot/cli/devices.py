@@ -1,0 +1,22 @@
+"""The arguments of ``homebot devices``."""
+
+from __future__ import annotations
+
+from homebot.cli.arguments import Commands, add_command
+
+__all__ = ["add_parser"]
+
+_EXAMPLES = """\
+  homebot devices
+  homebot devices --type lights
+  homebot devices --json
+"""
+
+
+def add_parser(commands: Commands) -> None:
+    """Add ``devices``."""
+    parser = add_command(
+        commands, "devices", "list the devices in the house", _EXAMPLES, "homebot.cli.commands.devices:list_devices"
+    )
+    parser.add_argument("--type", metavar="T", default="", help="only those that offer this, for example lights")
+    parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")

@@ -1,0 +1,146 @@
+"""Values as people type them: JSON, or the flow style of YAML without quotes, such as ``{data: hi, list: [1, 2]}``."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import TypeAlias
+
+from homebot.errors import WireError
+
+__all__ = ["FlowValue", "parse_flow"]
+
+FlowValue: TypeAlias = "bool | int | float | str | list[FlowValue] | dict[str, FlowValue] | None"
+
+_MAX_NESTING = 100
+_SPACE = re.compile(r"\s*")
+_QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^']|'')*'", re.DOTALL)
+_PLAIN_KEY = re.compile(r"[^,\[\]{}\"':]+(?=\s*:)")
+_PLAIN = re.compile(r"(?:[^,\[\]{}:]|:(?!\s))+")
+_INTEGER = re.compile(r"[-+]?[0-9]+")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_WORDS = {"true": True, "false": False, "null": None, "~": None, ".nan": float("nan"), ".inf": float("inf")}
+
+
+def parse_flow(text: str) -> FlowValue:
+    """Return the value that *text* spells; words that are no number, ``true``, ``false`` or ``null`` are texts.
+
+    Raises:
+        WireError: It is no value; the message says where it went wrong.
+    """
+    try:
+        value: FlowValue = json.loads(text)
+    except (ValueError, RecursionError):
+        return _Flow(text).parse()
+    return value
+
+
+class _Flow:
+    """A reader that goes through the text once, from left to right."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._at = 0
+        self._depth = 0
+
+    def parse(self) -> FlowValue:
+        value = self._value()
+        self._skip_space()
+        if self._at < len(self._text):
+            raise self._error("nothing more was expected")
+        return value
+
+    def _value(self) -> FlowValue:
+        self._skip_space()
+        following = self._text[self._at : self._at + 1]
+        if following == "{":
+            return self._mapping()
+        if following == "[":
+            return self._sequence()
+        if following and following in "\"'":
+            return self._quoted()
+        return self._plain()
+
+    def _mapping(self) -> FlowValue:
+        fields: dict[str, FlowValue] = {}
+        self._open()
+        while not self._take("}"):
+            if fields:
+                self._expect(",")
+            key = self._key()
+            self._expect(":")
+            fields[key] = self._value()
+        self._depth -= 1
+        return fields
+
+    def _sequence(self) -> FlowValue:
+        items: list[FlowValue] = []
+        self._open()
+        while not self._take("]"):
+            if items:
+                self._expect(",")
+            items.append(self._value())
+        self._depth -= 1
+        return items
+
+    def _key(self) -> str:
+        self._skip_space()
+        if self._text[self._at : self._at + 1] in {'"', "'"}:
+            return self._quoted()
+        found = _PLAIN_KEY.match(self._text, self._at)
+        if found is None:
+            raise self._error("a field's name and a colon were expected")
+        self._at = found.end()
+        return found[0].strip()
+
+    def _quoted(self) -> str:
+        found = _QUOTED.match(self._text, self._at)
+        if found is None:
+            raise self._error("a quotation mark is not closed")
+        self._at = found.end()
+        if found[0].startswith("'"):
+            return found[0][1:-1].replace("''", "'")
+        try:
+            return str(json.loads(found[0], strict=False))
+        except ValueError as exc:
+            raise self._error(f"a text in quotation marks is wrong: {exc}") from exc
+
+    def _plain(self) -> FlowValue:
+        found = _PLAIN.match(self._text, self._at)
+        word = found[0].strip() if found else ""
+        if found is None or not word:
+            raise self._error("a value was expected")
+        self._at = found.end()
+        if word in _WORDS:
+            return _WORDS[word]
+        if _INTEGER.fullmatch(word) and len(word) < 1000:
+            return int(word)
+        return float(word) if _NUMBER.fullmatch(word) else word
+
+    def _open(self) -> None:
+        self._depth += 1
+        if self._depth > _MAX_NESTING:
+            raise self._error(f"nested more than {_MAX_NESTING} deep")
+        self._at += 1
+
+    def _take(self, sign: str) -> bool:
+        self._skip_space()
+        if self._text.startswith(sign, self._at):
+            self._at += 1
+            return True
+        if self._at >= len(self._text):
+            raise self._error(f"{sign!r} is missing")
+        return False
+
+    def _expect(self, sign: str) -> None:
+        if not self._take(sign):
+            raise self._error(f"{sign!r} was expected")
+
+    def _skip_space(self) -> None:
+        found = _SPACE.match(self._text, self._at)
+        self._at = found.end() if found else self._at
+
+    def _error(self, problem: str) -> WireError:
+        rest = self._text[self._at : self._at + 20]
+        where = f"before {rest!r}" if rest else "at its end"
+        return WireError(f"cannot read {self._text[:60]!r}: {problem} {where}")

@@ -1,0 +1,77 @@
+"""The entry of the command line: reads the arguments, runs the command, turns errors into words and exit codes.
+
+Nothing heavy is imported before a command is chosen, so ``--help`` and ``--version`` answer at once. Exit codes:
+0 done, 1 it did not work, 2 the command line is wrong, 130 ended by Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Callable, Sequence
+
+import homebot
+from homebot.cli import config, devices, node, run, service, topic
+from homebot.cli.arguments import add_global_options
+from homebot.errors import HomebotError
+
+__all__ = ["main", "make_parser"]
+
+COMMANDS = (run, config, topic, service, node, devices)
+
+_EPILOG = """\
+examples:
+  homebot run                                  a house to look at: embedded broker, simulated devices, light service
+  homebot devices                              what is in the house
+  homebot topic list -t                        every topic and its type
+  homebot topic echo /rosout                   watch the log live
+  homebot topic pub --once /hello std_msgs/String '{data: hi}'
+  homebot service call /rosapi/get_time        ask something
+
+All but `run` and `config` talk to a running homebot, by default on 127.0.0.1:9090; `homebot COMMAND --help` tells more.
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line *argv* (by default the process's own) and return the exit code.
+
+    Raises:
+        SystemExit: The command line is wrong (code 2), or asked for ``--help`` or ``--version`` (code 0).
+    """
+    options = make_parser().parse_args(argv)
+    try:
+        return _load(options.command)(options)
+    except HomebotError as exc:
+        print(f"homebot: {exc}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        # Whoever read our output has enough. Python would complain once more when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of the whole command line."""
+    parser = argparse.ArgumentParser(
+        prog="homebot",
+        description="The home runtime for robots: find every device in the house, and act on it.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"homebot {homebot.__version__}")
+    add_global_options(parser)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        command.add_parser(commands)
+    return parser
+
+
+def _load(command: str) -> Callable[[argparse.Namespace], int]:
+    """Return the function that ``module:function`` names."""
+    module, _, function = command.partition(":")
+    found: Callable[[argparse.Namespace], int] = getattr(importlib.import_module(module), function)
+    return found

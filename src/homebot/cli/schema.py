@@ -1,0 +1,79 @@
+"""What the fields of a message are, as far as printing needs to know: which ones are bytes."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+
+from pydantic import BaseModel
+
+from homebot.cli.door_client import DoorClient
+
+__all__ = ["Schema", "message_schema", "response_schema"]
+
+
+class _TypeDef(BaseModel):
+    type: str
+    fieldnames: list[str]
+    fieldtypes: list[str]
+    fieldarraylen: list[int]
+
+
+class _Details(BaseModel):
+    typedefs: list[_TypeDef]
+
+
+class Schema:
+    """A message type and the types in it, as rosapi tells them."""
+
+    def __init__(self, typedefs: list[_TypeDef]) -> None:
+        self._types = {one.type: _fields(one) for one in typedefs}
+        self._root = typedefs[0].type if typedefs else ""
+
+    def readable(self, message: dict[str, object]) -> dict[str, object]:
+        """Return *message* with the bytes in it, which come as base64, as text where they are, else as a list."""
+        return self._message(message, self._root)
+
+    def _message(self, message: dict[str, object], ros_type: str) -> dict[str, object]:
+        fields = self._types.get(ros_type, {})
+        return {name: self._field(value, *fields.get(name, ("", False))) for name, value in message.items()}
+
+    def _field(self, value: object, ros_type: str, is_array: bool) -> object:  # noqa: FBT001  # private, one caller
+        if is_array and ros_type == "uint8" and isinstance(value, str):
+            return _readable_bytes(value)
+        if isinstance(value, list):
+            return [self._element(item, ros_type) for item in value]
+        return self._element(value, ros_type)
+
+    def _element(self, value: object, ros_type: str) -> object:
+        return self._message(value, ros_type) if isinstance(value, dict) else value
+
+
+async def message_schema(door: DoorClient, ros_type: str) -> Schema:
+    """Ask what the message type *ros_type* looks like."""
+    return await _schema(door, "/rosapi/message_details", ros_type)
+
+
+async def response_schema(door: DoorClient, ros_type: str) -> Schema:
+    """Ask what the response of the service type *ros_type* looks like."""
+    return await _schema(door, "/rosapi/service_response_details", ros_type)
+
+
+async def _schema(door: DoorClient, service: str, ros_type: str) -> Schema:
+    return Schema(_Details.model_validate(await door.call(service, {"type": ros_type})).typedefs)
+
+
+def _fields(typedef: _TypeDef) -> dict[str, tuple[str, bool]]:
+    kinds = zip(typedef.fieldtypes, (length >= 0 for length in typedef.fieldarraylen), strict=True)
+    return dict(zip(typedef.fieldnames, kinds, strict=True))
+
+
+def _readable_bytes(text: str) -> str | list[int]:
+    try:
+        value = base64.b64decode(text, validate=True)
+    except binascii.Error:
+        return text
+    try:
+        return value.decode()
+    except UnicodeDecodeError:
+        return list(value)
