@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections.abc import Callable
-from typing import final
+from typing import cast, final
 
 import structlog
 
@@ -28,6 +28,7 @@ class Connection(asyncio.Protocol):
         hub: The broker.
         loop: The running loop.
         on_lost: Told when the socket is closed.
+        refused: There is no room: cut it as soon as it is open.
 
     Attributes:
         choked: As :class:`Link` says.
@@ -35,13 +36,21 @@ class Connection(asyncio.Protocol):
         peer: The state machine.
     """
 
-    def __init__(self, hub: Hub, loop: asyncio.AbstractEventLoop, on_lost: Callable[[Connection], None]) -> None:
+    def __init__(
+        self,
+        hub: Hub,
+        loop: asyncio.AbstractEventLoop,
+        on_lost: Callable[[Connection], None],
+        *,
+        refused: bool = False,
+    ) -> None:
         self.choked = False
         self.address = "?"
         self.peer = Peer(hub, self)
         self._hub = hub
         self._loop = loop
         self._on_lost = on_lost
+        self._refused = refused
         self._transport: asyncio.Transport | None = None
         self._out: list[bytes] = []
         self._out_size = 0
@@ -50,8 +59,10 @@ class Connection(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """The socket is open."""
-        assert isinstance(transport, asyncio.Transport)  # noqa: S101 - what create_server gives
-        self._transport = transport
+        self._transport = transport = cast("asyncio.Transport", transport)
+        if self._refused:
+            self.abort()
+            return
         transport.set_write_buffer_limits(high=self._hub.limits.write_buffer)
         address = transport.get_extra_info("peername")
         if isinstance(address, tuple):

@@ -1,19 +1,17 @@
 """One client's connection from CONNECT to its end, without a socket.
 
 Order: packets are handled one after the other as they come. While a publisher is held back for a slow subscriber,
-its acknowledgements and pings are still handled, everything else waits in its order; when too much waits, the
-socket is not read.
+its acknowledgements and pings are still handled, everything else waits in its order.
 """
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, final
 
 from homebot.mqtt.broker import login
-from homebot.mqtt.broker.deadlines import Deadline
+from homebot.mqtt.broker.holding import Holding
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.inbound import Inbound
 from homebot.mqtt.broker.link import Link
@@ -52,7 +50,7 @@ _KEEP_ALIVE_GRACE = 1.5  # MQTT 5.0, section 3.1.2.10
 
 @final
 class Peer:
-    """The state machine of one connection; fills nothing's port and raises nothing for what the client sends.
+    """The state machine of one connection; nothing the client sends makes it raise.
 
     Args:
         hub: The broker.
@@ -65,10 +63,7 @@ class Peer:
         self._reader = PacketReader(ProtocolVersion.V311, hub.limits.max_connect_size)
         self._client: _Client | None = None
         self._closed = False
-        self._held: deque[Packet] = deque()
-        self._held_messages = 0  # at QoS 1 and 2
-        self._slow: set[Session] = set()
-        self._hold_end: Deadline | None = None
+        self._holding = Holding(hub, link, self._go_on)
         self._heard_at = hub.clock.monotonic()
         self._silence = hub.deadlines.at(self._heard_at + hub.limits.connect_timeout, self._no_connect)
 
@@ -108,23 +103,23 @@ class Peer:
         """
         self._close(reason, "", publish_will=publish_will)
 
-    def caught_up(self, session: Session) -> None:
-        """A slow session has room again; see :class:`~homebot.mqtt.broker.session.HeldPublisher`."""
-        self._slow.discard(session)
-        if not self._slow:
-            self._go_on()
-
     def _handle(self, packet: Packet) -> None:
         client = self._client
         if client is None:
             self._login(packet)
-        elif self._slow and not isinstance(packet, _NEVER_HELD):
-            self._hold_packet(client, packet)
-        elif type(packet) is Publish:
-            client.inbound.check_quota(packet, 0)
+        elif self._holding.active and not isinstance(packet, _NEVER_HELD):
+            if isinstance(packet, Publish):
+                client.inbound.check_quota(packet, self._holding.messages)
+            self._holding.keep(packet)
+        else:
+            self._act(client, packet)
+
+    def _act(self, client: _Client, packet: Packet) -> None:
+        if type(packet) is Publish:
+            client.inbound.check_quota(packet, self._holding.messages)
             slow = client.inbound.publish(packet)
             if slow:
-                self._hold(slow)
+                self._holding.wait_for(slow)
         else:
             handler = self._HANDLERS.get(type(packet))
             if handler is None:
@@ -191,7 +186,7 @@ class Peer:
         client.outbound.send(Suback(packet.packet_id, tuple(reasons)))
         session.pump()
         if session.congested and not session.overrun:
-            self._hold((session,))
+            self._holding.wait_for((session,))
 
     def _unsubscribe(self, client: _Client, packet: Unsubscribe) -> None:
         reasons = tuple(self._hub.exchange.unsubscribe(client.session, name) for name in packet.filters)
@@ -209,52 +204,26 @@ class Peer:
     def _auth(self, _client: _Client, _packet: Auth) -> None:
         raise PacketError("there is no extended authentication", code=ReasonCode.BAD_AUTHENTICATION_METHOD)
 
-    def _hold(self, slow: Iterable[Session]) -> None:
-        self._slow.update(slow)
-        for session in self._slow:
-            session.held_publishers.add(self)
-        if self._hold_end is None:
-            self._hub.counters.holds += 1
-            until = self._hub.clock.monotonic() + self._hub.limits.hold_time
-            self._hold_end = self._hub.deadlines.at(until, self._held_long_enough)
-
-    def _hold_packet(self, client: _Client, packet: Packet) -> None:
-        if isinstance(packet, Publish):
-            client.inbound.check_quota(packet, self._held_messages)
-            self._held_messages += packet.qos > 0
-        self._held.append(packet)
-        if len(self._held) >= self._hub.limits.max_held_packets:
-            self._link.pause_reading()
-
-    def _held_long_enough(self) -> None:
-        for session in self._slow:
-            session.overrun = True
-            self._hub.warn("broker.client_too_slow", client_id=session.client_id, queued=session.queued)
-            session.held_publishers.discard(self)
-        self._slow.clear()
-        self._go_on()
-
     def _go_on(self) -> None:
-        if self._hold_end is not None:
-            self._hold_end.cancel()
-            self._hold_end = None
+        client = self._client
+        if client is None:
+            return
         try:
-            while self._held and not self._slow and not self._closed:
-                packet = self._held.popleft()
-                self._held_messages -= isinstance(packet, Publish) and packet.qos > 0
-                self._handle(packet)
+            while not self._closed and (packet := self._holding.take()) is not None:
+                self._act(client, packet)
         except PacketError as error:
             self._fail(error)
-        if len(self._held) < self._hub.limits.max_held_packets:
-            self._link.resume_reading()
 
     def _expect_signs_of_life(self) -> None:
         client = self._client
         if client is None or not client.wanted.keep_alive:
             return
         limit = client.wanted.keep_alive * _KEEP_ALIVE_GRACE
+        now = self._hub.clock.monotonic()
+        if not self._holding.reading:  # the silence is ours
+            self._heard_at = now
         due = self._heard_at + limit
-        if due <= self._hub.clock.monotonic():
+        if due <= now:
             self._fail(PacketError("nothing came for too long", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
         else:
             self._silence = self._hub.deadlines.at(due, self._expect_signs_of_life)
@@ -314,15 +283,11 @@ class Peer:
         if self._closed:
             return
         client = self._client
-        for session in self._slow:
-            session.held_publishers.discard(self)
-        self._slow.clear()
-        if client is not None:
-            self._take_held(client)
         self._closed = True
         self._silence.cancel()
-        if self._hold_end is not None:
-            self._hold_end.cancel()
+        self._holding.stop()
+        if client is not None:
+            self._take_held(client)
         if client is not None:
             del self._hub.peers[client.session.client_id]
             self._hub.sessions.detach(client.session, client.will if publish_will else None)
@@ -330,12 +295,12 @@ class Peer:
     def _take_held(self, client: _Client) -> None:
         """Forward the messages that were held back; nobody can be kept waiting any more."""
         try:
-            for packet in self._held:
+            while (packet := self._holding.take()) is not None:
                 if isinstance(packet, Publish):
                     client.inbound.publish(packet)
         except PacketError as error:
             self._hub.warn("broker.connection_failed", client_id=self.client_id, problem=error.problem)
-        self._held.clear()
+        self._holding.packets.clear()
 
     _HANDLERS: ClassVar[dict[type, Callable[..., None]]] = {
         Pubrel: _released,

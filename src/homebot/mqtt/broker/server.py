@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import ipaddress
 import socket
 import ssl
 from collections.abc import Collection, Mapping
@@ -26,6 +27,7 @@ from homebot.mqtt.packets import ReasonCode
 __all__ = ["Broker", "PortTakenError"]
 
 _BACKLOG = 512
+_SOCKETS_PER_CLIENT = 2  # those not logged in must not keep the others out, nor be without bound
 _log = structlog.get_logger()
 
 
@@ -169,7 +171,11 @@ class Broker:
             raise LinkError(f"cannot listen on {self._host} port {self._port}: {error.strerror}") from error
         self._port = sock.getsockname()[1]
         self._server = await loop.create_server(
-            lambda: self._accept(hub, loop), sock=sock, ssl=self._tls, backlog=_BACKLOG
+            lambda: self._accept(hub, loop),
+            sock=sock,
+            ssl=self._tls,
+            backlog=_BACKLOG,
+            ssl_handshake_timeout=None if self._tls is None else self._limits.connect_timeout,
         )
         hub.deadlines.wake = self._wake_at
         self.tick()
@@ -189,9 +195,9 @@ class Broker:
             return
         server.close()
         for connection in list(self._connections):
-            connection.peer.end(ReasonCode.SERVER_SHUTTING_DOWN, publish_will=False)
             if abrupt:
                 connection.abort()
+            connection.peer.end(ReasonCode.SERVER_SHUTTING_DOWN, publish_will=False)
         with anyio.move_on_after(self._limits.stop_timeout):
             await self._gone()
         for connection in list(self._connections):
@@ -226,9 +232,8 @@ class Broker:
             self._wake_at(earliest)
 
     async def _bind(self, loop: asyncio.AbstractEventLoop) -> socket.socket:
-        infos = await loop.getaddrinfo(self._host, self._port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        family, kind, protocol, _, address = infos[0]
-        sock = socket.socket(family, kind, protocol)
+        family, address = await self._resolve(loop)
+        sock = socket.socket(family, socket.SOCK_STREAM)
         try:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             sock.setblocking(False)  # noqa: FBT003 - socket's own signature
@@ -238,10 +243,24 @@ class Broker:
             raise
         return sock
 
+    async def _resolve(self, loop: asyncio.AbstractEventLoop) -> tuple[int, tuple[object, ...]]:
+        try:
+            literal = ipaddress.ip_address(self._host)
+        except ValueError:
+            infos = await loop.getaddrinfo(self._host, self._port, type=socket.SOCK_STREAM)
+            return infos[0][0], infos[0][4]
+        family = socket.AF_INET if literal.version == 4 else socket.AF_INET6
+        return family, (self._host, self._port)
+
     def _accept(self, hub: Hub, loop: asyncio.AbstractEventLoop) -> Connection:
-        connection = Connection(hub, loop, self._lost)
+        full = len(self._connections) >= _SOCKETS_PER_CLIENT * self._limits.max_connections
+        refused = full or self._server is None
+        if full:
+            hub.warn("broker.too_many_sockets", sockets=len(self._connections))
+        hub.counters.connections_refused += refused
+        hub.counters.connections_accepted += not refused
+        connection = Connection(hub, loop, self._lost, refused=refused)
         self._connections.add(connection)
-        hub.counters.connections_accepted += 1
         return connection
 
     def _lost(self, connection: Connection) -> None:

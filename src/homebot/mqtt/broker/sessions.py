@@ -45,18 +45,9 @@ class Sessions:
         return len(self._sessions)
 
     @property
-    def connected(self) -> int:
-        """Number of clients connected."""
-        return len(self._sessions) - len(self._away)
-
-    @property
     def queued(self) -> int:
         """Number of messages that wait in all sessions."""
         return sum(session.queued for session in self._sessions.values())
-
-    def knows(self, client_id: str) -> bool:
-        """Whether there is a session of that id."""
-        return client_id in self._sessions
 
     def open(self, client_id: str, *, clean_start: bool) -> tuple[Session, bool]:
         """The session for a client that has just connected, and whether it was kept from before.

@@ -1,0 +1,107 @@
+"""Holds a publisher back while somebody it publishes to is slow, instead of losing messages. No I/O.
+
+While it is held back, its packets wait here in their order; when too many wait, its socket is not read. The wait has
+an end: after ``limits.hold_time`` the slow sessions are marked overrun and the publisher goes on.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import final
+
+from homebot.mqtt.broker.deadlines import Deadline
+from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.link import Link
+from homebot.mqtt.broker.session import Session
+from homebot.mqtt.packets import Packet, Publish
+
+__all__ = ["Holding"]
+
+
+@final
+class Holding:
+    """What one publisher waits for, and what waits with it; fills the port ``HeldPublisher`` of the sessions.
+
+    Args:
+        hub: The broker.
+        link: The publisher's connection.
+        go_on: Called, not from within another call, when the wait is over; it takes the packets.
+
+    Attributes:
+        packets: What waits.
+        messages: How many of them are messages at QoS 1 or 2.
+        reading: Whether the socket is read.
+    """
+
+    def __init__(self, hub: Hub, link: Link, go_on: Callable[[], None]) -> None:
+        self.packets: deque[Packet] = deque()
+        self.messages = 0
+        self.reading = True
+        self._hub = hub
+        self._link = link
+        self._go_on = go_on
+        self._slow: set[Session] = set()
+        self._end: Deadline | None = None
+
+    @property
+    def active(self) -> bool:
+        """Whether packets must wait: for a slow session, or behind others that have waited."""
+        return self._end is not None or bool(self.packets)
+
+    def wait_for(self, slow: Iterable[Session]) -> None:
+        """Wait until every one of *slow* has caught up or gone, or the time is over."""
+        self._slow.update(slow)
+        for session in self._slow:
+            session.held_publishers.add(self)
+        if self._end is None:
+            self._hub.counters.holds += 1
+            until = self._hub.clock.monotonic() + self._hub.limits.hold_time
+            self._end = self._hub.deadlines.at(until, self._give_up)
+
+    def keep(self, packet: Packet) -> None:
+        """Let *packet* wait."""
+        self.packets.append(packet)
+        self.messages += isinstance(packet, Publish) and packet.qos > 0
+        if self.reading and len(self.packets) >= self._hub.limits.max_held_packets:
+            self.reading = False
+            self._link.pause_reading()
+
+    def take(self) -> Packet | None:
+        """The packet that waited longest, or None while the wait goes on or when nothing waits."""
+        if self._slow or not self.packets:
+            return None
+        packet = self.packets.popleft()
+        self.messages -= isinstance(packet, Publish) and packet.qos > 0
+        if not self.reading and len(self.packets) < self._hub.limits.max_held_packets // 2:
+            self.reading = True
+            self._link.resume_reading()
+        return packet
+
+    def caught_up(self, session: Session) -> None:
+        """*session* has room again or has gone."""
+        self._slow.discard(session)
+        if not self._slow and self._end is not None:
+            self._end.cancel()
+            self._end = self._hub.deadlines.at(self._hub.clock.monotonic(), self._over)
+
+    def stop(self) -> None:
+        """Wait no more; what waits is left to be taken."""
+        for session in self._slow:
+            session.held_publishers.discard(self)
+        self._slow.clear()
+        if self._end is not None:
+            self._end.cancel()
+            self._end = None
+
+    def _give_up(self) -> None:
+        for session in self._slow:
+            session.overrun = True
+            self._hub.warn("broker.client_too_slow", client_id=session.client_id, queued=session.queued)
+        self.stop()
+        self._go_on()
+
+    def _over(self) -> None:
+        if not self._slow:
+            self._end = None
+            self._go_on()
