@@ -92,8 +92,19 @@ def _element_from_json(field: FieldDefinition, value: object) -> object:
         return _fields_from_json(field.message, value)
     if field.choices is not None and isinstance(value, str) and value in tuple(field.choices):
         return field.choices(value)
+    if isinstance(value, str) and not value.isascii():
+        return _text_from_json(value)
     if value is None and field.ros_type in {"float32", "float64"}:
         return math.nan
+    return value
+
+
+def _text_from_json(value: str) -> object:
+    """Return *value*, or its bytes where JSON escapes spell half a character: validation then refuses them."""
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return value.encode(errors="surrogatepass")
     return value
 
 

@@ -38,8 +38,8 @@ class Message(BaseModel):
 
     Attributes:
         ros_type: The full ROS name of the type, ``package/msg/Name``; by default ``<top-level package>/msg/<class>``.
-        key_field: Name (``field``, or ``field.field`` inside a nested message) of the field that tells one instance on a topic from another (a DDS key); a topic of a type
-            that has one keeps its history per key.
+        key_field: Name of the field that tells one instance on a topic from another (a DDS key), ``field.field`` where
+            it lies in a nested message; a topic of a type that has one keeps its history per key.
 
     Raises:
         UsageError: A class names a key field that it does not have.
@@ -60,9 +60,7 @@ class Message(BaseModel):
         """Check the key field of a new class; called by pydantic."""
         super().__pydantic_init_subclass__(**kwargs)
         if cls.key_field is not None and cls.key_field.partition(".")[0] not in cls.model_fields:
-            raise UsageError(
-                f"{cls.__name__}: the key field {cls.key_field!r} is none of {', '.join(cls.model_fields)}"
-            )
+            raise UsageError(f"{cls.__name__} has no field {cls.key_field!r} to be its key")
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:

@@ -1,0 +1,28 @@
+"""Points and spans of time."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.messages import Duration, Time
+
+
+@pytest.mark.parametrize(
+    ("seconds", "sec", "nanosec"),
+    [(0.0, 0, 0), (1.5, 1, 500_000_000), (-0.5, -1, 500_000_000), (0.9999999999, 1, 0), (-1.0, -1, 0)],
+)
+@pytest.mark.parametrize("kind", [Time, Duration])
+def test_nanoseconds_count_up_from_the_whole_second_below(
+    kind: type[Time | Duration], seconds: float, sec: int, nanosec: int
+) -> None:
+    assert kind.from_seconds(seconds) == kind(sec=sec, nanosec=nanosec)
+
+
+@given(st.floats(-(2.0**31), 2.0**31 - 1))
+def test_seconds_come_back_to_the_nanosecond(seconds: float) -> None:
+    for kind in (Time, Duration):
+        there = kind.from_seconds(seconds)
+        assert there.to_seconds() == pytest.approx(seconds, abs=1e-6)
+        assert 0 <= there.nanosec < 1_000_000_000

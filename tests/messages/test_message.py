@@ -1,0 +1,129 @@
+"""What a message accepts, and what it refuses."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import pytest
+from pydantic import ValidationError
+
+from homebot.errors import UsageError
+from homebot.messages import Bool, Float64, Int32, Int64, Message, String, fields
+from homebot.messages.std_srvs import SetBool, Trigger
+
+
+class Numbers(Message):
+    int8: fields.Int8 = 0
+    int16: fields.Int16 = 0
+    int32: fields.Int32 = 0
+    int64: fields.Int64 = 0
+    uint8: fields.UInt8 = 0
+    uint16: fields.UInt16 = 0
+    uint32: fields.UInt32 = 0
+    uint64: fields.UInt64 = 0
+    plain: int = 0
+    plains: tuple[int, ...] = ()
+
+
+BOUNDS = [(f"int{bits}", -(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)]
+BOUNDS += [(f"uint{bits}", 0, 2**bits - 1) for bits in (8, 16, 32, 64)]
+BOUNDS += [("plain", -(2**63), 2**63 - 1)]
+
+
+@pytest.mark.parametrize(("name", "least", "greatest"), BOUNDS)
+def test_a_whole_number_holds_the_range_of_its_ros_type(name: str, least: int, greatest: int) -> None:
+    for value in (least, greatest):
+        assert getattr(Numbers.model_validate({name: value}), name) == value
+    for value in (least - 1, greatest + 1):
+        with pytest.raises(ValidationError, match=name):
+            Numbers.model_validate({name: value})
+
+
+def test_an_element_of_an_array_holds_its_range_too() -> None:
+    with pytest.raises(ValidationError, match=r"plains\.1"):
+        Numbers(plains=(0, 2**63))
+
+
+@pytest.mark.parametrize(
+    ("message_type", "value"),
+    [
+        (Int32, 1.0),
+        (Int32, True),
+        (Int32, "1"),
+        (Bool, 1),
+        (String, 1),
+        (String, b"x"),
+        (Float64, "1"),
+    ],
+)
+def test_a_value_of_another_type_is_not_converted(message_type: type[Message], value: object) -> None:
+    with pytest.raises(ValidationError, match="data"):
+        message_type.model_validate({"data": value})
+
+
+def test_a_whole_number_is_a_real_one_as_well() -> None:
+    assert type(Float64(data=1).data) is float
+
+
+def test_a_message_cannot_be_changed() -> None:
+    message = String(data="x")
+    with pytest.raises(ValidationError, match="frozen"):
+        setattr(message, "data", "y")  # noqa: B010  # mypy knows that it is frozen
+
+
+def test_an_unknown_field_is_refused() -> None:
+    with pytest.raises(ValidationError, match="dta"):
+        String.model_validate({"data": "x", "dta": "y"})
+
+
+def test_equal_messages_are_equal_keys() -> None:
+    assert {String(data="x"): 1}[String(data="x")] == 1
+
+
+def test_a_type_is_named_after_its_package_and_class() -> None:
+    assert Numbers.ros_type == f"{__name__.partition('.')[0]}/msg/Numbers"
+
+
+def test_a_subclass_has_a_name_of_its_own() -> None:
+    class Text(String):
+        pass
+
+    assert Text.ros_type.endswith("/msg/Text")
+    assert String.ros_type == "std_msgs/msg/String"
+
+
+def test_a_key_must_be_a_field() -> None:
+    with pytest.raises(UsageError, match="Keyless has no field 'name' to be its key"):
+
+        class Keyless(Message):
+            key_field: ClassVar[str | None] = "name"
+
+            data: str
+
+
+def test_a_key_may_lie_in_a_nested_message() -> None:
+    class Sent(Message):
+        key_field: ClassVar[str | None] = "text.data"
+
+        text: String
+
+    assert Sent.key_field == "text.data"
+
+
+def test_the_schema_for_other_tools_tells_the_range() -> None:
+    schema = Int64.model_json_schema()["properties"]["data"]
+    assert (schema["minimum"], schema["exclusiveMaximum"]) == (-(2**63), 2**63)
+    assert Numbers.model_json_schema()["properties"]["plain"]["minimum"] == -(2**63)
+
+
+def test_the_two_standard_services_have_the_types_of_ros() -> None:
+    assert [kind.ros_type for kind in (Trigger, Trigger.Request, Trigger.Response)] == [
+        "std_srvs/srv/Trigger",
+        "std_srvs/srv/Trigger_Request",
+        "std_srvs/srv/Trigger_Response",
+    ]
+    assert [kind.ros_type for kind in (SetBool, SetBool.Request, SetBool.Response)] == [
+        "std_srvs/srv/SetBool",
+        "std_srvs/srv/SetBool_Request",
+        "std_srvs/srv/SetBool_Response",
+    ]
