@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import shutil
+import socket
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from pathlib import Path
+from subprocess import DEVNULL
 
+import anyio
 import pytest
 import pytest_asyncio
 from blockbuster import blockbuster_ctx
 
+from homebot.mqtt.broker import Broker
 from homebot.testing import VirtualTimeLoop
 
 
@@ -27,7 +34,11 @@ def pytest_asyncio_loop_factories(
 
 @pytest.fixture(autouse=True, scope="session")
 def _nothing_blocks_the_loop() -> Iterator[None]:
-    with blockbuster_ctx("homebot"):
+    with blockbuster_ctx("homebot") as blockbuster:
+        for function in blockbuster.functions.values():
+            # Start-up: plug-ins and passwords are read before anything is served.
+            function.can_block_in("homebot/plugins.py", {"_entry_points", "_load_entry_point", "_load_class"})
+            function.can_block_in("homebot/gateways/mqtt/settings.py", {"_password"})
         yield
 
 
@@ -44,3 +55,45 @@ async def _watch_tasks() -> AsyncIterator[None]:
     left = asyncio.all_tasks() - before - {asyncio.current_task()}
     if left:
         pytest.fail(f"left behind: {', '.join(sorted(repr(task.get_coro()) for task in left))}")
+
+
+@pytest.fixture
+async def embedded_broker_url() -> AsyncIterator[str]:
+    """A fresh embedded broker on a free port."""
+    async with Broker() as broker:
+        yield broker.url
+
+
+@pytest.fixture
+async def mosquitto_url(tmp_path: Path) -> AsyncIterator[str]:
+    """A fresh Mosquitto on a free port; the test is skipped where it is not installed."""
+    program = shutil.which("mosquitto", path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
+    if program is None:
+        pytest.skip("mosquitto is not installed")
+    port = free_port()
+    config = tmp_path / "mosquitto.conf"
+    config.write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
+    async with await anyio.open_process([program, "-c", str(config)], stdout=DEVNULL, stderr=DEVNULL) as process:
+        await listening(port)
+        yield f"mqtt://127.0.0.1:{port}"
+        process.terminate()
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+async def listening(port: int) -> None:
+    """Wait until something accepts connections on *port*."""
+    with anyio.fail_after(10):
+        while True:
+            try:
+                stream = await anyio.connect_tcp("127.0.0.1", port)
+            except OSError:
+                await anyio.sleep(0.01)  # another process: nothing of ours to wait for
+                continue
+            await stream.aclose()
+            return

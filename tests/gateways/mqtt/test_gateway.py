@@ -1,0 +1,319 @@
+"""The MQTT gateway against the embedded broker: what it makes of good and bad messages, and of commands."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+
+import anyio
+import anyio.abc
+import anyio.lowlevel
+import pytest
+from structlog.testing import capture_logs
+
+from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices.services import NEVER, SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.errors import LinkError
+from homebot.gateways import GatewayState
+from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
+from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription, qos_profile_latched
+from homebot.messages import Time
+from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.broker import Broker
+from homebot.mqtt.client import Subscription as MqttSubscription
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.options import MqttOptions
+from homebot.names import escape_token
+
+LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+@dataclass
+class House:
+    """A gateway, a node that watches it, and a client on the devices' side of the broker."""
+
+    graph: Graph
+    gateway: MqttGateway
+    watcher: Node
+    devices: MqttConnection
+    sightings: Subscription[Sighting]
+
+    async def say(self, topic: str, payload: bytes = b"on", *, qos: int = 1, retain: bool = False) -> None:
+        await self.devices.publish(topic, payload, qos=qos, retain=retain)
+
+    async def next_sighting(self) -> Sighting:
+        with anyio.fail_after(5):
+            return await self.sightings.receive()
+
+    async def listen(self, topic: str, *, listener: str = "", since: Time = NEVER) -> SubscribeToTopicResponse:
+        client = self.watcher.create_client(SubscribeToTopic, "/gateway/mqtt/subscribe_to_topic")
+        return await client.call(SubscribeToTopicRequest(topic=topic, listener=listener, since=since))
+
+    def data(self, topic: str) -> Subscription[RawMessage]:
+        return self.watcher.create_subscription(RawMessage, topic, qos_profile=1000)
+
+    def command(self, address: str, payload: str = "off") -> None:
+        self.watcher.create_publisher(RawCommand, "/gateway/mqtt/out").publish(
+            RawCommand(address=address, payload=payload)
+        )
+
+
+@asynccontextmanager
+async def gateway_on(url: str, **settings: object) -> AsyncIterator[House]:
+    """Run a gateway on the broker at *url* in home ``home425``, acting unless told otherwise."""
+    table = MqttGatewaySettings.model_validate({"url": url, "root": "home425", "act": True, **settings})
+    graph = Graph()
+    async with (
+        Node(graph, "mqtt", namespace="/gateway") as node,
+        Node(graph, "watcher") as watcher,
+        MqttConnection(MqttOptions.from_url(url), AiomqttClient, status_topic=None) as devices,
+        anyio.create_task_group() as tasks,
+    ):
+        gateway = MqttGateway(node, table)
+        sightings = watcher.create_subscription(Sighting, gateway.names.received_topics, qos_profile=LATCHED)
+        await tasks.start(_serve, gateway)
+        await devices.wait_connected()
+        yield House(graph, gateway, watcher, devices, sightings)
+        tasks.cancel_scope.cancel()
+
+
+async def _serve(gateway: MqttGateway, *, task_status: anyio.abc.TaskStatus[None]) -> None:
+    await gateway.serve(task_status=task_status)
+
+
+async def test_a_device_that_speaks_is_sighted_once(embedded_broker_url: str) -> None:
+    """Its second message within a second is no new sighting."""
+    async with gateway_on(embedded_broker_url) as house:
+        await house.say("home425/lights/lamp/out")
+        await house.say("home425/lights/lamp/out")
+        await house.say("home425/lights/other/out")
+
+        first, second = await house.next_sighting(), await house.next_sighting()
+        assert (first.kind, first.key, first.confirmed) == ("appeared", "lights/lamp", True)
+        assert (first.address, first.command_address) == ("home425/lights/lamp/out", "home425/lights/lamp/in")
+        assert second.key == "lights/other"
+
+
+async def test_topics_that_break_the_layout_are_counted_and_told_once_with_the_reason(embedded_broker_url: str) -> None:
+    """The rest goes on, and a flood of them does not flood the log."""
+    async with gateway_on(embedded_broker_url) as house:
+        with capture_logs() as lines:
+            for topic in ("home425/lights", "home425//lamp/out", "home425/lights/lamp/out/deep", "home425/lights//out"):
+                await house.say(topic)
+            await house.say("home425/lights/lamp/out")
+            sighting = await house.next_sighting()
+
+        assert sighting.key == "lights/lamp"
+        assert house.gateway.counters.rejected == 4
+        told = [line for line in lines if line["event"] == "gateway.message_rejected"]
+        assert len(told) == 1
+        assert "home425/lights" in told[0]["message"]
+
+
+async def test_a_command_of_anybody_makes_no_device_and_does_not_come_back(embedded_broker_url: str) -> None:
+    """Neither ours nor a stranger's on ``in``."""
+    async with gateway_on(embedded_broker_url) as house:
+        house.command("home425/lights/lamp/in")
+        await house.say("home425/lights/stranger/in")
+        await house.say("home425/lights/lamp/out")
+
+        assert (await house.next_sighting()).key == "lights/lamp"
+        assert house.gateway.counters.received == 1
+
+
+@pytest.mark.parametrize("device_id", ["Küche 1", "0x00158d"])
+async def test_an_odd_device_id_is_a_device_and_its_mirror_topic_is_escaped(
+    embedded_broker_url: str, device_id: str
+) -> None:
+    """The escape is legal, visible and reversible; see homebot.names."""
+    async with gateway_on(embedded_broker_url) as house:
+        await house.say(f"home425/lights/{device_id}/out")
+        assert (await house.next_sighting()).name == device_id
+
+        answer = await house.listen(f"home425/lights/{device_id}/out")
+        assert answer.data_topic == f"/gateway/mqtt/received_data/{escape_token(device_id)}"
+
+
+async def test_two_devices_of_one_name_have_mirror_topics_of_their_own(embedded_broker_url: str) -> None:
+    """A lamp and a window may both be called kitchen."""
+    async with gateway_on(embedded_broker_url) as house:
+        lamp = await house.listen("home425/lights/kitchen/out")
+        window = await house.listen("home425/windows/kitchen/out")
+
+        assert lamp.data_topic == "/gateway/mqtt/received_data/kitchen"
+        assert window.data_topic == "/gateway/mqtt/received_data/windows/kitchen"
+
+
+async def test_a_retained_message_alone_is_a_sighting_without_confirmation(embedded_broker_url: str) -> None:
+    """It may be a ghost: the log says so once, and the device's own word confirms it."""
+    async with MqttConnection(MqttOptions.from_url(embedded_broker_url), AiomqttClient) as past:
+        await past.wait_connected()
+        await past.publish("home425/lights/ghost/out", b"on", qos=1, retain=True)
+    with capture_logs() as lines:
+        async with gateway_on(embedded_broker_url) as house:
+            ghost = await house.next_sighting()
+
+    assert (ghost.key, ghost.confirmed) == ("lights/ghost", False)
+    assert any("lights/ghost is known only from a message that the broker kept" in str(line) for line in lines)
+
+
+async def test_clearing_a_retained_message_removes_the_device(embedded_broker_url: str) -> None:
+    """An empty payload is MQTT's way to take something away."""
+    async with gateway_on(embedded_broker_url) as house:
+        await house.say("home425/lights/lamp/out", retain=True)
+        await house.next_sighting()
+        await house.say("home425/lights/lamp/out", b"", retain=True)
+
+        assert (await house.next_sighting()).kind == "removed"
+        late = house.watcher.create_subscription(Sighting, house.gateway.names.received_topics, qos_profile=LATCHED)
+        assert late.take() is None
+
+
+async def test_raw_messages_reach_the_inbox_of_the_node_that_asked(embedded_broker_url: str) -> None:
+    """Payload, address and device, byte for byte."""
+    async with gateway_on(embedded_broker_url) as house:
+        answer = await house.listen("home425/lights/lamp/out", listener="/watcher")
+        inbox = house.data(answer.data_topic)
+        await house.say("home425/lights/lamp/out", b"\xff\x00")
+        await house.say("home425/lights/other/out")
+        await house.say("home425/lights/lamp/out", b"off", qos=0)
+
+        with anyio.fail_after(5):
+            first, second = await inbox.receive(), await inbox.receive()
+        assert answer.data_topic == "/watcher/inbox"
+        assert (first.payload, first.address, first.key) == (b"\xff\x00", "home425/lights/lamp/out", "lights/lamp")
+        assert second.text() == "off"
+
+
+async def test_asking_for_an_address_that_no_device_has_is_refused_with_the_reason(embedded_broker_url: str) -> None:
+    """Wildcards, commands, strangers, nodes that are not there."""
+    async with gateway_on(embedded_broker_url) as house:
+        for topic, reason in (
+            ("home425/+/lamp/out", "wildcard"),
+            ("home425/lights/lamp/in", "none that a device speaks on"),
+            ("home426/lights/lamp/out", "none that a device speaks on"),
+            ("home425/lights", "1 levels"),
+            ("", "is empty"),
+        ):
+            answer = await house.listen(topic)
+            assert not answer.success
+            assert reason in answer.message
+        nobody = await house.listen("home425/lights/lamp/out", listener="/nobody")
+        assert "no such node" in nobody.message
+
+
+async def test_what_was_said_since_a_moment_is_given_to_a_listener_that_comes_later(embedded_broker_url: str) -> None:
+    """A lamp that appears with its first word loses none of it."""
+    async with gateway_on(embedded_broker_url) as house:
+        await house.say("home425/lights/lamp/out", b"on")
+        await house.next_sighting()
+        beginning = await house.listen("home425/lights/lamp/out", since=Time(sec=0, nanosec=0))
+        later = await house.listen("home425/lights/lamp/out")
+
+        assert [message.text() for message in beginning.missed] == ["on"]
+        assert later.missed == ()
+
+
+async def test_an_inbox_ends_with_its_node(embedded_broker_url: str) -> None:
+    """The gateway keeps no publisher for a listener that left."""
+    async with gateway_on(embedded_broker_url) as house:
+        node = Node(house.graph, "guest")
+        answer = await house.listen("home425/lights/lamp/out", listener="/guest")
+        assert answer.data_topic in house.graph.get_topic_names_and_types()
+        node.close()
+        with anyio.fail_after(5):
+            await anyio.wait_all_tasks_blocked()
+        assert answer.data_topic not in house.graph.get_topic_names_and_types()
+
+
+async def test_a_command_is_published_to_the_device(embedded_broker_url: str) -> None:
+    """On the address, as UTF-8."""
+    async with gateway_on(embedded_broker_url) as house:
+        await house.devices.subscribe(MqttSubscription("home425/lights/lamp/in", qos=1))
+        house.command("home425/lights/lamp/in", "öff")
+
+        with anyio.fail_after(5):
+            (message,) = await house.devices.receive()
+        assert message.payload.decode() == "öff"
+
+
+async def test_commands_to_illegal_addresses_are_refused_counted_and_told(embedded_broker_url: str) -> None:
+    """And the next good one goes through."""
+    async with gateway_on(embedded_broker_url) as house:
+        await house.devices.subscribe(MqttSubscription("home425/lights/lamp/in", qos=1))
+        with capture_logs() as lines:
+            for address in ("home425/+/in", "", "a\0b"):
+                house.command(address)
+            house.command("home425/lights/lamp/in")
+            with anyio.fail_after(5):
+                await house.devices.receive()
+
+        assert house.gateway.counters.commands_refused == 3
+        assert any(line["event"] == "gateway.command_refused" and "wildcard" in line["message"] for line in lines)
+
+
+async def test_a_gateway_that_only_observes_refuses_commands_with_the_reason(embedded_broker_url: str) -> None:
+    """Nothing goes out, and the log says what to do."""
+    with capture_logs() as lines:
+        async with gateway_on(embedded_broker_url, act=False) as house:
+            house.command("home425/lights/lamp/in")
+            await anyio.wait_all_tasks_blocked()
+            assert house.gateway.counters.commands_refused == 1
+    assert any("only observes; start with --act" in str(line.get("message")) for line in lines)
+
+
+async def test_a_message_over_the_cap_never_arrives_and_the_rest_does(embedded_broker_url: str) -> None:
+    """The broker is told the cap, so it does not even send it."""
+    async with gateway_on(embedded_broker_url, max_payload=2048) as house:
+        await house.say("home425/lights/big/out", b"x" * 4096)
+        await house.say("home425/lights/lamp/out")
+        assert (await house.next_sighting()).key == "lights/lamp"
+
+
+async def test_an_absent_broker_is_reported_and_the_gateway_waits_for_it() -> None:
+    """Its state is on the graph for late joiners too; when the broker comes, it is active."""
+    broker = Broker()
+    async with broker:
+        url = broker.url
+    async with Node(graph := Graph(), "mqtt", namespace="/gateway") as node, anyio.create_task_group() as tasks:
+        watcher = Node(graph, "watcher")
+        gateway = MqttGateway(node, MqttGatewaySettings(url=url))
+        await tasks.start(_serve, gateway)
+        states = watcher.create_subscription(GatewayState, "/gateway/mqtt/state", qos_profile=qos_profile_latched)
+        with anyio.fail_after(5):
+            assert (await states.receive()).state == "unavailable"
+            async with broker:
+                while (await states.receive()).state != "active":
+                    pass
+                tasks.cancel_scope.cancel()
+        watcher.close()
+
+
+@pytest.mark.parametrize("abrupt", [False, True])
+async def test_a_restarted_broker_loses_no_acknowledged_message_and_the_gateway_is_back_in_time(
+    *, abrupt: bool
+) -> None:
+    """Every publish of QoS 1 that was acknowledged reaches the listener, across three restarts."""
+    async with Broker() as broker, gateway_on(broker.url) as house:
+        answer = await house.listen("home425/lights/lamp/out", listener="/watcher")
+        inbox = house.data(answer.data_topic)
+        acknowledged: set[bytes] = set()
+        with anyio.fail_after(20):
+            async with anyio.create_task_group() as tasks:
+                for number in range(600):
+                    if number % 150 == 149:
+                        tasks.start_soon(partial(broker.restart, keep_sessions=True, abrupt=abrupt))
+                    payload = str(number).encode()
+                    while payload not in acknowledged:
+                        try:
+                            await house.say("home425/lights/lamp/out", payload)
+                            acknowledged.add(payload)
+                        except LinkError:
+                            await anyio.lowlevel.checkpoint()
+                            await house.devices.wait_connected()
+        received: set[bytes] = set()
+        with anyio.fail_after(5):
+            while not acknowledged <= received:
+                received.add((await inbox.receive()).payload)
