@@ -17,6 +17,7 @@ from typing import Final, Self, final
 import anyio
 import structlog
 from anyio.abc import TaskGroup
+from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
@@ -175,7 +176,11 @@ class MqttConnection:
         properties: MessageProperties = NO_PROPERTIES,
     ) -> PublishResult:
         """Publish; see `MqttClient.publish`. Raises LinkError at once while the link is down."""
-        return await self._client.publish(topic, payload, qos=qos, retain=retain, properties=properties)
+        try:
+            return await self._client.publish(topic, payload, qos=qos, retain=retain, properties=properties)
+        except LinkError:
+            await checkpoint()  # or who tries again in a loop would keep the supervisor from its work
+            raise
 
     async def subscribe(self, *subscriptions: Subscription) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.

@@ -1,0 +1,263 @@
+"""What every implementation of `MqttClient` promises, over each link that there is, against the embedded broker.
+
+A new link joins by one more line in `LINKS`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import AsyncIterator, Callable
+from dataclasses import replace
+
+import anyio
+import pytest
+
+from homebot.errors import LinkError, RefusedError
+from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.broker import Broker
+from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.message import MessageProperties, MqttMessage
+from homebot.mqtt.options import MqttOptions, MqttProtocol, Will
+from homebot.mqtt.packets import ReasonCode
+
+Make = Callable[[MqttOptions], MqttClient]
+
+LINKS: dict[str, tuple[Make, MqttProtocol]] = {
+    "aiomqtt-5": (AiomqttClient, "5"),
+    "aiomqtt-3.1.1": (AiomqttClient, "3.1.1"),
+}
+
+
+class NoSecrets:
+    """Nobody may touch what is secret."""
+
+    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002, ARG002 - the port's own
+        return ReasonCode.NOT_AUTHORIZED if filter.startswith("secret") else ReasonCode.SUCCESS
+
+    def publish(self, client_id: str, topic: str) -> ReasonCode:  # noqa: ARG002 - the port's own
+        return ReasonCode.NOT_AUTHORIZED if topic.startswith("secret") else ReasonCode.SUCCESS
+
+
+@pytest.fixture
+async def broker() -> AsyncIterator[Broker]:
+    async with Broker(credentials={"anna": "right"}, policy=NoSecrets()) as broker:
+        yield broker
+
+
+@pytest.fixture(params=LINKS)
+def link(request: pytest.FixtureRequest) -> tuple[Make, MqttProtocol]:
+    return LINKS[request.param]
+
+
+@pytest.fixture
+def make(link: tuple[Make, MqttProtocol]) -> Make:
+    return link[0]
+
+
+@pytest.fixture
+def options(broker: Broker, link: tuple[Make, MqttProtocol]) -> MqttOptions:
+    return MqttOptions.from_url(
+        f"mqtt://anna:right@{broker.host}:{broker.port}", client_id="hub", protocol=link[1], timeout=5.0
+    )
+
+
+async def receive(client: MqttClient | MqttConnection, count: int) -> list[MqttMessage]:
+    """At least *count* messages, not acknowledged."""
+    messages: list[MqttMessage] = []
+    with anyio.fail_after(5):
+        while len(messages) < count:
+            messages += await client.receive()
+    return messages
+
+
+async def test_a_message_comes_back_as_it_was_published(make: Make, options: MqttOptions) -> None:
+    client = make(options)
+    properties = MessageProperties(
+        payload_is_text=True, content_type="text/plain", response_topic="r", correlation_data=b"\0", user=(("k", "v"),)
+    )
+    async with client.connected() as session:
+        await client.subscribe(Subscription("a/+/c", 2))
+        for qos in (0, 1, 2):
+            await client.publish("a/ü/c", bytes([qos]), qos=qos, properties=properties)
+        messages = await receive(client, 3)
+        client.ack(messages)
+    expected = properties if session.protocol == "5" else MessageProperties()
+    assert messages == [MqttMessage("a/ü/c", bytes([qos]), qos, properties=expected) for qos in (0, 1, 2)]
+
+
+async def test_a_thousand_messages_come_in_order(make: Make, options: MqttOptions) -> None:
+    client = make(options)
+    got: list[bytes] = []
+    async with client.connected(), anyio.create_task_group() as tasks:
+        await client.subscribe(Subscription("t", 1))
+
+        async def publish() -> None:
+            for number in range(1000):
+                await client.publish("t", b"%d" % number, qos=1)
+
+        tasks.start_soon(publish)
+        while len(got) < 1000:
+            batch = await receive(client, 1)
+            client.ack(batch)
+            got += [message.payload for message in batch]
+    assert got == [b"%d" % number for number in range(1000)]
+
+
+async def test_a_stored_message_says_that_it_is_one(make: Make, options: MqttOptions) -> None:
+    client = make(options)
+    async with client.connected():
+        await client.publish("t", b"kept", qos=1, retain=True)
+        await client.subscribe(Subscription("t"))
+        await client.publish("t", b"live", qos=1)
+        assert [(m.payload, m.retain) for m in await receive(client, 2)] == [(b"kept", True), (b"live", False)]
+
+
+async def test_after_unsubscribing_nothing_comes(make: Make, options: MqttOptions) -> None:
+    client = make(options)
+    async with client.connected():
+        await client.subscribe(Subscription("t"), Subscription("end"))
+        await client.unsubscribe("t")
+        await client.publish("t")
+        await client.publish("end")
+        assert [message.topic for message in await receive(client, 1)] == ["end"]
+
+
+async def test_no_local_leaves_out_what_the_client_published_itself(make: Make, options: MqttOptions) -> None:
+    client = make(options)
+    async with client.connected() as session:
+        await client.subscribe(Subscription("t", no_local=True), Subscription("end"))
+        await client.publish("t")
+        await client.publish("end")
+        expected = ["end"] if session.protocol == "5" else ["t", "end"]
+        assert [message.topic for message in await receive(client, len(expected))] == expected
+
+
+async def test_what_was_not_acknowledged_comes_again_to_the_next_process(make: Make, options: MqttOptions) -> None:
+    """A crash between receiving and handing over loses nothing of QoS 1 and 2."""
+    kept = replace(options, session_expiry=60)
+    crashed = make(kept)
+    async with crashed.connected():
+        await crashed.subscribe(Subscription("t", 2))
+        for qos in (1, 2):
+            await crashed.publish("t", bytes([qos]), qos=qos)
+        assert len(await receive(crashed, 2)) == 2
+    successor = make(kept)
+    async with successor.connected() as session:
+        assert session.resumed
+        messages = await receive(successor, 2)
+        assert [message.payload for message in messages] == [b"\x01", b"\x02"]
+        successor.ack(messages)
+        await successor.publish("t", b"end", qos=1)
+        assert [message.payload for message in await receive(successor, 1)] == [b"end"]
+
+
+async def test_what_was_acknowledged_does_not_come_again(make: Make, options: MqttOptions) -> None:
+    client = make(replace(options, session_expiry=60))
+    async with client.connected():
+        await client.subscribe(Subscription("t", 2))
+        for qos in (1, 2):
+            await client.publish("t", b"old", qos=qos)
+        client.ack(await receive(client, 2))
+    async with client.connected():
+        await client.publish("t", b"new", qos=1)
+        assert [message.payload for message in await receive(client, 1)] == [b"new"]
+
+
+async def test_a_refused_publish_is_an_error(make: Make, options: MqttOptions) -> None:
+    """MQTT 3.1.1 has no way to say so."""
+    client = make(options)
+    async with client.connected() as session:
+        if session.protocol == "5":
+            with pytest.raises(RefusedError, match="'secret/door' was refused: not authorized"):
+                await client.publish("secret/door", qos=1)
+        assert (await client.publish("open/door", qos=1)).reason < 0x80
+
+
+async def test_a_refused_subscription_is_an_error(make: Make, options: MqttOptions) -> None:
+    client = make(options)
+    async with client.connected():
+        with pytest.raises(RefusedError, match="'secret/#' was refused"):
+            await client.subscribe(Subscription("open/#"), Subscription("secret/#"))
+        await client.publish("open/door")
+        assert [message.topic for message in await receive(client, 1)] == ["open/door"]
+
+
+async def test_a_wrong_password_is_refused(make: Make, options: MqttOptions, broker: Broker) -> None:
+    wrong = MqttOptions.from_url(f"mqtt://anna:wr0ng@{broker.host}:{broker.port}", protocol=options.protocol)
+    with pytest.raises(RefusedError, match=r"login at mqtt://.* was refused") as caught:
+        async with make(wrong).connected():
+            pass
+    assert "wr0ng" not in str(caught.value)
+
+
+async def test_a_broker_that_dies_is_a_link_error_for_everybody(
+    make: Make, options: MqttOptions, broker: Broker
+) -> None:
+    client = make(options)
+    async with client.connected():
+        await client.subscribe(Subscription("t"))
+        await broker.stop(abrupt=True)
+        assert isinstance(await client.wait_lost(), LinkError)
+        with pytest.raises(LinkError):
+            await client.receive()
+        with pytest.raises(LinkError):
+            await client.publish("t", qos=1)
+    with pytest.raises(LinkError):
+        async with client.connected():
+            pass
+
+
+async def test_the_will_is_for_a_crash_and_not_for_a_good_bye(make: Make, options: MqttOptions) -> None:
+    watcher, quiet = make(options), make(replace(options, client_id="quiet", will=Will("will", b"quiet")))
+    first, second = (make(replace(options, client_id="twin", will=Will("will", b"twin"))) for _ in range(2))
+    async with watcher.connected():
+        await watcher.subscribe(Subscription("will"))
+        async with quiet.connected():
+            pass
+        async with first.connected(), second.connected():  # the second takes the name over, which cuts the first off
+            await first.wait_lost()
+            assert [message.payload for message in await receive(watcher, 1)] == [b"twin"]
+
+
+@pytest.mark.parametrize("abrupt", [False, True])
+async def test_a_restarted_broker_is_found_again_and_no_accepted_message_is_lost(
+    make: Make, options: MqttOptions, broker: Broker, *, abrupt: bool
+) -> None:
+    """What the broker acknowledged to the publisher arrives, over three restarts in the middle of the traffic."""
+    accepted: set[bytes] = set()
+    got: set[bytes] = set()
+    progress = anyio.Event()
+    options = replace(options, session_expiry=60)
+
+    async def publish(publisher: MqttConnection) -> None:
+        for payload in (b"%d" % number for number in range(300)):
+            while payload not in accepted:
+                await publisher.wait_connected()
+                with contextlib.suppress(LinkError):
+                    await publisher.publish("t", payload, qos=1)
+                    accepted.add(payload)
+
+    async def restart() -> None:
+        for least in (50, 150, 250):
+            while len(got) < least:
+                await progress.wait()
+            await broker.restart(keep_sessions=True, abrupt=abrupt)
+
+    with anyio.fail_after(20):
+        async with (
+            MqttConnection(options, make, status_topic=None) as hub,
+            MqttConnection(replace(options, client_id="publisher"), make, status_topic=None) as publisher,
+        ):
+            await hub.subscribe(Subscription("t", 1))
+            await hub.wait_connected()
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(publish, publisher)
+                tasks.start_soon(restart)
+                while len(got) < 300:
+                    batch = await hub.receive()
+                    got.update(message.payload for message in batch)
+                    hub.ack(batch)
+                    progress.set()
+                    progress = anyio.Event()
+    assert got == accepted
