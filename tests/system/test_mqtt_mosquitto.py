@@ -1,0 +1,206 @@
+"""The MQTT client against a real Mosquitto."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import subprocess
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, suppress
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import anyio
+import pytest
+
+from homebot.errors import LinkError, RefusedError
+from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.connection import LinkPhase, MqttConnection
+from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.options import MqttOptions, MqttProtocol
+
+MOSQUITTO = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin")
+
+pytestmark = [
+    pytest.mark.system,
+    pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed"),
+]
+
+
+class Mosquitto:
+    """A Mosquitto on a free port that keeps its sessions on disk."""
+
+    def __init__(self, folder: Path) -> None:
+        with socket.create_server(("127.0.0.1", 0)) as probe:
+            self.port = int(probe.getsockname()[1])
+        (folder / "passwords").write_text("anna:right\n")
+        (folder / "passwords").chmod(0o600)
+        subprocess.run(["mosquitto_passwd", "-U", str(folder / "passwords")], check=True)
+        (folder / "acl").write_text("topic readwrite #\ntopic deny secret/#\nuser anna\ntopic readwrite open/#\n")
+        self._config = folder / "mosquitto.conf"
+        self._config.write_text(
+            f"listener {self.port} 127.0.0.1\nuser root\nallow_anonymous false\npassword_file {folder}/passwords\n"
+            f"acl_file {folder}/acl\npersistence true\npersistence_location {folder}/\nmax_queued_messages 100000\n"
+        )
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> None:
+        self._process = subprocess.Popen(
+            [str(MOSQUITTO), "-c", str(self._config)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+
+    def stop(self) -> None:
+        if self._process is not None:
+            self._process.terminate()
+            self._process.wait()
+            self._process = None
+
+
+@pytest.fixture
+def mosquitto(tmp_path: Path) -> Iterator[Mosquitto]:
+    broker = Mosquitto(tmp_path)
+    broker.start()
+    yield broker
+    broker.stop()
+
+
+@pytest.fixture(params=["5", "3.1.1"])
+def protocol(request: pytest.FixtureRequest) -> MqttProtocol:
+    version: MqttProtocol = request.param
+    return version
+
+
+@asynccontextmanager
+async def connected(mosquitto: Mosquitto, protocol: MqttProtocol) -> AsyncIterator[MqttConnection]:
+    async with MqttConnection(options(mosquitto, protocol=protocol), AiomqttClient, status_topic=None) as connection:
+        with anyio.fail_after(10):
+            await connection.wait_connected()
+        yield connection
+
+
+def options(mosquitto: Mosquitto, *, password: str = "right", **settings: Any) -> MqttOptions:
+    settings = {"client_id": "hub", "session_expiry": 60} | settings
+    return MqttOptions.from_url(f"mqtt://anna:{password}@127.0.0.1:{mosquitto.port}", **settings)
+
+
+async def receive(client: MqttClient | MqttConnection, count: int) -> list[MqttMessage]:
+    messages: list[MqttMessage] = []
+    with anyio.fail_after(10):
+        while len(messages) < count:
+            batch = await client.receive()
+            client.ack(batch)
+            messages += batch
+    return messages
+
+
+async def test_messages_of_every_qos_go_round(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
+    async with connected(mosquitto, protocol) as hub:
+        await hub.subscribe(Subscription("open/#", 2))
+        for qos in (0, 1, 2):
+            await hub.publish("open/t", bytes([qos]), qos=qos)
+        messages = await receive(hub, 3)
+    assert [(message.qos, message.payload) for message in messages] == [(0, b"\0"), (1, b"\1"), (2, b"\2")]
+
+
+async def test_more_messages_than_any_window_go_round(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
+    async with connected(mosquitto, protocol) as hub, anyio.create_task_group() as tasks:
+        await hub.subscribe(Subscription("open/#", 1))
+        for number in range(500):
+            tasks.start_soon(partial(hub.publish, "open/t", b"%d" % number, qos=1))
+        messages = await receive(hub, 500)
+    assert {message.payload for message in messages} == {b"%d" % number for number in range(500)}
+
+
+async def test_a_refused_publish_is_an_error(mosquitto: Mosquitto) -> None:
+    async with connected(mosquitto, "5") as hub:  # 3.1.1 has no way to say so
+        with pytest.raises(RefusedError, match="not authorized"):
+            await hub.publish("secret/door", b"open", qos=1)
+        await hub.publish("open/door", b"open", qos=1)
+
+
+async def test_a_wrong_password_is_a_state_and_told_nowhere(
+    mosquitto: Mosquitto, protocol: MqttProtocol, capfd: pytest.CaptureFixture[str]
+) -> None:
+    wrong = options(mosquitto, password="wr0ng", protocol=protocol)
+    async with MqttConnection(wrong, AiomqttClient) as connection:
+        with anyio.fail_after(10):
+            async for state in connection.states():
+                if state.phase is LinkPhase.REFUSED:
+                    break
+    assert "not authorized" in state.reason
+    assert "wr0ng" not in f"{state} {capfd.readouterr()}"
+
+
+async def test_a_message_that_was_not_acknowledged_comes_again(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
+    crashed, successor = (AiomqttClient(options(mosquitto, protocol=protocol)) for _ in range(2))
+    await wait_for(mosquitto)
+    async with crashed.connected():
+        await crashed.subscribe(Subscription("open/t", 1))
+        await crashed.publish("open/t", b"x", qos=1)
+        await crashed.receive()
+    async with successor.connected() as session:
+        assert session.resumed
+        assert [message.payload for message in await receive(successor, 1)] == [b"x"]
+
+
+async def test_after_a_restart_the_hub_is_back_within_two_seconds_and_has_lost_nothing(
+    mosquitto: Mosquitto, protocol: MqttProtocol
+) -> None:
+    accepted: set[bytes] = set()
+    got: set[bytes] = set()
+
+    async def publish(publisher: MqttConnection) -> None:
+        for payload in (b"%d" % number for number in range(600)):
+            while payload not in accepted:
+                await publisher.wait_connected()
+                with suppress(LinkError):
+                    await publisher.publish("open/t", payload, qos=1)
+                    accepted.add(payload)
+
+    async def read(hub: MqttConnection) -> None:
+        while len(got) < 600:
+            batch = await hub.receive()
+            got.update(message.payload for message in batch)
+            hub.ack(batch)
+
+    async def restart(hub: MqttConnection) -> float:
+        await anyio.to_thread.run_sync(mosquitto.stop)
+        await until_not(hub, LinkPhase.CONNECTED)
+        await anyio.to_thread.run_sync(mosquitto.start)
+        await wait_for(mosquitto)
+        began = anyio.current_time()
+        await hub.wait_connected()
+        return anyio.current_time() - began
+
+    other = options(mosquitto, client_id="publisher", protocol=protocol)
+    with anyio.fail_after(30):
+        async with (
+            connected(mosquitto, protocol) as hub,
+            MqttConnection(other, AiomqttClient, status_topic=None) as publisher,
+            anyio.create_task_group() as tasks,
+        ):
+            await hub.subscribe(Subscription("open/t", 1))
+            tasks.start_soon(publish, publisher)
+            tasks.start_soon(read, hub)
+            for _ in range(2):
+                assert await restart(hub) < 2
+    assert got == accepted
+
+
+async def until_not(connection: MqttConnection, phase: LinkPhase) -> None:
+    async for state in connection.states():
+        if state.phase is not phase:
+            return
+
+
+async def wait_for(mosquitto: Mosquitto) -> None:
+    """Wait until the port is open."""
+    with anyio.fail_after(10):
+        while True:
+            try:
+                async with await anyio.connect_tcp("127.0.0.1", mosquitto.port):
+                    return
+            except OSError:
+                await anyio.sleep(0.01)
