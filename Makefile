@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/bin
 ARGS ?=
+BENCH = .venv-bench
 
 .PHONY: run test check format bench clean
 
@@ -22,11 +23,11 @@ format: $(VENV)/.dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-bench: $(VENV)/.dev
-	$(PYTHON) benchmarks/run.py $(ARGS)
+bench: $(BENCH)/.ready $(BENCH)-ha/.tried
+	@$(BENCH)/bin/python benchmarks/run.py $(ARGS)
 
 clean:
-	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) $(BENCH) $(BENCH)-ha .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
@@ -38,3 +39,17 @@ $(VENV)/.run: pyproject.toml constraints.txt | $(VENV)/bin/python
 $(VENV)/.dev: pyproject.toml constraints.txt | $(VENV)/bin/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev,all]"
 	@touch $@ $(VENV)/.run
+
+# Nothing but what users install, so that start-up and memory are theirs.
+$(BENCH)/.ready: pyproject.toml constraints.txt
+	@$(PYTHON) -m venv $(BENCH)
+	@$(BENCH)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	@touch $@
+
+# A peer, in a venv of its own because it pins its packages: the newest that this Python can install. Takes minutes, once.
+$(BENCH)-ha/.tried:
+	@echo "installing Home Assistant into $(BENCH)-ha, to compare with; this takes some minutes, once"
+	@$(PYTHON) -m venv $(BENCH)-ha
+	@$(BENCH)-ha/bin/python -m pip install --quiet --disable-pip-version-check homeassistant \
+		|| echo "Home Assistant cannot be installed here: the benchmarks go without it"
+	@touch $@

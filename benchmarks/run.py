@@ -1,0 +1,67 @@
+"""Runs the benchmarks and prints one table each: ``python benchmarks/run.py [--quick] [NAME...]``.
+
+``make bench`` sets everything up and calls this.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from homebot.log import configure_logging
+from machine import describe_machine
+from plan import Plan
+from report import print_report
+from worker import Worker, worker
+
+BENCHMARKS = ("graph_deliveries", "service_calls", "gateway_load", "round_trip", "start_up")
+HOME_ASSISTANT_PYTHON = Path(__file__).parent.parent / ".venv-bench-ha/bin/python"
+
+
+def main() -> None:
+    options = _parse()
+    started = time.perf_counter()
+    configure_logging(level="error")
+    mosquitto = shutil.which("mosquitto") or shutil.which(
+        "mosquitto", path="/usr/sbin:/usr/local/sbin:/opt/homebrew/sbin"
+    )
+    with _home_assistant(options.home_assistant) as peer:
+        print(describe_machine(peer.greeting["version"] if peer else None, mosquitto))
+        if peer is None:
+            print(f"Home Assistant is not measured: no {options.home_assistant}; `make bench` installs it.")
+        plan = Plan(quick=options.quick, home_assistant=peer, mosquitto=mosquitto)
+        for name in options.names or BENCHMARKS:
+            print_report(importlib.import_module(name).run(plan))
+    print(f"\n{time.perf_counter() - started:.0f} s{', --quick: a look, not a measurement' if options.quick else ''}")
+
+
+@contextmanager
+def _home_assistant(python: Path) -> Iterator[Worker | None]:
+    if not python.exists():
+        yield None
+        return
+    with worker("home_assistant_worker.py", python) as peer:
+        yield peer
+
+
+def _parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="Measure homebot side by side with its peers.")
+    parser.add_argument("names", nargs="*", metavar="NAME", choices=[[], *BENCHMARKS], help=", ".join(BENCHMARKS))
+    parser.add_argument("--quick", action="store_true", help="few rounds: a look, not a measurement")
+    parser.add_argument(
+        "--home-assistant",
+        type=Path,
+        default=HOME_ASSISTANT_PYTHON,
+        metavar="PYTHON",
+        help="the Python that has Home Assistant installed (default: %(default)s)",
+    )
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()

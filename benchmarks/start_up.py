@@ -1,0 +1,79 @@
+"""Start-up time and memory of a new process, against one that only imports homebot's core packages.
+
+The clock runs from before the process is made until it says that it is ready; memory is the kernel's peak resident
+set (``VmHWM``) at that moment.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from plan import Plan
+from report import Aim, Comparison, Report, compare, megabytes, seconds
+from rounds import Measure, measure_interleaved
+
+__all__ = ["run"]
+
+CORE = "import aiomqtt, pydantic, anyio, structlog"
+PEER = "imports of the four core packages"
+IMPORT = "import homebot.runtime"
+RUN = "homebot run, to 'running'"
+
+READY = "ready"
+RUNNING = "runtime.running"
+
+
+def run(plan: Plan) -> Report:
+    memory: dict[str, list[float]] = {}
+    commands = {PEER: _importing(CORE), IMPORT: _importing("import homebot.runtime")}
+    notes = []
+    if importlib.util.find_spec("homebot.__main__") is not None:
+        commands[RUN] = [sys.executable, "-m", "homebot", "run", "--log-format", "json", "--door", "127.0.0.1:0"]
+    else:
+        notes.append("`homebot run` is not measured: this version has no command line yet.")
+    contenders: dict[str, Measure] = {
+        name: lambda name=name, command=command: _start(command, memory.setdefault(name, []))
+        for name, command in commands.items()
+    }
+    samples = measure_interleaved(contenders, plan.rounds(9))
+    pairs = [(IMPORT, PEER, None if RUN in samples else Aim("at most", 1.3)), (RUN, PEER, Aim("at most", 1.3))]
+    comparisons: list[Comparison] = compare("start-up", samples, pairs, seconds)
+    comparisons += compare("peak memory", memory, [(ours, peer, None) for ours, peer, _ in pairs], megabytes)
+    return Report("Start-up and memory", comparisons, notes)
+
+
+def _importing(statement: str) -> list[str]:
+    return [sys.executable, "-c", f"{statement}\nprint({READY!r}, flush=True)\ninput()"]
+
+
+def _start(command: list[str], memory: list[float]) -> float:
+    started = time.perf_counter()
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as process:
+        assert process.stdout is not None
+        said = []
+        for line in process.stdout:
+            said.append(line)
+            if READY in line or RUNNING in line:
+                break
+        else:
+            raise RuntimeError(f"{command} ended before it was ready:\n{''.join(said)}")
+        elapsed = time.perf_counter() - started
+        memory.append(_peak_memory(process.pid))
+        process.terminate()
+        process.stdout.read()
+    return elapsed
+
+
+def _peak_memory(pid: int) -> float:
+    """Bytes; 1 where the system has no /proc to tell."""
+    try:
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    except OSError:
+        return 1.0
+    return next(float(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM"))
