@@ -5,7 +5,7 @@ BIN = $(VENV)/bin
 ARGS ?=
 BENCH = .venv-bench
 
-.PHONY: run test check format bench clean
+.PHONY: run test check format bench lock test-lowest clean
 
 run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
@@ -26,8 +26,21 @@ format: $(VENV)/.dev
 bench: $(BENCH)/.ready $(BENCH)-ha/.tried
 	@$(BENCH)/bin/python benchmarks/run.py $(ARGS)
 
+# Moves the versions that CI installs forward to the newest.
+lock:
+	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock
+	.venv-lock/bin/pip install --quiet --disable-pip-version-check -e ".[dev,all]"
+	.venv-lock/bin/pip freeze --exclude-editable > constraints.txt
+	rm -rf .venv-lock
+
+# Tests the lower bounds of pyproject.toml.
+test-lowest:
+	$(PYTHON) -m venv .venv-lowest
+	.venv-lowest/bin/pip install --quiet --disable-pip-version-check -c constraints-lowest.txt -e ".[dev,all]"
+	.venv-lowest/bin/python -m pytest -n 2 -p no:cacheprovider $(ARGS)
+
 clean:
-	rm -rf $(VENV) $(BENCH) $(BENCH)-ha .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

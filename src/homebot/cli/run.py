@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 from homebot.cli.arguments import Commands, add_plain_command, address, positive
 
 __all__ = ["add_parser"]
@@ -43,7 +45,11 @@ def add_parser(commands: Commands) -> None:
     )
     parser.add_argument("--act", action="store_true", help="let the gateway `mqtt` send commands to an outside broker")
     parser.add_argument(
-        "--door", metavar="HOST:PORT", type=address, help="where tools come in (default: 127.0.0.1:9090)"
+        "--door",
+        metavar="HOST:PORT",
+        type=address,
+        default=os.environ.get("HOMEBOT_DOOR"),
+        help="where tools come in (default: HOMEBOT_DOOR, else 127.0.0.1:9090)",
     )
     parser.add_argument(
         "--log-format", choices=("console", "json"), default="console", help="lines for people or for programs"

@@ -100,7 +100,11 @@ class Runtime:
         await self._keep(stack, "door", self._open_door)
         if self._with_house and self.broker_url is not None:
             await self._keep(stack, "house", self._house(self.broker_url, _root(gateways)))
-        _log.info(RUNNING, message=f"{self._plan.home} is running", gateways=len(gateways), apps=len(self._plan.apps))
+        _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
+
+    def _greeting(self) -> str:
+        door = "" if self.door is None else f"; tools come in on {self._plan.door.host}:{self.door.port}"
+        return f"{self._plan.home} is running{door}"
 
     async def _with_broker(self, stack: AsyncExitStack) -> tuple[Component[Gateway], ...]:
         """Start the embedded broker if a gateway wants it; return the gateways with its address filled in."""

@@ -1,5 +1,6 @@
 """What tests of homebot, and of programs made with it, need."""
 
+from homebot.testing.house import TestHouse, house_of
 from homebot.testing.virtual_time import VirtualTimeLoop
 
-__all__ = ["VirtualTimeLoop"]
+__all__ = ["TestHouse", "VirtualTimeLoop", "house_of"]

@@ -1,0 +1,24 @@
+"""A program of your own with a homebot inside: it shows devices as they appear, for two seconds."""
+
+import asyncio
+
+from homebot.config import parse_config
+from homebot.devices import Devices
+from homebot.graph import Node
+from homebot.runtime import Runtime
+
+
+async def main() -> None:
+    """Run the simulated house and follow its devices."""
+    config = parse_config({"gateways": {"mqtt": {"root": "home425"}}, "door": {"port": 0}}, "example")
+    async with Runtime(config, with_house=True) as runtime, Node(runtime.graph, "onlooker") as node:
+        try:
+            async with asyncio.timeout(2):
+                async for change in Devices(node).follow():
+                    print(change.kind, change.device.id, "-", change.why)
+        except TimeoutError:
+            print("that is all")
+
+
+if __name__ == "__main__":
+    asyncio.run(main())

@@ -1,0 +1,75 @@
+"""A house in a test: the embedded broker, a homebot with the app under test, and the devices' side of the wire."""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio
+
+from homebot.config import parse_config
+from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.broker import Broker
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.options import MqttOptions
+from homebot.runtime import Runtime
+
+__all__ = ["TestHouse", "house_of"]
+
+PATIENCE = 5.0
+
+
+class TestHouse:
+    """What a test can do to a house and see of it.
+
+    Attributes:
+        runtime: The homebot under test.
+    """
+
+    __test__ = False  # no collection of tests, whatever its name
+
+    def __init__(self, runtime: Runtime, field: MqttConnection) -> None:
+        self.runtime = runtime
+        self._field = field
+        self._heard: defaultdict[str, deque[str]] = defaultdict(deque)
+
+    async def says(self, topic: str, payload: str) -> None:
+        """Let a device publish *payload* on *topic*; returns when the broker has it."""
+        await self._field.publish(topic, payload.encode(), qos=1)
+
+    async def hears(self, topic: str) -> str:
+        """Return the next payload that homebot sends to *topic*.
+
+        Raises:
+            TimeoutError: Nothing came within 5 s.
+        """
+        with anyio.fail_after(PATIENCE):
+            while not self._heard[topic]:
+                messages = await self._field.receive()
+                for message in messages:
+                    self._heard[message.topic].append(message.payload.decode())
+                self._field.ack(messages)
+        return self._heard[topic].popleft()
+
+
+@asynccontextmanager
+async def house_of(*apps: str, root: str = "home425") -> AsyncIterator[TestHouse]:
+    """Run *apps*, each a plug-in's name or ``module:Class``, in a homebot on a broker of its own.
+
+    Topics follow the thesis: devices say things on ``<root>/SERVICE_TYPE/DEVICE_ID/out`` and are told on ``…/in``.
+    """
+    async with Broker() as broker:
+        tables = {
+            "gateways": {"mqtt": {"url": broker.url, "root": root, "act": True}},
+            "apps": {f"app_{number}": {"class": app} for number, app in enumerate(apps, 1)},
+            "door": {"port": 0},
+        }
+        async with (
+            Runtime(parse_config(tables, "test")) as runtime,
+            MqttConnection(MqttOptions.from_url(broker.url), AiomqttClient, status_topic=None) as field,
+        ):
+            await field.subscribe(Subscription(f"{root}/+/+/in", qos=1))
+            await field.wait_connected()
+            yield TestHouse(runtime, field)

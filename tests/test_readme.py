@@ -1,0 +1,165 @@
+"""Every command that the README shows is run here, and every program in it is the one in ``examples``."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text()
+WINDOW_LIGHT = ROOT / "examples" / "02_window_light"
+
+COMMANDS = re.findall(r"^\$ (.*)$", README, re.MULTILINE)
+
+IN_A_SECOND_TERMINAL = [command for command in COMMANDS if command.startswith(".venv/bin/homebot")]
+ON_YOUR_OWN_BROKER = [command for command in COMMANDS if "--mqtt" in command]
+RUN_ELSEWHERE_IN_THIS_FILE = [
+    'make run ARGS="--for 3"',
+    "make test",
+    "homebot run --app window_light:WindowLight --for 3",
+    "pytest",
+    "homebot config check --config homebot.toml",
+]
+
+
+@dataclass
+class Homebot:
+    """A homebot that runs in a process of its own."""
+
+    door: str
+    broker: str
+    log: list[str]
+
+
+def environment(door: str) -> dict[str, str]:
+    """As in a shell with the project's .venv activated."""
+    return {**os.environ, "HOMEBOT_DOOR": door, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+
+
+def free_door() -> str:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"127.0.0.1:{probe.getsockname()[1]}"
+
+
+def run(command: str, *, door: str = "", cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        shlex.split(command),
+        cwd=cwd,
+        env=environment(door or free_door()),
+        capture_output=True,
+        text=True,
+        timeout=50,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def homebot() -> Iterator[Homebot]:
+    """``homebot run`` until the tests are through; it must end well on SIGTERM."""
+    door = free_door()
+    process = subprocess.Popen(
+        ["homebot", "run"], env=environment(door), stderr=subprocess.PIPE, text=True, cwd=WINDOW_LIGHT
+    )
+    assert process.stderr is not None
+    log = []
+    for line in process.stderr:
+        log.append(line)
+        if "lights/roomlights405 is off" in line:
+            break
+    broker = re.search(r"mqtt://\S+?:\d+", "".join(log))
+    assert broker is not None
+    yield Homebot(door, broker[0], log)
+    process.send_signal(signal.SIGTERM)
+    _, rest = process.communicate(timeout=10)
+    assert process.returncode == 0
+    assert "Traceback" not in rest
+
+
+def test_no_command_is_forgotten() -> None:
+    """A new one in the README has to be run here as well."""
+    assert sorted(COMMANDS) == sorted(IN_A_SECOND_TERMINAL + ON_YOUR_OWN_BROKER + RUN_ELSEWHERE_IN_THIS_FILE)
+
+
+def test_make_run_shows_the_house_being_discovered_and_acted_on() -> None:
+    """The lines are those that the README shows, but for the time and what a busy machine changes in their order."""
+    done = run('make run ARGS="--for 3"')
+
+    assert done.returncode == 0
+    for shown in re.findall(r"^\d\d:\d\d:\d\d  (\S+ +.*)$", README, re.MULTILINE):
+        words = re.sub(r"127\.0\.0\.1:\d+", "", shown)
+        assert words in re.sub(r"127\.0\.0\.1:\d+( \(port 1883 was taken\))?", "", done.stderr)
+
+
+def test_make_test_exists() -> None:
+    """Running it from inside itself would not end."""
+    assert "pytest" in run("make -n test").stdout
+
+
+@pytest.mark.parametrize("command", IN_A_SECOND_TERMINAL)
+def test_a_second_terminal_sees_the_running_house(command: str, homebot: Homebot) -> None:
+    """Each command prints something and succeeds."""
+    done = run(command.replace(".venv/bin/", ""), door=homebot.door)
+
+    assert done.stderr == ""
+    assert done.returncode == 0
+    assert done.stdout
+
+
+def test_the_devices_shown_are_the_devices_found(homebot: Homebot) -> None:
+    """The table of the README, but for the time."""
+    done = run("homebot devices", door=homebot.door)
+    for line in re.findall(r"^(?:lights|windows)/.*fresh", README, re.MULTILINE):
+        assert line in done.stdout
+
+
+@pytest.mark.parametrize("command", ON_YOUR_OWN_BROKER)
+def test_your_own_broker_is_discovered_and_acted_on_only_when_told(command: str, homebot: Homebot) -> None:
+    """The running house's broker plays yours."""
+    done = run(command.replace("mqtt://127.0.0.1:1883", homebot.broker))
+
+    assert done.returncode == 0
+    assert "found lights/roomlights405" in done.stderr
+    assert ("(observing only)" in done.stderr) == ("--act" not in command)
+
+
+def test_the_app_of_the_readme_runs_in_the_simulated_house() -> None:
+    """From its folder, instead of the light service."""
+    done = run("homebot run --app window_light:WindowLight --for 3", cwd=WINDOW_LIGHT)
+    assert done.returncode == 0
+    assert "found windows/windowmotor405" in done.stderr
+
+
+def test_the_test_of_the_app_passes() -> None:
+    """With the configuration that the folder brings along."""
+    done = run("pytest", cwd=WINDOW_LIGHT)
+    assert "1 passed" in done.stdout
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize("file", ["window_light.py", "test_window_light.py"])
+def test_the_programs_shown_are_those_in_the_examples(file: str) -> None:
+    """Letter by letter."""
+    assert f"```python\n{(WINDOW_LIGHT / file).read_text()}```" in README
+
+
+def test_the_configuration_shown_passes_its_check(tmp_path: Path) -> None:
+    """With the password where the test may write it."""
+    found = re.search(r"```toml\n(.*?)```", README, re.DOTALL)
+    assert found is not None
+    password = tmp_path / "password"
+    password.write_text("secret\n")
+    (tmp_path / "homebot.toml").write_text(found[1].replace("/etc/homebot/password", str(password)))
+    done = run("homebot config check --config homebot.toml", cwd=tmp_path)
+    assert done.stdout.startswith("homebot.toml is fine: home villa")
+    assert done.returncode == 0
