@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from homebot.bridges.rosbridge.protocol import CallService, service_failure, service_success
+from homebot.bridges.rosbridge.values import message_from_client
 from homebot.errors import HomebotError, ServiceFailedError, ServiceUnavailableError, TypeMismatchError
 from homebot.graph import Node
 from homebot.messages.definition import fields_of
-from homebot.messages.json import JsonObject, message_from_json, message_to_json
+from homebot.messages.json import JsonObject, message_to_json
 from homebot.messages.message import Message
 
 __all__ = ["call_service"]
@@ -49,4 +50,4 @@ def _request(request_type: type[Message], args: dict[str, Any] | list[Any]) -> M
         if len(args) > len(names):
             raise TypeMismatchError(f"{request_type.ros_type} has {len(names)} fields, got {len(args)} values")
         args = dict(zip(names, args, strict=False))
-    return message_from_json(request_type, args)
+    return message_from_client(request_type, args)

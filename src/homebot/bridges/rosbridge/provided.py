@@ -13,9 +13,10 @@ from homebot.bridges.rosbridge.protocol import (
     service_request,
 )
 from homebot.bridges.rosbridge.types import service_type_of
+from homebot.bridges.rosbridge.values import message_from_client
 from homebot.errors import PeerError, RefusedError
 from homebot.graph import Node, Service
-from homebot.messages.json import JsonObject, message_from_json, message_to_json
+from homebot.messages.json import JsonObject, message_to_json
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
@@ -101,5 +102,4 @@ class ProvidedServices:
         if not response.result:
             raise RefusedError(f"the call of {name}", str(response.values or "its provider gave no reason")[:500])
         values = response.values if isinstance(response.values, dict) else {}
-        answer: Message = message_from_json(service_type.Response, values)
-        return answer
+        return message_from_client(service_type.Response, values)

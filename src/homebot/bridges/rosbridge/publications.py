@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 from homebot.bridges.rosbridge.protocol import Advertise, Identifier, Publish, Unadvertise
 from homebot.bridges.rosbridge.types import message_type_of_topic
+from homebot.bridges.rosbridge.values import message_from_client
 from homebot.errors import PeerError
 from homebot.graph import DurabilityPolicy, Node, Publisher, QoSProfile, qos_profile_latched
-from homebot.messages.json import message_from_json
 from homebot.messages.message import Message
 
 __all__ = ["Publications"]
@@ -73,8 +73,13 @@ class Publications:
             TypeMismatchError: The message does not fit the topic.
             PeerError: There is no such topic.
         """
-        publication = self._topics.get(op.topic) or self._open(op.topic, "", latched=op.latch)
-        publication.publisher.publish(message_from_json(publication.message_type, op.msg))
+        publication = self._topics.get(op.topic)
+        if publication is not None:
+            publication.publisher.publish(message_from_client(publication.message_type, op.msg))
+            return
+        message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), "")
+        message = message_from_client(message_type, op.msg)
+        self._open(op.topic, "", latched=op.latch).publisher.publish(message)
 
     def close(self) -> None:
         """Give everything up."""

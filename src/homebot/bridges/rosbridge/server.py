@@ -30,7 +30,7 @@ from homebot.messages.json import JsonObject
 __all__ = ["Door"]
 
 _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to say goodbye
-_STOP_TIMEOUT: Final = 3.0  # the whole process has 5 s to stop
+_STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
 
 
 class Door:
@@ -79,9 +79,17 @@ class Door:
         try:
             await anyio.sleep_forever()
         finally:
-            with anyio.move_on_after(_STOP_TIMEOUT, shield=True):
-                server.close()
-                await server.wait_closed()
+            with anyio.CancelScope(shield=True):
+                await self._stop(server)
+
+    async def _stop(self, server: Server) -> None:
+        server.close()
+        with anyio.move_on_after(_STOP_TIMEOUT):
+            await server.wait_closed()
+            return
+        for connection in self._sessions:  # a client that takes no more bytes cannot be told goodbye either
+            connection.transport.abort()
+        await server.wait_closed()
 
     async def _listen(self) -> Server:
         settings = self._settings

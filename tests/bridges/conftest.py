@@ -1,0 +1,88 @@
+"""A graph with an open door, and clients that come through it by a real WebSocket."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import Any, Protocol
+
+import anyio
+import pytest
+from websockets.asyncio.client import ClientConnection, connect
+
+from homebot.bridges.rosapi import RosApi
+from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.graph import Graph, Node
+
+
+class Peer:
+    """A client of the door that speaks frames."""
+
+    def __init__(self, connection: ClientConnection) -> None:
+        self.connection = connection
+
+    async def send(self, op: str, **fields: object) -> None:
+        await self.connection.send(json.dumps({"op": op, **fields}))
+
+    async def receive(self) -> dict[str, Any]:
+        with anyio.fail_after(5):
+            frame: dict[str, Any] = json.loads(await self.connection.recv())
+        return frame
+
+    async def call(self, service: str, **args: object) -> dict[str, Any]:
+        await self.send("call_service", id="call", service=service, args=args)
+        while (frame := await self.receive()).get("id") != "call" or frame["op"] != "service_response":
+            pass
+        return frame
+
+    async def settle(self) -> None:
+        """Return when the door has dealt with everything sent before."""
+        await self.call("/rosapi/get_time")
+
+
+class House:
+    """A graph and its door."""
+
+    def __init__(self, graph: Graph, door: Door, node: Node) -> None:
+        self.graph = graph
+        self.door = door
+        self.door_node = node
+
+    def node(self, name: str) -> Node:
+        return Node(self.graph, name)
+
+    @asynccontextmanager
+    async def peer(self, path: str = "/", **headers: str) -> AsyncIterator[Peer]:
+        url = f"ws://127.0.0.1:{self.door.port}{path}"
+        async with connect(url, additional_headers=headers, proxy=None, compression=None) as connection:
+            yield Peer(connection)
+
+    def entities(self) -> set[tuple[str, str]]:
+        """What the door holds on the graph."""
+        held = self.graph.get_endpoints(node=self.door_node.full_name)
+        return {(info.kind.value, info.name) for info in held if info.kind.value != "node"} - {
+            ("publisher", "/parameter_events")
+        }
+
+
+class OpenHouse(Protocol):
+    def __call__(self, settings: DoorSettings | None = None) -> AbstractAsyncContextManager[House]: ...
+
+
+@pytest.fixture
+def open_house() -> Callable[..., AbstractAsyncContextManager[House]]:
+    """Give what opens a house with a door on a free port."""
+
+    @asynccontextmanager
+    async def opened(settings: DoorSettings | None = None) -> AsyncIterator[House]:
+        graph = Graph()
+        node = Node(graph, "rosbridge_websocket")
+        door = Door(node, settings or DoorSettings(port=0))
+        RosApi(Node(graph, "rosapi"))
+        async with anyio.create_task_group() as tasks:
+            await tasks.start(door.run)
+            yield House(graph, door, node)
+            tasks.cancel_scope.cancel()
+
+    return opened

@@ -1,0 +1,106 @@
+"""Who may connect."""
+
+from __future__ import annotations
+
+import pytest
+from pydantic import SecretStr
+
+from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge.admission import is_loopback, is_token, refusal, token_of
+
+LOCAL = DoorSettings()
+NAMED = DoorSettings(host="hub.lan", token=SecretStr("t"))
+EVERYWHERE = DoorSettings(host="0.0.0.0", token=SecretStr("t"))  # noqa: S104  # the case under test
+PANEL = DoorSettings(allowed_origins=("https://panel.example.org", "null"))
+
+
+@pytest.mark.parametrize(
+    ("settings", "host"),
+    [
+        (LOCAL, "127.0.0.1:9090"),
+        (LOCAL, "localhost"),
+        (LOCAL, "LOCALHOST:1234"),
+        (LOCAL, "[::1]:9090"),
+        (LOCAL, "127.8.9.1"),
+        (NAMED, "hub.lan:9090"),
+        (EVERYWHERE, "192.168.1.5:9090"),
+        (EVERYWHERE, "[fd00::1]:9090"),
+    ],
+)
+def test_a_client_that_calls_us_by_our_name_is_let_in(settings: DoorSettings, host: str) -> None:
+    assert refusal(settings, [host], []) is None
+
+
+@pytest.mark.parametrize(
+    ("settings", "host"),
+    [
+        (LOCAL, "evil.example:9090"),
+        (LOCAL, "127.0.0.1.evil.example"),
+        (LOCAL, "192.168.1.5:9090"),
+        (LOCAL, ""),
+        (LOCAL, "[::1"),
+        (NAMED, "other.lan"),
+        (EVERYWHERE, "evil.example"),
+    ],
+)
+def test_a_foreign_name_is_refused(settings: DoorSettings, host: str) -> None:
+    """DNS rebinding: the page's own name points to us."""
+    problem = refusal(settings, [host], [])
+    assert problem is not None
+    assert "not one of this door's" in problem
+
+
+@pytest.mark.parametrize(
+    ("settings", "origin"),
+    [
+        (LOCAL, "http://localhost:3000"),
+        (LOCAL, "http://127.0.0.1"),
+        (LOCAL, "http://[::1]:8080"),
+        (PANEL, "https://panel.example.org"),
+        (PANEL, "null"),
+    ],
+)
+def test_a_page_of_ours_is_let_in(settings: DoorSettings, origin: str) -> None:
+    assert refusal(settings, ["127.0.0.1:9090"], [origin]) is None
+
+
+def test_a_page_of_the_same_host_is_let_in() -> None:
+    assert refusal(NAMED, ["hub.lan:9090"], ["http://hub.lan"]) is None
+
+
+@pytest.mark.parametrize(
+    "origin", ["https://evil.example", "http://localhost.evil.example", "null", "file://", "http://[", "", "nonsense"]
+)
+def test_a_foreign_page_is_refused(origin: str) -> None:
+    problem = refusal(LOCAL, ["127.0.0.1:9090"], [origin])
+    assert problem is not None
+    assert "not let in" in problem
+
+
+def test_doubled_headers_are_refused() -> None:
+    assert refusal(LOCAL, ["127.0.0.1", "evil.example"], []) is not None
+    assert refusal(LOCAL, [], []) is not None
+    assert refusal(LOCAL, ["127.0.0.1"], ["http://localhost", "https://evil.example"]) is not None
+
+
+def test_the_token_comes_in_the_header_or_in_the_query() -> None:
+    assert token_of("/", ["Bearer abc"]) == "abc"
+    assert token_of("/?token=a%20b", []) == "a b"
+    assert token_of("/?token=query", ["bearer header"]) == "header"
+    assert token_of("/?token=query", ["Basic xyz"]) == "query"
+    assert token_of("/", []) == ""
+
+
+def test_only_the_right_token_opens() -> None:
+    assert is_token(NAMED, "t")
+    assert not is_token(NAMED, "T")
+    assert not is_token(NAMED, "")
+    assert not is_token(NAMED, "\ud800é")
+    assert is_token(LOCAL, "")
+
+
+def test_loopback_is_told_by_its_address() -> None:
+    assert is_loopback("localhost")
+    assert is_loopback("[::1]")
+    assert not is_loopback("0.0.0.0")  # noqa: S104  # the case under test
+    assert not is_loopback("hub.lan")

@@ -1,0 +1,246 @@
+"""The door: who is let in, what bad clients get, and that everything goes with its client."""
+
+from __future__ import annotations
+
+import json
+import socket
+from typing import Any
+
+import anyio
+import pytest
+from pydantic import SecretStr
+from structlog.testing import capture_logs
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.errors import ConfigError
+from homebot.graph import Graph, Node
+from homebot.messages import String
+
+
+async def test_everything_a_client_holds_goes_with_it(open_house: Any) -> None:
+    async with open_house() as house:
+        house.node("talker").create_publisher(String, "/chatter")
+        async with house.peer() as peer:
+            await peer.send("subscribe", topic="/chatter")
+            await peer.send("subscribe", topic="/early")
+            await peer.send("advertise", topic="/mine", type="std_msgs/String")
+            await peer.send("advertise_service", service="/serve", type="std_srvs/Trigger")
+            await peer.settle()
+            assert house.entities() == {
+                ("subscription", "/chatter"),
+                ("publisher", "/mine"),
+                ("service", "/serve"),
+            }
+            with house.graph.watch() as changes:
+                peer.connection.transport.abort()
+                with anyio.fail_after(5):
+                    while house.entities():
+                        await changes.receive()
+        with anyio.fail_after(5):
+            while house.door.client_count:
+                await anyio.lowlevel.checkpoint()
+
+
+async def test_a_stopped_door_says_goodbye(open_house: Any) -> None:
+    async with open_house() as house:
+        connection = await connect(f"ws://127.0.0.1:{house.door.port}", proxy=None)
+    with pytest.raises(ConnectionClosed) as caught:
+        await connection.recv()
+    assert caught.value.rcvd is not None
+    assert caught.value.rcvd.code == 1001
+
+
+async def test_a_stopped_door_does_not_wait_for_a_client_that_hangs(open_house: Any) -> None:
+    with anyio.fail_after(8):
+        async with open_house() as house:
+            publisher = house.node("camera").create_publisher(String, "/image")
+            connection = await connect(f"ws://127.0.0.1:{house.door.port}", proxy=None)
+            await connection.send('{"op": "subscribe", "topic": "/image"}')
+            while not publisher.subscription_count:
+                await anyio.lowlevel.checkpoint()
+            connection.transport.pause_reading()
+            for _ in range(20):
+                publisher.publish(String(data="x" * 500_000))
+                await anyio.lowlevel.checkpoint()
+    connection.transport.abort()
+    await connection.wait_closed()
+
+
+BAD_FRAMES = [
+    "not json",
+    "[" * 50_000,
+    '{"op": "fly"}',
+    '{"op": "publish", "topic": "/chatter"}',
+    '{"op": "publish", "topic": "/chatter", "msg": {"data": 5}}',
+    '{"op": "publish", "topic": "/chatter", "msg": {"data": ' + "[" * 90 + "]" * 90 + "}}",
+    '{"op": "publish", "topic": "/nowhere", "msg": {}}',
+    '{"op": "publish", "topic": "a b", "msg": {}}',
+    '{"op": "advertise", "topic": "/chatter", "type": "std_msgs/Int32"}',
+    '{"op": "advertise", "topic": "/new", "type": "who_msgs/Knows"}',
+    '{"op": "subscribe", "topic": "/chatter", "type": "std_msgs/Int32"}',
+    '{"op": "unsubscribe", "topic": "/chatter"}',
+    '{"op": "unadvertise", "topic": "/chatter"}',
+    '{"op": "advertise_service", "service": "/s", "type": "who_srvs/Knows"}',
+    '{"op": "unadvertise_service", "service": "/s"}',
+    '{"op": "service_response", "service": "/s", "id": "1", "result": true}',
+    '{"op": "set_level", "level": 9}',
+    '{"op": "advertise_action", "action": "/a", "type": "x/action/Y"}',
+]
+
+
+@pytest.mark.parametrize("frame", BAD_FRAMES)
+async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(open_house: Any, frame: str) -> None:
+    async with open_house() as house, house.peer() as bad, house.peer() as good:
+        publisher = house.node("talker").create_publisher(String, "/chatter")
+        await good.send("subscribe", topic="/chatter")
+        await good.settle()
+        await bad.send("set_level", level="error")
+        await bad.connection.send(frame)
+        answer = await bad.receive()
+        assert (answer["op"], answer["level"]) == ("status", "error")
+        assert answer["msg"]
+        await bad.settle()
+        publisher.publish(String(data="still here"))
+        assert (await good.receive())["msg"] == {"data": "still here"}
+        assert house.entities() == {("subscription", "/chatter")}
+
+
+async def test_status_is_never_sent_to_a_client_that_did_not_ask(open_house: Any) -> None:
+    """Roslibpy takes a status frame for an error of its own."""
+    async with open_house() as house, house.peer() as peer:
+        with capture_logs() as logs:
+            for _ in range(20):
+                await peer.connection.send("not json")
+            assert (await peer.call("/rosapi/get_time"))["result"] is True
+        refused = [line for line in logs if line["event"] == "door.refused"]
+        assert len(refused) == 1
+        assert "not JSON" in refused[0]["problem"]
+
+
+@pytest.mark.parametrize(("frame", "code"), [(b"\x00\x01", 1003), ('{"op": "publish", "msg": "' + "x" * 5000, 1009)])
+async def test_a_frame_that_cannot_be_taken_ends_that_connection(
+    open_house: Any, frame: str | bytes, code: int
+) -> None:
+    settings = DoorSettings(port=0, max_frame_bytes=4096)
+    async with open_house(settings) as house, house.peer() as bad, house.peer() as good:
+        await bad.connection.send(frame)
+        with anyio.fail_after(5), pytest.raises(ConnectionClosed) as caught:
+            await bad.connection.recv()
+        assert caught.value.rcvd is not None
+        assert caught.value.rcvd.code == code
+        await good.settle()
+
+
+async def test_goals_are_answered_with_a_clear_no(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        await peer.send("send_action_goal", id="g:1", action="/clean", action_type="x/action/Y", args={})
+        answer = await peer.receive()
+        assert (answer["op"], answer["id"], answer["result"], answer["status"]) == ("action_result", "g:1", False, 6)
+        assert "no actions" in answer["values"]
+
+
+async def test_a_client_may_hold_only_so_much(open_house: Any) -> None:
+    async with open_house(DoorSettings(port=0, max_entities=2)) as house, house.peer() as peer:
+        await peer.send("set_level", level="error")
+        for number in range(3):
+            await peer.send("advertise", topic=f"/t{number}", type="std_msgs/String")
+        assert "this client uses 2 already" in (await peer.receive())["msg"]
+        assert len(house.entities()) == 2
+
+
+async def test_one_client_too_many_is_turned_away(open_house: Any) -> None:
+    async with open_house(DoorSettings(port=0, max_clients=1)) as house, house.peer():
+        with pytest.raises(InvalidStatus) as caught:
+            async with house.peer():
+                pytest.fail("let in")
+        assert caught.value.response.status_code == 503
+
+
+@pytest.mark.parametrize(
+    ("path", "headers", "status"),
+    [
+        ("/", {}, 401),
+        ("/?token=wrong", {}, 401),
+        ("/?token=hunter2", {"Origin": "https://evil.example"}, 403),
+        ("/", {"Authorization": "Bearer wrong"}, 401),
+    ],
+)
+async def test_a_client_without_the_token_or_of_a_foreign_page_is_turned_away(
+    open_house: Any, path: str, headers: dict[str, str], status: int
+) -> None:
+    with capture_logs() as logs:
+        async with open_house(DoorSettings(port=0, token=SecretStr("hunter2"))) as house:
+            with pytest.raises(InvalidStatus) as caught:
+                async with house.peer(path, **headers):
+                    pytest.fail("let in")
+            assert caught.value.response.status_code == status
+    assert [line["event"] for line in logs] == ["door.turned_away"]
+    assert "hunter2" not in repr(logs)
+
+
+@pytest.mark.parametrize(("path", "headers"), [("/?token=hunter2", {}), ("/", {"Authorization": "Bearer hunter2"})])
+async def test_a_client_with_the_token_is_let_in(open_house: Any, path: str, headers: dict[str, str]) -> None:
+    settings = DoorSettings(port=0, token=SecretStr("hunter2"))
+    async with open_house(settings) as house, house.peer(path, **headers) as peer:
+        await peer.settle()
+
+
+async def test_a_rebound_name_is_turned_away(open_house: Any) -> None:
+    async with open_house() as house:
+        with socket.create_connection(("127.0.0.1", house.door.port)) as raw:
+            raw.setblocking(False)
+            raw.send(
+                b"GET / HTTP/1.1\r\nHost: evil.example\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+            )
+            with anyio.fail_after(5):
+                await anyio.wait_readable(raw)
+            assert raw.recv(100).startswith(b"HTTP/1.1 403")
+
+
+async def test_something_that_is_no_web_socket_is_logged_at_most_once_and_harms_nobody(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        with capture_logs() as logs:
+            for _ in range(3):
+                stream = await anyio.connect_tcp("127.0.0.1", house.door.port)
+                async with stream:
+                    await stream.send(b"\x16\x03\x01 not http\r\n\r\n")
+                    with anyio.fail_after(5), pytest.raises(anyio.EndOfStream):
+                        await stream.receive()
+            await peer.settle()
+    assert [line["event"] for line in logs] in ([], ["door.handshake_failed"])  # not every websockets release tells
+
+
+def test_an_open_door_needs_a_token() -> None:
+    async def make() -> None:
+        Door(Node(Graph(), "door"), DoorSettings(host="0.0.0.0"))  # noqa: S104  # the case under test
+
+    with pytest.raises(ConfigError, match=r"0\.0\.0\.0 can be reached by others, so it needs a token"):
+        anyio.run(make)
+
+
+async def test_a_taken_address_is_named(open_house: Any) -> None:
+    async with open_house() as house:
+        second = Door(house.node("second"), DoorSettings(port=house.door.port))
+        with pytest.raises(ConfigError, match=f"127.0.0.1:{house.door.port} is taken, maybe by another homebot"):
+            await second.run()
+
+
+async def test_an_address_of_another_machine_is_named() -> None:
+    door = Door(Node(Graph(), "door"), DoorSettings(host="192.0.2.1", port=0, token=SecretStr("t")))
+    with pytest.raises(ConfigError, match=r"cannot listen on 192\.0\.2\.1:0"):
+        await door.run()
+
+
+async def test_frames_are_ascii(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        publisher = house.node("talker").create_publisher(String, "/chatter")
+        await peer.send("subscribe", topic="/chatter")
+        await peer.settle()
+        publisher.publish(String(data="Küche \ud800"))
+        text = await peer.connection.recv()
+        assert isinstance(text, str)
+        assert text.isascii()
+        assert json.loads(text)["msg"]["data"] == "Küche \ud800"

@@ -1,0 +1,123 @@
+"""Frames of rosbridge v2, in and out."""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.bridges.rosbridge.protocol import (
+    CallService,
+    FrameError,
+    Operation,
+    Publish,
+    ServiceResponse,
+    Subscribe,
+    action_refusal,
+    encode_frame,
+    parse_frame,
+    publish_frame,
+    service_failure,
+    service_success,
+    status_frame,
+)
+
+
+def test_a_frame_of_roslibpy_is_read() -> None:
+    """Golden text: what roslibpy 2.1 sends for a subscription."""
+    op = parse_frame(
+        '{"op": "subscribe", "id": "subscribe:/chatter:1", "type": "std_msgs/String", "topic": "/chatter", '
+        '"compression": "none", "throttle_rate": 0, "queue_length": 0}'
+    )
+    assert op == Subscribe(op="subscribe", id="subscribe:/chatter:1", topic="/chatter", type="std_msgs/String")
+
+
+def test_null_counts_as_left_out() -> None:
+    op = parse_frame('{"op": "call_service", "service": "/s", "args": null, "timeout": null, "id": null}')
+    assert op == CallService(op="call_service", service="/s")
+
+
+def test_a_response_without_a_result_is_a_no() -> None:
+    """Roslibpy sends null when a callback returned nothing."""
+    op = parse_frame('{"op": "service_response", "id": "1", "service": "/s", "values": {}, "result": null}')
+    assert isinstance(op, ServiceResponse)
+    assert not op.result
+
+
+def test_a_number_may_be_an_identifier() -> None:
+    assert parse_frame('{"op": "publish", "id": 7, "topic": "/t", "msg": {}}') == Publish(
+        op="publish", id=7, topic="/t", msg={}
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("", "not JSON"),
+        ("{", "not JSON"),
+        ("[]", r"a frame is a JSON object, got '\[\]'"),
+        ("{}", "field 'op' is missing"),
+        ('{"op": 3}', "field 'op' must be a text, got '3'"),
+        ('{"op": "fly"}', "field 'op': 'fly' is unknown; known are action_feedback, .*unsubscribe"),
+        ('{"op": "publish", "topic": "/t"}', "publish: field 'msg' is missing"),
+        ('{"op": "publish", "topic": "/t", "msg": 5}', "publish: field 'msg': .*dict.*, got 5"),
+        ('{"op": "publish", "topic": "", "msg": {}}', "publish: field 'topic': .*at least 1 character, got ''"),
+        ('{"op": "subscribe", "topic": "/t", "throttle_rate": -1}', "'throttle_rate': .*greater than or equal to 0"),
+        ('{"op": "subscribe", "topic": "/t", "throttle_rate": NaN}', "'throttle_rate'"),
+        ('{"op": "subscribe", "topic": "/t", "queue_length": "10"}', "'queue_length': .*integer, got '10'"),
+        ('{"op": "set_level", "level": "loud"}', "'level': .*'none', 'error'.*got 'loud'"),
+        ('{"op": "call_service", "service": "/s", "timeout": "soon"}', "'timeout': .*number, got 'soon'"),
+        ('{"op": "publish", "topic": "/t", "msg": {"data": "\\ud800"}}', "half a surrogate pair"),
+        ('{"op": "publish", "topic": "/t", "msg": ' + '{"a":' * 200 + "1" + "}" * 201, "nested more than 100 deep"),
+        ("[" * 100_000, "nested more than 100 deep"),
+        ('{"op": "publish", "id": ' + "9" * 5000 + "}", "not JSON"),
+    ],
+)
+def test_a_bad_frame_is_refused_with_the_field_and_its_value(text: str, problem: str) -> None:
+    with pytest.raises(FrameError, match=problem):
+        parse_frame(text)
+
+
+def test_a_bad_call_can_still_be_answered() -> None:
+    """The error keeps what the answer needs."""
+    with pytest.raises(FrameError) as caught:
+        parse_frame('{"op": "call_service", "id": "x:1", "service": "/s", "args": 4}')
+    assert (caught.value.op, caught.value.id, caught.value.target) == ("call_service", "x:1", "/s")
+
+
+def test_frames_out_have_the_fields_that_clients_read() -> None:
+    """Golden texts."""
+    assert encode_frame(publish_frame("/t", {"data": "é"})) == '{"op":"publish","topic":"/t","msg":{"data":"\\u00e9"}}'
+    assert encode_frame(service_success("/s", "1", {"ok": True})) == (
+        '{"op":"service_response","service":"/s","values":{"ok":true},"result":true,"id":"1"}'
+    )
+    assert encode_frame(service_failure("/s", None, "no")) == (
+        '{"op":"service_response","service":"/s","values":"no","result":false}'
+    )
+    assert encode_frame(status_frame("error", "bad", 3)) == '{"op":"status","level":"error","msg":"bad","id":3}'
+    assert action_refusal("/a", "g", "no")["status"] == 6
+    assert publish_frame("/t", {}, lost=2)["lost"] == 2
+
+
+@given(st.text())
+def test_any_text_is_an_operation_or_a_frame_error(text: str) -> None:
+    with suppress(FrameError):
+        assert isinstance(parse_frame(text), Operation)
+
+
+_JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=10,
+)
+_FIELDS = ["id", "topic", "type", "msg", "service", "args", "values", "result", "level", "throttle_rate", "action"]
+_OPS = ["advertise", "publish", "subscribe", "call_service", "service_response", "set_level", "send_action_goal"]
+
+
+@given(st.sampled_from(_OPS), st.dictionaries(st.sampled_from(_FIELDS), _JSON))
+def test_any_fields_make_an_operation_or_a_frame_error(op: str, fields: dict[str, object]) -> None:
+    with suppress(FrameError):
+        assert parse_frame(json.dumps({"op": op, **fields})).op == op

@@ -1,0 +1,174 @@
+"""Services through the door, in both directions."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import anyio
+import pytest
+
+from homebot.bridges.rosbridge import DoorSettings
+from homebot.errors import ServiceFailedError, ServiceGoneError
+from homebot.messages import SetBool, Trigger
+from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse, SuccessResponse, TriggerRequest
+
+
+def echo(request: SetBoolRequest) -> SetBoolResponse:
+    return SetBoolResponse(success=request.data, message="done")
+
+
+async def test_a_client_calls_a_service(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        house.node("lamp").create_service(SetBool, "/switch", echo)
+        await peer.send("call_service", id="x:1", service="switch", args={"data": True})
+        assert await peer.receive() == {
+            "op": "service_response",
+            "id": "x:1",
+            "service": "switch",
+            "result": True,
+            "values": {"success": True, "message": "done"},
+        }
+        assert house.entities() == set()
+
+
+async def test_a_list_of_arguments_fills_the_fields_in_order(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        house.node("lamp").create_service(SetBool, "/switch", echo)
+        await peer.send("call_service", service="/switch", args=[True])
+        assert (await peer.receive())["values"]["success"] is True
+        await peer.send("call_service", service="/switch", args=[True, 2])
+        assert "has 1 fields, got 2 values" in (await peer.receive())["values"]
+
+
+@pytest.mark.parametrize(
+    ("service", "args", "problem"),
+    [
+        ("/nobody", {}, "service /nobody has no server"),
+        ("bad name", {}, "has a character that names may not hold"),
+        ("/switch", {}, "field 'data' is missing"),
+        ("/switch", {"data": "yes"}, "field 'data': .*got 'yes'"),
+        ("/switch", {"data": True, "more": 1}, "field 'more' is unknown"),
+        ("/raises", {}, "RuntimeError: the bulb is broken"),
+    ],
+)
+async def test_a_failed_call_says_why(open_house: Any, service: str, args: dict[str, Any], problem: str) -> None:
+    def broken(_request: TriggerRequest) -> SuccessResponse:
+        raise RuntimeError("the bulb is broken")
+
+    async with open_house() as house, house.peer() as peer:
+        node = house.node("lamp")
+        node.create_service(SetBool, "/switch", echo)
+        node.create_service(Trigger, "/raises", broken)
+        await peer.send("call_service", id="7", service=service, args=args)
+        answer = await peer.receive()
+        assert (answer["op"], answer["id"], answer["result"]) == ("service_response", "7", False)
+        assert re.search(problem, answer["values"])
+
+
+async def test_a_slow_service_runs_into_the_clients_time_limit(open_house: Any) -> None:
+    async def never(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep_forever()
+        raise AssertionError
+
+    async with open_house() as house, house.peer() as peer:
+        house.node("lamp").create_service(Trigger, "/slow", never)
+        await peer.send("call_service", service="/slow", timeout=0.05)
+        assert "did not answer within 0.05 s" in (await peer.receive())["values"]
+
+
+async def test_too_many_calls_at_a_time_fail_at_once(open_house: Any) -> None:
+    async def never(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep_forever()
+        raise AssertionError
+
+    async with open_house(DoorSettings(port=0, max_calls=2)) as house, house.peer() as peer:
+        house.node("lamp").create_service(Trigger, "/slow", never, concurrent=True)
+        for number in range(3):
+            await peer.send("call_service", id=number, service="/slow", timeout=60)
+        answer = await peer.receive()
+        assert answer["id"] == 2
+        assert "2 calls of this client are under way" in answer["values"]
+
+
+async def test_a_client_provides_a_service(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        await peer.send("advertise_service", service="mine", type="std_srvs/SetBool")
+        await peer.settle()
+        client = house.node("app").create_client(SetBool, "/mine")
+        async with anyio.create_task_group() as tasks:
+            answers: list[SetBoolResponse] = []
+
+            async def call() -> None:
+                answers.append(await client.call(SetBoolRequest(data=True)))
+
+            tasks.start_soon(call)
+            request = await peer.receive()
+            assert (request["op"], request["service"], request["args"]) == ("call_service", "mine", {"data": True})
+            values = {"success": True, "message": "by you"}
+            await peer.send("service_response", id=request["id"], service="mine", values=values, result=True)
+        assert answers == [SetBoolResponse(success=True, message="by you")]
+        await peer.send("unadvertise_service", service="mine")
+        await peer.settle()
+        assert house.entities() == set()
+
+
+@pytest.mark.parametrize(
+    ("response", "problem"),
+    [
+        ({"result": False, "values": "no power"}, "no power"),
+        ({"result": True, "values": {"success": 1}}, "field 'success'"),
+        ({"result": True}, "is missing"),
+    ],
+)
+async def test_a_bad_answer_of_a_client_fails_the_call(
+    open_house: Any, response: dict[str, object], problem: str
+) -> None:
+    async with open_house() as house, house.peer() as peer:
+        await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
+        await peer.settle()
+        client = house.node("app").create_client(Trigger, "/mine")
+        async with anyio.create_task_group() as tasks:
+
+            async def answer() -> None:
+                request = await peer.receive()
+                await peer.send("service_response", id=request["id"], service="/mine", **response)
+
+            tasks.start_soon(answer)
+            with pytest.raises(ServiceFailedError, match=problem):
+                await client.call(TriggerRequest())
+
+
+async def test_a_call_to_a_client_that_leaves_fails_at_once(open_house: Any) -> None:
+    async with open_house() as house:
+        client = house.node("app").create_client(Trigger, "/mine")
+        async with house.peer() as peer, anyio.create_task_group() as tasks:
+            await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
+            await peer.settle()
+
+            async def leave() -> None:
+                await peer.receive()
+                await peer.connection.close()
+
+            tasks.start_soon(leave)
+            with anyio.fail_after(2), pytest.raises(ServiceGoneError):
+                await client.call(TriggerRequest(), timeout=60)
+        assert not client.service_is_ready()
+
+
+async def test_ids_of_two_clients_do_not_mix(open_house: Any) -> None:
+    """Roslibpy counts anew on every connection."""
+    async with open_house() as house, house.peer() as first, house.peer() as second:
+        house.node("lamp").create_service(SetBool, "/switch", echo)
+        await first.send("call_service", id="call_service:/switch:1", service="/switch", args={"data": True})
+        await second.send("call_service", id="call_service:/switch:1", service="/switch", args={"data": False})
+        assert (await first.receive())["values"]["success"] is True
+        assert (await second.receive())["values"]["success"] is False
+
+
+async def test_a_second_server_is_refused(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        house.node("lamp").create_service(SetBool, "/switch", echo)
+        await peer.send("set_level", level="error")
+        await peer.send("advertise_service", id="a", service="/switch", type="std_srvs/SetBool")
+        assert "served by /lamp already" in (await peer.receive())["msg"]

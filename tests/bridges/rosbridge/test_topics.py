@@ -1,0 +1,170 @@
+"""Topics through the door, over a real WebSocket."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import anyio
+
+from homebot.bridges.rosbridge import DoorSettings
+from homebot.devices import RawMessage
+from homebot.graph import qos_profile_latched, qos_profile_sensor_data
+from homebot.messages import Int32, String, Time
+
+
+async def test_a_client_reads_what_a_node_publishes(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        publisher = house.node("talker").create_publisher(String, "/chatter")
+        await peer.send("subscribe", topic="/chatter", type="std_msgs/String")
+        await peer.settle()
+        publisher.publish(String(data="hi"))
+        assert await peer.receive() == {"op": "publish", "topic": "/chatter", "msg": {"data": "hi"}}
+
+
+async def test_a_topic_keeps_the_name_that_the_client_uses(open_house: Any) -> None:
+    """Roslib JS says `chatter`, and listens for exactly that."""
+    async with open_house() as house, house.peer() as peer:
+        publisher = house.node("talker").create_publisher(String, "/chatter")
+        await peer.send("subscribe", topic="chatter")
+        await peer.settle()
+        publisher.publish(String(data="hi"))
+        assert (await peer.receive())["topic"] == "chatter"
+
+
+async def test_a_node_reads_what_a_client_publishes(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        subscription = house.node("listener").create_subscription(String, "/chatter")
+        await peer.send("advertise", topic="chatter", type="std_msgs/msg/String")
+        await peer.send("publish", topic="chatter", msg={"data": "hi"})
+        assert await subscription.receive() == String(data="hi")
+
+
+async def test_an_existing_topic_need_not_be_advertised(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        subscription = house.node("listener").create_subscription(String, "/chatter")
+        await peer.send("publish", topic="/chatter", msg={"data": "hi"})
+        assert await subscription.receive() == String(data="hi")
+
+
+async def test_a_latched_message_waits_for_a_late_client(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as early, house.peer() as late:
+        await early.send("advertise", topic="/state", type="std_msgs/String", latch=True)
+        await early.send("publish", topic="/state", msg={"data": "on"}, latch=True)
+        await early.settle()
+        await late.send("subscribe", topic="/state")
+        assert (await late.receive())["msg"] == {"data": "on"}
+
+
+async def test_a_second_request_of_one_client_gets_the_latched_message_too(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        publisher = house.node("talker").create_publisher(String, "/state", qos_profile_latched)
+        publisher.publish(String(data="on"))
+        await peer.send("subscribe", id="a", topic="/state")
+        assert (await peer.receive())["msg"] == {"data": "on"}
+        await peer.send("subscribe", id="b", topic="/state")
+        assert (await peer.receive())["msg"] == {"data": "on"}
+
+
+async def test_two_requests_for_one_topic_give_each_message_once(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        publisher = house.node("talker").create_publisher(Int32, "/n")
+        await peer.send("subscribe", id="a", topic="/n")
+        await peer.send("subscribe", id="b", topic="/n")
+        await peer.settle()
+        publisher.publish(Int32(data=1))
+        publisher.publish(Int32(data=2))
+        assert [(await peer.receive())["msg"]["data"] for _ in range(2)] == [1, 2]
+        await peer.send("unsubscribe", id="a", topic="/n")
+        await peer.settle()
+        publisher.publish(Int32(data=3))
+        assert (await peer.receive())["msg"] == {"data": 3}
+        await peer.send("unsubscribe", id="b", topic="/n")
+        await peer.settle()
+        assert house.entities() == set()
+
+
+async def test_a_best_effort_publisher_reaches_a_client(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        publisher = house.node("sensor").create_publisher(Int32, "/lux", qos_profile_sensor_data)
+        await peer.send("subscribe", topic="/lux")
+        await peer.settle()
+        publisher.publish(Int32(data=7))
+        assert (await peer.receive())["msg"] == {"data": 7}
+
+
+async def test_bytes_are_base64_both_ways(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        node = house.node("gateway")
+        subscription = node.create_subscription(RawMessage, "/raw")
+        await peer.send("subscribe", topic="/raw")
+        fields = {"gateway": "g", "key": "k", "address": "a", "payload": "b24=", "retained": False}
+        await peer.send("publish", topic="/raw", msg=fields | {"received_at": {"secs": 1, "nsecs": 2}})
+        message = await subscription.receive()
+        assert message.payload == b"on"
+        assert message.received_at == Time(sec=1, nanosec=2)
+        assert (await peer.receive())["msg"]["payload"] == "b24="
+
+
+async def test_a_topic_of_a_known_type_may_be_read_before_anybody_publishes(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        await peer.send("subscribe", topic="/later", type="std_msgs/String")
+        await peer.settle()
+        house.node("talker").create_publisher(String, "/later").publish(String(data="now"))
+        assert (await peer.receive())["msg"] == {"data": "now"}
+
+
+async def test_a_topic_without_a_type_is_read_once_it_appears(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        await peer.send("set_level", level="warning")
+        await peer.send("subscribe", id="s", topic="later")
+        remark = await peer.receive()
+        assert (remark["op"], remark["level"], remark["id"]) == ("status", "warning", "s")
+        assert "there is no topic /later yet" in remark["msg"]
+        publisher = house.node("talker").create_publisher(String, "/later")
+        with anyio.fail_after(5):
+            while not publisher.subscription_count:
+                await peer.settle()
+        publisher.publish(String(data="now"))
+        assert await peer.receive() == {"op": "publish", "topic": "later", "msg": {"data": "now"}}
+
+
+async def test_throttled_messages_are_dropped_without_a_queue(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        publisher = house.node("talker").create_publisher(Int32, "/n")
+        await peer.send("subscribe", topic="/n", throttle_rate=50)
+        await peer.settle()
+        for number in range(5):
+            publisher.publish(Int32(data=number))
+        assert (await peer.receive())["msg"] == {"data": 0}
+        await anyio.sleep(0.1)  # the span that throttling is about
+        publisher.publish(Int32(data=9))
+        assert (await peer.receive())["msg"] == {"data": 9}
+
+
+async def test_throttled_messages_wait_in_a_queue_of_the_length_asked_for(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        publisher = house.node("talker").create_publisher(Int32, "/n")
+        await peer.send("subscribe", topic="/n", throttle_rate=20, queue_length=2)
+        await peer.settle()
+        for number in range(5):
+            publisher.publish(Int32(data=number))
+        assert [(await peer.receive())["msg"]["data"] for _ in range(3)] == [0, 3, 4]
+
+
+async def test_a_slow_client_loses_its_oldest_messages_and_holds_up_nobody(open_house: Any) -> None:
+    async with open_house(DoorSettings(port=0, queue_depth=5)) as house, house.peer() as slow, house.peer() as quick:
+        publisher = house.node("camera").create_publisher(String, "/image")
+        for peer in (slow, quick):
+            await peer.send("subscribe", topic="/image")
+            await peer.settle()
+        slow.connection.transport.pause_reading()
+        big = "x" * 500_000
+        with anyio.fail_after(20):
+            for number in range(60):
+                await publisher.send(String(data=f"{number} {big}"))
+                assert (await quick.receive())["msg"]["data"].startswith(f"{number} ")
+        slow.connection.transport.resume_reading()
+        frames = [await slow.receive()]
+        while not frames[-1]["msg"]["data"].startswith("59 "):
+            frames.append(await slow.receive())
+        assert sum(frame.get("lost", 0) for frame in frames) == 60 - len(frames) > 0
