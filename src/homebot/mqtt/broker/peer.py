@@ -45,6 +45,7 @@ from homebot.mqtt.packets import (
 
 __all__ = ["Peer"]
 
+_CONNECT = b"\x10"
 _KEEP_ALIVE_GRACE = 1.5  # MQTT 5.0, section 3.1.2.10
 
 
@@ -62,6 +63,7 @@ class Peer:
         self._link = link
         self._reader = PacketReader(ProtocolVersion.V311, hub.limits.max_connect_size)
         self._client: _Client | None = None
+        self._started = False
         self._closed = False
         self._holding = Holding(hub, link, self._go_on)
         self._heard_at = hub.clock.monotonic()
@@ -74,10 +76,12 @@ class Peer:
 
     def receive(self, data: bytes) -> None:
         """Bytes came from the client."""
-        if self._closed:
+        if self._closed or not data:
             return
         self._heard_at = self._hub.clock.monotonic()
         try:
+            if not self._started:
+                self._check_start(data)
             for packet in self._reader.feed(data):
                 self._handle(packet)
                 if self._closed:
@@ -125,6 +129,12 @@ class Peer:
             if handler is None:
                 raise _protocol_error(f"a client must not send {type(packet).__name__}")
             handler(self, client, packet)
+
+    def _check_start(self, data: bytes) -> None:
+        """Something else than MQTT, such as a browser, is not left waiting for the rest of a packet."""
+        self._started = True
+        if data[:1] != _CONNECT:
+            raise _protocol_error(f"the first byte is 0x{data[0]:02x}, not that of CONNECT")
 
     def _login(self, packet: Packet) -> None:
         if not isinstance(packet, Connect):

@@ -90,7 +90,7 @@ class Session:
         """How little a shared message is welcome: 0 connected, 1 connected but slow, 2 away."""
         if self.outbound is None:
             return 2
-        return 1 if self._queue else 0
+        return int(len(self._in_flight) >= self._window or self.outbound.link.choked)
 
     def deliver(self, parcel: Parcel) -> Delivery:
         """Send a message or keep it for later.
@@ -103,10 +103,10 @@ class Session:
         if not parcel.qos:
             if outbound is None:
                 return Delivery.TAKEN
-            if outbound.link.choked or (queue.holds_qos0 and queue.full):
+            if queue.holds_qos0 and not queue.full:
+                queue.append(parcel)  # not past the retained message it replaces
+            elif outbound.link.choked or queue.holds_qos0:
                 self._counters.dropped_qos0 += 1
-            elif queue.holds_qos0:
-                queue.append(parcel)
             else:
                 outbound.publish(parcel)
             return Delivery.TAKEN

@@ -1,0 +1,209 @@
+"""A broker without sockets: a hub on a clock that is moved by hand, and clients in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import pytest
+
+from homebot.clock import ManualClock
+from homebot.mqtt.broker import BrokerLimits, Hub, Peer, Policy
+from homebot.mqtt.broker.authentication import Authentication
+from homebot.mqtt.packets import (
+    NO_PROPERTIES,
+    Connack,
+    Connect,
+    Disconnect,
+    FilterRequest,
+    Packet,
+    PacketReader,
+    Properties,
+    ProtocolVersion,
+    Puback,
+    Publish,
+    Pubrec,
+    ReasonCode,
+    Suback,
+    Subscribe,
+    Will,
+    encode,
+)
+
+Kind = TypeVar("Kind")
+
+
+class MemoryLink:
+    """Fills the broker's link port with a buffer."""
+
+    def __init__(self) -> None:
+        self.choked = False
+        self.address = "memory"
+        self.written = bytearray()
+        self.reading = True
+        self.closed = False
+        self.lingers = False
+
+    def write(self, data: bytes) -> None:
+        if not self.closed:
+            self.written += data
+
+    def pause_reading(self) -> None:
+        self.reading = False
+
+    def resume_reading(self) -> None:
+        self.reading = True
+
+    def close(self, *, linger: bool) -> None:
+        self.closed = True
+        self.lingers = linger
+
+
+class MemoryClient:
+    """One client on a hub: packets in, packets out."""
+
+    def __init__(self, hub: Hub, version: ProtocolVersion = ProtocolVersion.V5) -> None:
+        self.hub = hub
+        self.link = MemoryLink()
+        self.peer = Peer(hub, self.link)
+        self.version = version
+        self._reader = PacketReader(version)
+
+    def send(self, *packets: Packet) -> None:
+        """Send all in one piece, then let the hub do what is due."""
+        self.send_bytes(b"".join(encode(packet, self.version) for packet in packets))
+
+    def send_bytes(self, data: bytes) -> None:
+        self.peer.receive(data)
+        self.hub.deadlines.run(self.hub.clock.monotonic())
+
+    def take(self) -> list[Packet]:
+        """All packets received since the last call."""
+        data = bytes(self.link.written)
+        self.link.written.clear()
+        return list(self._reader.feed(data))
+
+    def take_only(self, kind: type[Kind]) -> list[Kind]:
+        """The packets of one kind among those received since the last call."""
+        return [packet for packet in self.take() if isinstance(packet, kind)]
+
+    def lose(self) -> None:
+        """Cut the connection."""
+        self.link.closed = True
+        self.peer.lost()
+
+    def leave(self, reason: ReasonCode = ReasonCode.SUCCESS, properties: Properties = NO_PROPERTIES) -> None:
+        """Disconnect as one should."""
+        self.send(Disconnect(reason, properties))
+        self.peer.lost()
+
+    def subscribe(
+        self, *requests: FilterRequest | str, qos: int = 2, identifier: int | None = None
+    ) -> tuple[ReasonCode, ...]:
+        """Subscribe and return the reasons; what else came stays out."""
+        filters = tuple(FilterRequest(each, qos) if isinstance(each, str) else each for each in requests)
+        properties = NO_PROPERTIES
+        if identifier is not None:
+            properties = Properties(subscription_identifiers=(identifier,))
+        written = bytes(self.link.written)
+        self.link.written.clear()
+        self.send(Subscribe(1, filters, properties))
+        suback, *rest = self.take()
+        assert isinstance(suback, Suback)
+        self.link.written += written + b"".join(encode(packet, self.version) for packet in rest)
+        return suback.reasons
+
+    def publish(
+        self, topic: str, payload: bytes = b"x", qos: int = 0, packet_id: int | None = None, **more: object
+    ) -> None:
+        """Publish; QoS 1 and 2 need a packet id."""
+        self.send(Publish(topic, payload, qos, packet_id=packet_id)._replace(**more))  # type: ignore[arg-type] # fields of Publish
+
+    def messages(self) -> list[Publish]:
+        """The messages received since the last call; nothing is acknowledged."""
+        return self.take_only(Publish)
+
+    def acknowledge(self, *messages: Publish) -> None:
+        """Send PUBACK or PUBREC for each."""
+        for message in messages:
+            assert message.packet_id is not None
+            self.send(Puback(message.packet_id) if message.qos == 1 else Pubrec(message.packet_id))
+
+
+NewHub = Callable[..., Hub]
+Join = Callable[..., MemoryClient]
+Stranger = Callable[..., MemoryClient]
+
+
+@pytest.fixture
+def clock() -> ManualClock:
+    return ManualClock(1000.0)
+
+
+@pytest.fixture
+def new_hub(clock: ManualClock) -> NewHub:
+    """Make a hub with other limits, passwords or policies."""
+
+    def make(
+        *,
+        credentials: dict[str, str] | None = None,
+        policy: Policy | None = None,
+        keep_alive: int | None = None,
+        **limits: int,
+    ) -> Hub:
+        return Hub(clock, BrokerLimits(**limits), Authentication(credentials), policy, keep_alive)
+
+    return make
+
+
+@pytest.fixture
+def hub(new_hub: NewHub) -> Hub:
+    return new_hub()
+
+
+@pytest.fixture
+def stranger(hub: Hub) -> Stranger:
+    """A connection that has not sent CONNECT."""
+
+    def make(version: ProtocolVersion = ProtocolVersion.V5, at: Hub | None = None) -> MemoryClient:
+        return MemoryClient(at or hub, version)
+
+    return make
+
+
+@pytest.fixture
+def join(hub: Hub) -> Join:
+    """Log a client in; its ``connack`` is checked and taken."""
+
+    def make(
+        client_id: str = "a",
+        *,
+        version: ProtocolVersion = ProtocolVersion.V5,
+        at: Hub | None = None,
+        clean: bool = True,
+        keep_alive: int = 0,
+        will: Will | None = None,
+        present: bool = False,
+        **properties: object,
+    ) -> MemoryClient:
+        client = MemoryClient(at or hub, version)
+        wanted = Properties(**properties) if properties else NO_PROPERTIES  # type: ignore[arg-type] # names of properties
+        client.send(Connect(client_id, version, clean, keep_alive, will=will, properties=wanted))
+        first, *rest = client.take()
+        assert isinstance(first, Connack)
+        assert (first.reason, first.session_present) == (ReasonCode.SUCCESS, present)
+        client.link.written += b"".join(encode(packet, version) for packet in rest)
+        return client
+
+    return make
+
+
+@pytest.fixture
+def pass_time(clock: ManualClock, hub: Hub) -> Callable[[float], None]:
+    """Move the clock and let the hub do what is due."""
+
+    def move(seconds: float) -> None:
+        clock.advance(seconds)
+        hub.deadlines.run(clock.monotonic())
+
+    return move

@@ -1,0 +1,233 @@
+"""Messages meet subscriptions: retained messages, options, overlaps, shares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from homebot.mqtt.packets import (
+    FilterRequest,
+    Properties,
+    ProtocolVersion,
+    Puback,
+    Publish,
+    ReasonCode,
+    Unsuback,
+    Unsubscribe,
+)
+
+if TYPE_CHECKING:
+    from tests.mqtt.broker.conftest import Join, NewHub
+
+FOREVER = 0xFFFF_FFFF
+QUOTA = ReasonCode.QUOTA_EXCEEDED
+
+
+def test_a_retained_message_reaches_those_who_come_later(join: Join) -> None:
+    client = join()
+    client.publish("a/b", b"old", retain=True)
+    client.publish("a/b", b"new", retain=True)
+    client.subscribe("a/+")
+    assert client.messages() == [Publish("a/b", b"new", retain=True)]
+
+
+def test_an_empty_payload_removes_the_retained_message(join: Join) -> None:
+    client = join()
+    client.publish("a", b"old", retain=True)
+    client.publish("a", b"", retain=True)
+    client.subscribe("a")
+    assert client.messages() == []
+    assert client.hub.stats.retained_messages == client.hub.stats.retained_bytes == 0
+
+
+def test_a_retained_message_comes_without_the_flag_to_those_who_were_there(join: Join) -> None:
+    plain, exact = join("plain"), join("exact")
+    plain.subscribe("t")
+    exact.subscribe(FilterRequest("t", 0, retain_as_published=True))
+    plain.publish("t", b"1", retain=True)
+    plain.publish("t", b"2")
+    assert [message.retain for message in plain.messages()] == [False, False]
+    assert [message.retain for message in exact.messages()] == [True, False]
+
+
+def test_retain_handling_decides_when_retained_messages_are_sent(join: Join) -> None:
+    client = join()
+    client.publish("t", b"x", retain=True)
+    counts = []
+    for handling in (2, 1, 0, 1, 2):
+        client.subscribe(FilterRequest("t", 0, retain_handling=handling))
+        counts.append(len(client.messages()))
+    assert counts == [0, 0, 1, 0, 0]
+    client.send(Unsubscribe(1, ("t",)))
+    client.subscribe(FilterRequest("t", 0, retain_handling=1))
+    assert len(client.messages()) == 1
+
+
+def test_a_retained_message_is_not_kept_beyond_the_bounds(new_hub: NewHub, join: Join) -> None:
+    hub = new_hub(max_retained_messages=2, max_retained_bytes=100)
+    client = join(at=hub)
+    client.publish("a", b"1", 1, packet_id=1, retain=True)
+    client.publish("b", b"2", 1, packet_id=2, retain=True)
+    client.publish("c", b"3", 1, packet_id=3, retain=True)
+    client.publish("b", bytes(99), 1, packet_id=4, retain=True)
+    client.publish("b", bytes(98), 1, packet_id=5, retain=True)
+    reasons = [ack.reason for ack in client.take_only(Puback)]
+    assert reasons == [ReasonCode.NO_MATCHING_SUBSCRIBERS] * 2 + [QUOTA, QUOTA, QUOTA]
+    client.publish("b", bytes(97), 1, packet_id=6, retain=True)
+    assert client.take_only(Puback)[0].reason is ReasonCode.NO_MATCHING_SUBSCRIBERS
+    assert (hub.stats.retained_messages, hub.stats.retained_bytes) == (2, 100)
+    assert hub.stats.retained_refused == 3
+
+
+def test_an_expired_retained_message_is_not_sent_and_makes_room(new_hub: NewHub, join: Join) -> None:
+    hub = new_hub(max_retained_messages=1)
+    client = join(at=hub)
+    client.publish("a", retain=True, properties=Properties(message_expiry_interval=5))
+    hub.clock.advance(5)  # type: ignore[attr-defined] # a ManualClock
+    client.subscribe("#")
+    assert client.messages() == []
+    client.publish("b", retain=True)
+    assert hub.stats.retained_messages == 1
+    assert hub.stats.retained_refused == 0
+
+
+def test_overlapping_subscriptions_get_one_copy_at_the_highest_qos_with_all_identifiers(join: Join) -> None:
+    client = join()
+    client.subscribe("a/#", qos=2, identifier=1)
+    client.subscribe("a/+", qos=1, identifier=300)
+    client.subscribe("#", qos=0)
+    client.publish("a/b", qos=2, packet_id=1)
+    (message,) = client.messages()
+    assert message.qos == 2
+    assert sorted(message.properties.subscription_identifiers) == [1, 300]
+
+
+def test_no_local_keeps_a_client_from_hearing_itself(join: Join) -> None:
+    client, other = join("a"), join("b")
+    client.subscribe(FilterRequest("t", 1, no_local=True))
+    client.publish("t", b"own")
+    other.publish("t", b"other")
+    assert [message.payload for message in client.messages()] == [b"other"]
+    client.subscribe("#", qos=0)
+    client.publish("t", b"own", 1, packet_id=1)
+    assert [(message.payload, message.qos) for message in client.messages()] == [(b"own", 0)]
+
+
+def test_dollar_topics_are_not_matched_by_leading_wildcards(join: Join) -> None:
+    client = join()
+    client.subscribe("#", "+/x", "/#")
+    client.publish("$priv/x")
+    assert client.messages() == []
+    client.subscribe("$priv/+")
+    client.publish("$priv/x")
+    assert len(client.messages()) == 1
+
+
+def test_unsubscribing_says_what_was_not_there(join: Join) -> None:
+    client = join()
+    client.subscribe("a", "b/#")
+    client.send(Unsubscribe(7, ("a", "b/c", "b/#")))
+    none = ReasonCode.NO_SUBSCRIPTION_EXISTED
+    assert client.take() == [Unsuback(7, (ReasonCode.SUCCESS, none, ReasonCode.SUCCESS))]
+    client.publish("a")
+    client.publish("b/c")
+    assert client.messages() == []
+    assert client.hub.stats.subscriptions == 0
+
+
+def test_a_message_with_no_reader_is_acknowledged_as_such(join: Join) -> None:
+    client, older = join("a"), join("b", version=ProtocolVersion.V311)
+    client.publish("t", qos=1, packet_id=1)
+    older.publish("t", qos=1, packet_id=1)
+    assert client.take() == [Puback(1, ReasonCode.NO_MATCHING_SUBSCRIBERS)]
+    assert older.take() == [Puback(1)]
+
+
+def test_a_message_expires_while_it_waits_and_is_sent_with_what_is_left(
+    join: Join, pass_time: Callable[[float], None]
+) -> None:
+    client = join("s", session_expiry_interval=FOREVER)
+    client.subscribe("t")
+    client.lose()
+    other = join("p")
+    for number, seconds in enumerate((1, 6, None)):
+        properties = Properties(message_expiry_interval=seconds)
+        other.publish("t", str(seconds).encode(), 1, number + 1, properties=properties)
+    pass_time(3)
+    client = join("s", clean=False, present=True)
+    left = [(message.payload, message.properties.message_expiry_interval) for message in client.messages()]
+    assert left == [(b"6", 3), (b"None", None)]
+    assert client.hub.stats.dropped_expired == 1
+
+
+def test_everything_a_publisher_adds_reaches_an_mqtt_5_client_and_nothing_of_it_an_older(join: Join) -> None:
+    properties = Properties(
+        payload_format_indicator=1,
+        content_type="text",
+        response_topic="r",
+        correlation_data=b"7",
+        user_properties=(("k", "v"), ("k", "w")),
+    )
+    client, older = join("a"), join("b", version=ProtocolVersion.V311)
+    client.subscribe("t")
+    older.subscribe("t")
+    client.publish("t", properties=properties)
+    assert client.messages() == [Publish("t", b"x", properties=properties)]
+    assert older.messages() == [Publish("t", b"x")]
+
+
+def test_each_message_of_a_shared_subscription_goes_to_one_of_the_group(join: Join) -> None:
+    members = [join(name) for name in "abc"]
+    loner, other_group = join("l"), join("g")
+    for member in members:
+        member.subscribe("$share/group/t/#")
+    loner.subscribe("t/1")
+    other_group.subscribe("$share/other/t/1")
+    for _ in range(6):
+        loner.publish("t/1")
+    assert [len(member.messages()) for member in members] == [2, 2, 2]
+    assert len(loner.messages()) == len(other_group.messages()) == 6
+
+
+def test_a_shared_subscription_prefers_those_who_are_there_and_not_slow(join: Join) -> None:
+    absent = join("absent", session_expiry_interval=FOREVER)
+    slow, quick = join("slow", receive_maximum=1), join("quick")
+    for member in (absent, slow, quick):
+        member.subscribe("$share/g/t")
+    absent.lose()
+    for number in range(6):
+        quick.publish("t", qos=1, packet_id=number + 1)
+    taken = slow.messages(), quick.messages()
+    assert [len(messages) for messages in taken] == [1, 5]
+    slow.acknowledge(*taken[0])
+    quick.acknowledge(*taken[1])
+    quick.lose()
+    slow.lose()
+    join("p").publish("t", qos=1, packet_id=1)
+    assert len(join("absent", clean=False, present=True).messages()) == 1
+
+
+def test_what_a_member_did_not_acknowledge_goes_to_another_when_its_session_ends(join: Join) -> None:
+    first = join("first", receive_maximum=1)
+    first.subscribe("$share/g/t")
+    publisher = join("p")
+    publisher.publish("t", b"in flight", 1, packet_id=1)
+    publisher.publish("t", b"queued", 1, packet_id=2)
+    second = join("second")
+    second.subscribe("$share/g/t")
+    first.lose()
+    assert [message.payload for message in second.messages()] == [b"in flight", b"queued"]
+
+
+def test_a_shared_subscription_gets_no_retained_messages(join: Join) -> None:
+    client = join()
+    client.publish("t", retain=True)
+    client.subscribe("$share/g/t")
+    assert client.messages() == []
+
+
+def test_subscriptions_are_bounded(new_hub: NewHub, join: Join) -> None:
+    hub = new_hub(max_subscriptions=2, max_topic_levels=3)
+    client = join(at=hub)
+    granted, invalid = ReasonCode.GRANTED_QOS_2, ReasonCode.TOPIC_FILTER_INVALID
+    assert client.subscribe("a", "a/b/c/d", "b", "c", "a") == (granted, invalid, granted, QUOTA, granted)

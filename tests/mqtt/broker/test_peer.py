@@ -1,0 +1,268 @@
+"""One connection from CONNECT to its end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import pytest
+
+from homebot.clock import ManualClock
+from homebot.mqtt.broker import Hub
+from homebot.mqtt.broker.policy import RefusedFilters
+from homebot.mqtt.packets import (
+    Auth,
+    Connack,
+    Connect,
+    Disconnect,
+    FilterRequest,
+    Packet,
+    Pingreq,
+    Pingresp,
+    Properties,
+    ProtocolVersion,
+    Puback,
+    Publish,
+    Pubrec,
+    ReasonCode,
+    Suback,
+    Subscribe,
+    Will,
+)
+
+if TYPE_CHECKING:
+    from tests.mqtt.broker.conftest import Join, NewHub, Stranger
+
+V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
+PassTime = Callable[[float], None]
+
+
+class Gatekeeper:
+    """A policy that knows one forbidden word."""
+
+    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002, ARG002 - fills the port
+        return ReasonCode.NOT_AUTHORIZED if "secret" in filter else ReasonCode.SUCCESS
+
+    def publish(self, client_id: str, topic: str) -> ReasonCode:  # noqa: ARG002 - fills the port
+        return ReasonCode.NOT_AUTHORIZED if "secret" in topic else ReasonCode.SUCCESS
+
+
+def test_the_client_is_told_what_the_broker_can_do(new_hub: NewHub, stranger: Stranger) -> None:
+    client = stranger(at=new_hub(receive_maximum=30, max_packet_size=5000, topic_alias_maximum=7))
+    client.send(Connect("a"))
+    (connack,) = client.take()
+    assert connack == Connack(
+        properties=Properties(receive_maximum=30, maximum_packet_size=5000, topic_alias_maximum=7)
+    )
+
+
+def test_an_older_client_is_told_nothing_it_does_not_know(stranger: Stranger) -> None:
+    client = stranger(V31)
+    client.send(Connect("a", V31))
+    assert client.take() == [Connack()]
+
+
+def test_a_client_without_an_id_gets_one(stranger: Stranger) -> None:
+    ids = set()
+    for clean in (True, False):
+        client = stranger()
+        client.send(Connect("", clean_start=clean))
+        (connack,) = client.take_only(Connack)
+        ids.add(connack.properties.assigned_client_identifier)
+        assert connack.properties.assigned_client_identifier == client.peer.client_id
+    assert len(ids) == 2
+
+
+@pytest.mark.parametrize(("version", "clean", "works"), [(V311, True, True), (V311, False, False), (V31, True, False)])
+def test_an_older_client_without_an_id_must_start_clean(
+    stranger: Stranger, version: ProtocolVersion, *, clean: bool, works: bool
+) -> None:
+    client = stranger(version)
+    client.send(Connect("", version, clean))
+    (connack,) = client.take_only(Connack)
+    assert connack.reason is (ReasonCode.SUCCESS if works else ReasonCode.CLIENT_IDENTIFIER_NOT_VALID)
+    assert client.link.closed is not works
+
+
+@pytest.mark.parametrize("version", [V31, V311, V5])
+def test_the_password_is_checked(new_hub: NewHub, stranger: Stranger, version: ProtocolVersion) -> None:
+    hub = new_hub(credentials={"ann": "right", "bob": "other"})
+    reasons = []
+    for username, password in (("ann", b"right"), ("ann", b"other"), ("eve", b"right"), ("ann", None), (None, None)):
+        client = stranger(version, at=hub)
+        client.send(Connect("a", version, username=username, password=password))
+        reasons.append(client.take_only(Connack)[0].reason)
+    bad = ReasonCode.BAD_USER_NAME_OR_PASSWORD
+    assert reasons == [ReasonCode.SUCCESS, bad, bad, bad, ReasonCode.NOT_AUTHORIZED]
+    assert hub.stats.connections_refused == 4
+
+
+def test_one_client_too_many_is_refused_but_a_take_over_is_not(new_hub: NewHub, join: Join, stranger: Stranger) -> None:
+    hub = new_hub(max_connections=1)
+    join("a", at=hub)
+    client = stranger(at=hub)
+    client.send(Connect("b"))
+    assert client.take_only(Connack)[0].reason is ReasonCode.QUOTA_EXCEEDED
+    join("a", at=hub)
+
+
+def test_extended_authentication_is_refused(stranger: Stranger, join: Join) -> None:
+    client = stranger()
+    client.send(Connect("a", properties=Properties(authentication_method="SCRAM")))
+    assert client.take_only(Connack)[0].reason is ReasonCode.BAD_AUTHENTICATION_METHOD
+    client = join()
+    client.send(Auth(ReasonCode.REAUTHENTICATE))
+    assert client.take_only(Disconnect)[0].reason is ReasonCode.BAD_AUTHENTICATION_METHOD
+
+
+@pytest.mark.parametrize(
+    ("text", "answer"),
+    [
+        ("10 0c 00 04 4d 51 54 54 06 02 00 00 00 00", "20 03 00 84 00"),  # MQTT 6
+        ("10 0c 00 04 4d 51 54 54 03 02 00 00 00 00", "20 02 00 01"),
+        ("10 0a 00 02 68 6a 04 02 00 00 00 00", "20 02 00 01"),  # another protocol
+        ("10 0d 00 04 4d 51 54 54 05 03 00 00 00 00 00", "20 03 00 81 00"),  # reserved flag
+        ("10 0c 00 04 4d 51 54 54 04 03 00 00 00 00", ""),
+        ("c0 00", ""),  # not CONNECT
+        ("47 45 54 20 2f 20 48 54 54 50", ""),  # GET / HTTP
+        ("10 ff ff 7f", ""),  # too large for a CONNECT
+    ],
+)
+def test_what_is_no_connect_is_answered_as_far_as_it_can_be_and_closed(
+    stranger: Stranger, text: str, answer: str
+) -> None:
+    client = stranger()
+    client.send_bytes(bytes.fromhex(text))
+    assert client.link.written.hex(" ") == answer
+    assert client.link.closed
+
+
+@pytest.mark.parametrize(
+    ("packet", "reason"),
+    [
+        (Connect("a"), ReasonCode.PROTOCOL_ERROR),
+        (Connack(), ReasonCode.PROTOCOL_ERROR),
+        (Pingresp(), ReasonCode.PROTOCOL_ERROR),
+        (Publish("a", properties=Properties(subscription_identifiers=(1,))), ReasonCode.PROTOCOL_ERROR),
+        (Publish("a/" * 200), ReasonCode.TOPIC_NAME_INVALID),
+    ],
+)
+def test_a_packet_that_must_not_come_ends_the_connection_with_a_reason(
+    join: Join, packet: Packet, reason: ReasonCode
+) -> None:
+    client = join()
+    client.send(packet)
+    (goodbye,) = client.take_only(Disconnect)
+    assert goodbye.reason is reason
+    assert goodbye.properties.reason_string
+    assert client.link.closed
+    assert client.link.lingers
+    assert client.hub.stats.clients == 0
+
+
+def test_an_older_client_is_just_closed(join: Join) -> None:
+    client = join(version=V311)
+    client.send_bytes(b"\x36\x00")
+    assert client.take() == []
+    assert client.link.closed
+
+
+def test_reasons_in_words_are_left_out_on_request_or_for_want_of_room(join: Join) -> None:
+    for wish in ({"request_problem_information": 0}, {"maximum_packet_size": 20}):
+        client = join(**wish)
+        client.send_bytes(b"\xc0\x01\x00")
+        assert client.take() == [Disconnect(ReasonCode.MALFORMED_PACKET)]
+
+
+def test_nothing_is_read_behind_a_disconnect(join: Join) -> None:
+    client = join(will=Will("t"))
+    client.send(Disconnect(), Publish("t", retain=True))
+    assert client.hub.stats.retained_messages == 0
+    assert client.link.closed
+    assert not client.link.lingers
+
+
+def test_ping_is_answered(join: Join) -> None:
+    client = join()
+    client.send(Pingreq(), Pingreq())
+    assert client.take() == [Pingresp(), Pingresp()]
+
+
+def test_a_silent_client_is_closed_after_one_and_a_half_keep_alives(join: Join, pass_time: PassTime) -> None:
+    client = join(keep_alive=10, will=Will("w", b"gone", retain=True))
+    pass_time(14)
+    client.send(Pingreq())
+    client.take()
+    pass_time(14.9)
+    assert not client.link.closed
+    pass_time(0.1)
+    assert client.take_only(Disconnect)[0].reason is ReasonCode.KEEP_ALIVE_TIMEOUT
+    assert client.hub.stats.retained_messages == 1
+
+
+def test_a_client_without_keep_alive_may_be_silent_for_ever(join: Join, pass_time: PassTime) -> None:
+    client = join(keep_alive=0)
+    pass_time(1e6)
+    assert not client.link.closed
+
+
+def test_a_socket_without_connect_is_closed(stranger: Stranger, pass_time: PassTime) -> None:
+    client = stranger()
+    client.send_bytes(b"\x10")
+    pass_time(10)
+    assert client.link.closed
+
+
+@pytest.mark.parametrize(("asked", "told", "limit"), [(120, 60, 90.0), (0, 60, 90.0), (5, None, 7.5)])
+def test_the_broker_may_shorten_the_keep_alive(
+    new_hub: NewHub, stranger: Stranger, clock: ManualClock, asked: int, told: int | None, limit: float
+) -> None:
+    hub = new_hub(keep_alive=60)
+    client = stranger(at=hub)
+    client.send(Connect("a", keep_alive=asked))
+    assert client.take_only(Connack)[0].properties.server_keep_alive == told
+    clock.advance(limit)
+    hub.deadlines.run(clock.monotonic())
+    assert client.link.closed
+
+
+def test_refused_filters_are_answered_with_0x80(new_hub: NewHub, join: Join) -> None:
+    hub = new_hub(policy=RefusedFilters({"test/nosubscribe"}))
+    for version in (V311, V5):
+        client = join(at=hub, version=version)
+        assert client.subscribe("test/nosubscribe", "ok") == (ReasonCode.UNSPECIFIED_ERROR, ReasonCode.GRANTED_QOS_2)
+
+
+def test_a_policy_refuses_publishes_subscriptions_and_wills(new_hub: NewHub, join: Join, stranger: Stranger) -> None:
+    hub = new_hub(policy=Gatekeeper())
+    client, older = join("a", at=hub), join("b", at=hub, version=V311)
+    assert client.subscribe(FilterRequest("secret/#"), "#") == (
+        ReasonCode.NOT_AUTHORIZED,
+        ReasonCode.GRANTED_QOS_2,
+    )
+    for qos in (0, 1, 2):
+        client.publish("secret/x", qos=qos, packet_id=qos or None)
+        older.publish("secret/x", qos=qos, packet_id=qos or None)
+    denied = ReasonCode.NOT_AUTHORIZED
+    assert client.take() == [Puback(1, denied), Pubrec(2, denied)]
+    assert older.take() == [Puback(1), Pubrec(2)]
+    assert hub.stats.dropped_refused == 6
+    client = stranger(at=hub)
+    client.send(Connect("c", will=Will("secret/x")))
+    assert client.take_only(Connack)[0].reason is denied
+
+
+def test_a_suback_comes_before_the_retained_messages(join: Join) -> None:
+    client = join()
+    client.publish("t", retain=True)
+    client.send(Subscribe(5, (FilterRequest("t"),)))
+    assert [type(packet) for packet in client.take()] == [Suback, Publish]
+
+
+def test_lines_that_outsiders_cause_are_limited(
+    hub: Hub, stranger: Stranger, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for _ in range(50):
+        stranger().send_bytes(b"\xff\xff\xff\xff\xff")
+    assert hub.stats.connections_failed == 50
+    assert capsys.readouterr().out.count("broker.connection_failed") <= 1

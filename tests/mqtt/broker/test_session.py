@@ -1,0 +1,210 @@
+"""Delivery to one client: QoS, acknowledgement, redelivery, flow control, bounds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from homebot.mqtt.packets import (
+    Disconnect,
+    ProtocolVersion,
+    Puback,
+    Pubcomp,
+    Publish,
+    Pubrec,
+    Pubrel,
+    ReasonCode,
+)
+
+if TYPE_CHECKING:
+    from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub
+
+V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
+FOREVER = 0xFFFF_FFFF
+
+
+def payloads(client: MemoryClient) -> list[bytes]:
+    return [message.payload for message in client.messages()]
+
+
+@pytest.mark.parametrize("version", [V31, V311, V5])
+@pytest.mark.parametrize("granted", [0, 1, 2])
+@pytest.mark.parametrize("sent", [0, 1, 2])
+def test_a_message_arrives_at_the_lower_of_both_qos(
+    join: Join, version: ProtocolVersion, granted: int, sent: int
+) -> None:
+    subscriber, publisher = join("s", version=version), join("p", version=version)
+    subscriber.subscribe("t", qos=granted)
+    publisher.publish("t", b"hello", sent, packet_id=9 if sent else None)
+    qos = min(granted, sent)
+    assert subscriber.messages() == [Publish("t", b"hello", qos, packet_id=1 if qos else None)]
+
+
+def test_qos_2_takes_four_steps_and_then_is_over(join: Join) -> None:
+    client = join()
+    client.subscribe("t")
+    client.publish("t", qos=2, packet_id=3)
+    assert client.take() == [Publish("t", b"x", 2, packet_id=1), Pubrec(3)]
+    client.send(Pubrel(3), Pubrec(1))
+    assert client.take() == [Pubcomp(3), Pubrel(1)]
+    client.send(Pubcomp(1), Pubrel(3), Pubrec(1))
+    unknown = ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
+    assert client.take() == [Pubcomp(3, unknown), Pubrel(1, unknown)]
+
+
+def test_what_was_not_acknowledged_comes_again_in_order_when_the_client_returns(join: Join) -> None:
+    client = join("s", session_expiry_interval=FOREVER)
+    client.subscribe("t")
+    other = join("p")
+    for number, qos in enumerate((1, 2, 2, 1)):
+        other.publish("t", str(number).encode(), qos, packet_id=number + 1)
+    client.send(Pubrec(3))
+    client.take()
+    client.lose()
+    other.publish("t", b"later", 1, packet_id=9)
+    client = join("s", clean=False, present=True, session_expiry_interval=FOREVER)
+    assert client.take() == [
+        Pubrel(3),
+        Publish("t", b"0", 1, dup=True, packet_id=1),
+        Publish("t", b"1", 2, dup=True, packet_id=2),
+        Publish("t", b"3", 1, dup=True, packet_id=4),
+        Publish("t", b"later", 1, packet_id=5),
+    ]
+
+
+def test_no_more_than_receive_maximum_is_in_flight(join: Join) -> None:
+    client = join("s", receive_maximum=2)
+    client.subscribe("t")
+    other = join("p")
+    for number in range(4):
+        other.publish("t", str(number).encode(), 1, packet_id=number + 1)
+    first = client.messages()
+    assert [message.payload for message in first] == [b"0", b"1"]
+    other.publish("t", b"unbounded", 0)
+    assert payloads(client) == [b"unbounded"]
+    client.acknowledge(first[0])
+    assert payloads(client) == [b"2"]
+    client.send(Puback(2), Puback(3))
+    assert payloads(client) == [b"3"]
+
+
+def test_a_receive_maximum_lowered_on_return_is_kept(join: Join) -> None:
+    client = join("s", session_expiry_interval=FOREVER)
+    client.subscribe("t")
+    other = join("p")
+    for number in range(3):
+        other.publish("t", str(number).encode(), 1, packet_id=number + 1)
+    client.lose()
+    client = join("s", clean=False, present=True, receive_maximum=1)
+    for expected in (b"0", b"1", b"2"):
+        (message,) = client.messages()
+        assert (message.payload, message.dup) == (expected, True)
+        client.acknowledge(message)
+
+
+def test_a_qos_2_message_counts_until_pubcomp(join: Join) -> None:
+    client = join("s", receive_maximum=1)
+    client.subscribe("t")
+    client.publish("t", b"one", 2, packet_id=1)
+    client.publish("t", b"two", 2, packet_id=2)
+    assert payloads(client) == [b"one"]
+    client.send(Pubrec(1))
+    assert payloads(client) == []
+    client.send(Pubcomp(1))
+    assert payloads(client) == [b"two"]
+
+
+def test_a_message_the_client_refuses_is_over(join: Join) -> None:
+    client = join("s", receive_maximum=1)
+    client.subscribe("t")
+    client.publish("t", b"one", 2, packet_id=1)
+    client.publish("t", b"two", 2, packet_id=2)
+    client.send(Pubrec(1, ReasonCode.QUOTA_EXCEEDED))
+    assert payloads(client) == [b"one", b"two"]
+
+
+def test_an_acknowledgement_of_the_wrong_kind_ends_the_connection(join: Join) -> None:
+    for answer, qos in ((Puback(1), 2), (Pubrec(1), 1)):
+        client = join("s")
+        client.subscribe("t")
+        client.publish("t", qos=qos, packet_id=5)
+        client.send(answer)
+        (goodbye,) = client.take_only(Disconnect)
+        assert goodbye.reason is ReasonCode.PROTOCOL_ERROR
+
+
+def test_an_acknowledgement_nobody_waits_for_is_ignored(join: Join) -> None:
+    client = join()
+    client.send(Puback(77), Pubcomp(78))
+    assert client.take() == []
+    assert not client.link.closed
+
+
+def test_the_queue_of_an_absent_client_drops_its_oldest_and_counts(new_hub: NewHub, join: Join) -> None:
+    hub = new_hub(max_queued_messages=3)
+    client = join("s", at=hub, session_expiry_interval=FOREVER)
+    client.subscribe("t")
+    client.lose()
+    other = join("p", at=hub)
+    for number in range(5):
+        other.publish("t", str(number).encode(), 1, packet_id=number + 1)
+    other.publish("t", b"qos 0", 0)
+    assert [each.reason for each in other.take_only(Puback)] == [ReasonCode.SUCCESS] * 5
+    assert hub.stats.queued_messages == 3
+    client = join("s", at=hub, clean=False, present=True)
+    assert payloads(client) == [b"2", b"3", b"4"]
+    assert hub.stats.dropped_offline == 2
+
+
+def test_the_queue_of_an_absent_client_is_bounded_in_bytes(new_hub: NewHub, join: Join) -> None:
+    hub = new_hub(max_queued_bytes=1000)
+    client = join("s", at=hub, session_expiry_interval=FOREVER)
+    client.subscribe("t")
+    client.lose()
+    other = join("p", at=hub)
+    for number in range(4):
+        other.publish("t", str(number).encode() * 600, 1, packet_id=number + 1)
+    client = join("s", at=hub, clean=False, present=True)
+    assert payloads(client) == [b"2" * 600, b"3" * 600]
+
+
+def test_qos_0_for_a_full_socket_is_dropped_and_counted_and_qos_1_waits(join: Join) -> None:
+    client, other = join("s"), join("p")
+    client.subscribe("t")
+    client.link.choked = True
+    other.publish("t", b"lost", 0)
+    other.publish("t", b"kept", 1, packet_id=1)
+    assert client.messages() == []
+    client.link.choked = False
+    client.peer.writable()
+    assert payloads(client) == [b"kept"]
+    assert client.hub.stats.dropped_qos0 == 1
+
+
+def test_retained_messages_wait_for_a_full_socket_even_at_qos_0(join: Join) -> None:
+    client, other = join("s"), join("p")
+    for number in range(3):
+        other.publish(f"t/{number}", b"old", 0, retain=True)
+    client.link.choked = True
+    client.subscribe("t/#")
+    other.publish("t/0", b"new", 0)
+    client.link.choked = False
+    client.peer.writable()
+    assert payloads(client) == [b"old", b"old", b"old", b"new"]
+
+
+def test_a_packet_id_in_use_is_not_given_again(join: Join) -> None:
+    client = join("s")
+    client.subscribe("t")
+    client.publish("t", b"open", 1, packet_id=1)
+    client.take()
+    given = set()
+    for _ in range(65_535):
+        client.peer.receive(b"\x32\x06\x00\x01t\x00\x01\x00")
+        packet_id = bytes(client.link.written[5:7])
+        client.link.written.clear()
+        client.peer.receive(b"\x40\x02" + packet_id)
+        given.add(packet_id)
+    assert len(given) == 65_534
+    assert b"\0\1" not in given

@@ -1,0 +1,60 @@
+"""The tree of filters against the plain rule."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.clock import ManualClock
+from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.retained import RetainedMessages
+from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.stats import Counters
+from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.subscriptions import SubscriptionTree
+from homebot.mqtt.topics import topic_matches
+
+LEVEL = st.sampled_from(["a", "b", "", "$s", "*.x"])
+TOPIC = st.lists(LEVEL, min_size=1, max_size=4).map("/".join).filter(bool)
+FILTER = (
+    st.tuples(st.lists(LEVEL | st.just("+"), max_size=4), st.sampled_from([[], ["#"]]))
+    .map(lambda parts: "/".join(parts[0] + parts[1]))
+    .filter(bool)
+)
+
+
+def new_session() -> Session:
+    return Session("c", ManualClock(), BrokerLimits(), Counters())
+
+
+@given(st.lists(FILTER, max_size=8, unique=True), st.lists(FILTER, max_size=4), TOPIC)
+def test_the_tree_finds_exactly_the_filters_that_match(filters: list[str], removed: list[str], topic: str) -> None:
+    tree = SubscriptionTree()
+    sessions = {name: new_session() for name in filters}
+    for name, session in sessions.items():
+        tree.add(session, Subscription(name, name, 0))
+    for name in set(removed) & set(filters):
+        tree.remove(sessions[name], Subscription(name, name, 0))
+    kept = set(filters) - set(removed)
+    found = {target.session for target in tree.route(topic).targets}
+    assert found == {sessions[name] for name in kept if topic_matches(name, topic)}
+    assert len(tree) == len(kept)
+
+
+def test_an_emptied_tree_keeps_nothing() -> None:
+    tree, session = SubscriptionTree(), new_session()
+    for name in ("a/b/c", "a/+/c", "#"):
+        tree.add(session, Subscription(name, name, 0))
+    for name in ("a/b/c", "a/+/c", "#"):
+        tree.remove(session, Subscription(name, name, 0))
+    assert tree._root.empty
+
+
+@given(st.lists(TOPIC, max_size=8, unique=True), FILTER)
+def test_retained_messages_are_found_by_the_same_rule(topics: list[str], name: str) -> None:
+    retained = RetainedMessages(100, 10_000)
+    for topic in topics:
+        retained.keep(Message(topic, b"x"), 0.0)
+    found = {message.topic for message in retained.matching(name, 0.0)}
+    assert found == {topic for topic in topics if topic_matches(name, topic)}
