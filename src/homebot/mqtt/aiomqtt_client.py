@@ -27,8 +27,8 @@ from typing import Any, Final, Literal, final
 import aiomqtt
 import anyio
 import structlog
+from paho.mqtt import MQTTException
 from paho.mqtt import client as paho
-from paho.mqtt.exception import MQTTException
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 from paho.mqtt.reasoncodes import ReasonCode as PahoReason
@@ -156,7 +156,7 @@ class AiomqttClient:
                 raise
             _log.info(
                 "mqtt.fell_back",
-                message=f"{self._options.url} does not speak MQTT 5; trying 3.1.1",
+                message=f"{self._options.url} does not take MQTT 5; trying 3.1.1",
                 broker=self._options.url,
                 reason=str(error),
             )
@@ -229,8 +229,11 @@ class _Link(aiomqtt.Client):
         self._window = anyio.Semaphore(_IN_FLIGHT)
         self._tick: asyncio.TimerHandle | None = None
         self._dialled: socket.socket | None = None
+        self._write_error: OSError | None = None
         # paho dials in a blocking call; it is given the socket that was dialled without blocking.
         self._client._create_socket = self._take_socket  # type: ignore[method-assign] # the only way in
+        # paho says of a failed write only that it failed, not that the broker's TLS did not like our certificate.
+        self._client._sock_send = self._send_to_socket  # type: ignore[method-assign, assignment] # as above
         # Not 0, so that a restarted process does not meet the open identifiers of its predecessor.
         self._client._last_mid = secrets.randbelow(65_535)
         # paho makes costly objects for each call of it, and we read the answers ourselves.
@@ -240,7 +243,7 @@ class _Link(aiomqtt.Client):
         """Say CONNECT on *sock*, which from now on belongs to the link, and wait for the answer."""
         self._dialled = sock
         self._packets = FrameReader(self._options.maximum_packet_size)
-        self._granted = self._lost = None
+        self._granted = self._lost = self._write_error = None
         self._gone = anyio.Event()
         self._greeting = self._loop.create_future()
         try:
@@ -379,6 +382,15 @@ class _Link(aiomqtt.Client):
             raise ConnectionError("no socket was dialled")
         return sock
 
+    def _send_to_socket(self, data: bytes | bytearray) -> int:
+        try:
+            return type(self._client)._sock_send(self._client, data)
+        except BlockingIOError:
+            raise
+        except OSError as error:
+            self._write_error = error
+            raise
+
     def _on_socket_open(self, client: paho.Client, userdata: Any, sock: Any) -> None:
         self._loop.add_reader(sock.fileno(), self._read_ready)
         self._tick = self._loop.call_later(1, self._keep_alive)
@@ -513,6 +525,8 @@ class _Link(aiomqtt.Client):
     ) -> None:
         if flags.is_disconnect_packet_from_server:
             self._lose(farewell_error(self._options.url, reason_code.value))
+        elif self._write_error is not None:
+            self._lose(socket_error(self._options.url, self._write_error))
         else:
             self._lose(self._trouble(reason_words(reason_code.value) if reason_code.is_failure else "closed"))
 

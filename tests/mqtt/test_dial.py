@@ -1,0 +1,178 @@
+"""TLS with CA file and client certificate, and what can be wrong with them."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import socket
+import ssl
+import subprocess
+from pathlib import Path
+
+import anyio
+import pytest
+
+from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.broker import Broker
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.dial import dial, make_tls_context
+from homebot.mqtt.options import MqttOptions
+
+needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not installed")
+
+
+@pytest.fixture(scope="session")
+def certificates(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with an authority, and a server and a client certificate that it signed."""
+    folder = tmp_path_factory.mktemp("certificates")
+    curve = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
+
+    def openssl(*arguments: str) -> None:
+        subprocess.run(["openssl", *arguments], cwd=folder, check=True, capture_output=True)
+
+    openssl("req", "-x509", *curve, "-keyout", "ca.key", "-out", "ca.pem", "-subj", "/CN=test", "-days", "2")
+    (folder / "names").write_text("subjectAltName=IP:127.0.0.1")
+    for who in ("server", "client"):
+        openssl("req", *curve, "-keyout", f"{who}.key", "-out", f"{who}.csr", "-subj", f"/CN={who}")
+        openssl(
+            *("x509", "-req", "-in", f"{who}.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial"),
+            *("-extfile", "names", "-days", "2", "-out", f"{who}.pem"),
+        )
+    return folder
+
+
+def server_context(certificates: Path, *, wants_client: bool = False) -> ssl.SSLContext:
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    context.load_cert_chain(certificates / "server.pem", certificates / "server.key")
+    if wants_client:
+        context.load_verify_locations(certificates / "ca.pem")
+        context.verify_mode = ssl.CERT_REQUIRED
+    return context
+
+
+@needs_openssl
+async def test_messages_go_over_tls(certificates: Path) -> None:
+    async with Broker(tls=server_context(certificates)) as broker:
+        client = AiomqttClient(
+            MqttOptions.from_url(f"mqtts://127.0.0.1:{broker.port}", ca_file=certificates / "ca.pem")
+        )
+        async with client.connected():
+            await client.subscribe(Subscription("t"))
+            await client.publish("t", bytes(100_000), qos=1)
+            assert [len(message.payload) for message in await client.receive()] == [100_000]
+
+
+@needs_openssl
+async def test_a_client_certificate_opens_the_door(certificates: Path) -> None:
+    async with Broker(tls=server_context(certificates, wants_client=True)) as broker:
+        options = MqttOptions.from_url(
+            f"mqtts://127.0.0.1:{broker.port}",
+            ca_file=certificates / "ca.pem",
+            cert_file=certificates / "client.pem",
+            key_file=certificates / "client.key",
+        )
+        async with AiomqttClient(options).connected() as session:
+            assert session.protocol == "5"
+
+
+def shake_hands(listener: socket.socket, context: ssl.SSLContext) -> None:
+    """Meet one client; what went wrong is for the client to tell."""
+    raw, _ = listener.accept()
+    raw.settimeout(5)
+    with raw.dup() as kept:  # a socket closed with unread bytes would take the alert back
+        with raw, contextlib.suppress(ssl.SSLError), context.wrap_socket(raw, server_side=True):
+            pytest.fail("the hand-shake went well")
+        with contextlib.suppress(ConnectionError):
+            while kept.recv(1000):
+                pass
+
+
+@needs_openssl
+async def test_without_a_client_certificate_a_strict_broker_refuses(certificates: Path) -> None:
+    """TLS 1.3 tells it only after the hand-shake, in the place of the answer to CONNECT."""
+    context = server_context(certificates, wants_client=True)
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        options = MqttOptions.from_url(
+            f"mqtts://127.0.0.1:{listener.getsockname()[1]}", ca_file=certificates / "ca.pem"
+        )
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(anyio.to_thread.run_sync, shake_hands, listener, context)
+            with pytest.raises(RefusedError, match=r"TLS with mqtts://.* was refused: .*certificate required"):
+                async with AiomqttClient(options).connected():
+                    pass
+
+
+@needs_openssl
+async def test_a_broker_whose_certificate_is_not_trusted_is_refused(certificates: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        options = MqttOptions.from_url(f"mqtts://127.0.0.1:{listener.getsockname()[1]}")
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(anyio.to_thread.run_sync, shake_hands, listener, server_context(certificates))
+            with pytest.raises(RefusedError, match=r"certificate of mqtts://127\.0\.0\.1:\d+ was refused"):
+                async with AiomqttClient(options).connected():
+                    pass
+
+
+@needs_openssl
+async def test_tls_to_a_port_without_tls_is_refused(certificates: Path) -> None:
+    async with Broker() as broker:
+        options = MqttOptions.from_url(f"mqtts://127.0.0.1:{broker.port}", ca_file=certificates / "ca.pem")
+        with pytest.raises((RefusedError, LinkError)):
+            async with AiomqttClient(options).connected():
+                pass
+
+
+@pytest.mark.parametrize("content", [None, "no certificate"])
+async def test_a_ca_file_that_cannot_be_used_is_named(tmp_path: Path, content: str | None) -> None:
+    path = tmp_path / "ca.pem"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(UsageError, match=r"CA file .*ca\.pem"):
+        await make_tls_context(MqttOptions.from_url("mqtts://broker", ca_file=path))
+
+
+async def test_a_client_certificate_that_cannot_be_used_is_named(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"client certificate .*me\.pem with key .*me\.key"):
+        await make_tls_context(
+            MqttOptions.from_url("mqtts://broker", cert_file=tmp_path / "me.pem", key_file=tmp_path / "me.key")
+        )
+
+
+async def test_a_dialled_socket_sends_small_packets_at_once() -> None:
+    """With Nagle's algorithm an acknowledged publish may take 44 ms."""
+    async with Broker() as broker:
+        with await dial(MqttOptions(host="127.0.0.1", port=broker.port), None) as sock:
+            assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) != 0
+            assert not sock.getblocking()
+
+
+async def test_an_unknown_host_is_a_link_error() -> None:
+    with pytest.raises(LinkError, match=r"mqtt://no-such-host\.invalid:1883"):
+        await dial(MqttOptions(host="no-such-host.invalid"), None)
+
+
+@needs_openssl
+async def test_a_peer_that_never_shakes_hands_is_a_link_error_and_its_socket_is_closed(certificates: Path) -> None:
+    closed = anyio.Event()
+
+    async def silent(stream: anyio.abc.SocketStream) -> None:
+        async with stream:
+            with pytest.raises((anyio.EndOfStream, anyio.BrokenResourceError)):
+                await drain(stream)
+        closed.set()
+
+    listener = await anyio.create_tcp_listener(local_host="127.0.0.1")
+    async with listener, anyio.create_task_group() as tasks:
+        tasks.start_soon(listener.serve, silent)
+        port = listener.extra(anyio.abc.SocketAttribute.local_port)  # noqa: S610 - no database
+        options = MqttOptions(host="127.0.0.1", port=port, tls=True, timeout=0.05, ca_file=certificates / "ca.pem")
+        with pytest.raises(LinkError, match=r"no answer within 0\.05 s"):
+            await dial(options, await make_tls_context(options))
+        await closed.wait()
+        tasks.cancel_scope.cancel()
+
+
+async def drain(stream: anyio.abc.SocketStream) -> None:
+    while True:
+        await stream.receive()
