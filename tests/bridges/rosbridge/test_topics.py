@@ -128,29 +128,6 @@ async def test_a_topic_without_a_type_is_read_once_it_appears(open_house: Any) -
         assert await peer.receive() == {"op": "publish", "topic": "later", "msg": {"data": "now"}}
 
 
-async def test_throttled_messages_are_dropped_without_a_queue(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        publisher = house.node("talker").create_publisher(Int32, "/n")
-        await peer.send("subscribe", topic="/n", throttle_rate=50)
-        await peer.settle()
-        for number in range(5):
-            publisher.publish(Int32(data=number))
-        assert (await peer.receive())["msg"] == {"data": 0}
-        await anyio.sleep(0.1)  # the span that throttling is about
-        publisher.publish(Int32(data=9))
-        assert (await peer.receive())["msg"] == {"data": 9}
-
-
-async def test_throttled_messages_wait_in_a_queue_of_the_length_asked_for(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        publisher = house.node("talker").create_publisher(Int32, "/n")
-        await peer.send("subscribe", topic="/n", throttle_rate=20, queue_length=2)
-        await peer.settle()
-        for number in range(5):
-            publisher.publish(Int32(data=number))
-        assert [(await peer.receive())["msg"]["data"] for _ in range(3)] == [0, 3, 4]
-
-
 async def test_a_slow_client_loses_its_oldest_messages_and_holds_up_nobody(open_house: Any) -> None:
     async with open_house(DoorSettings(port=0, queue_depth=5)) as house, house.peer() as slow, house.peer() as quick:
         publisher = house.node("camera").create_publisher(String, "/image")

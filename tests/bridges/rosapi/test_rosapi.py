@@ -1,0 +1,223 @@
+"""What /rosapi answers, as clients on the graph and through the door see it."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from homebot.bridges.rosapi import RosApi
+from homebot.devices import FIND_DEVICES, Device, FindDevices
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
+from homebot.errors import ServiceFailedError
+from homebot.graph import Graph, Node, ParameterDescriptor
+from homebot.messages import Int32, String, Trigger
+from homebot.messages.json import message_from_json, message_to_json
+from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
+
+
+class Asker:
+    """Calls services of a graph by their names, as the door does."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        self.node = Node(graph, "asker")
+
+    async def __call__(self, question: str, /, **fields: Any) -> dict[str, Any]:
+        service_type = self.graph.get_service_type(f"/rosapi/{question}")
+        assert service_type is not None
+        client = self.node.create_client(service_type, f"/rosapi/{question}")
+        try:
+            return message_to_json(await client.call(message_from_json(service_type.Request, fields)))
+        finally:
+            client.close()
+
+
+@pytest.fixture
+async def ask() -> Asker:
+    graph = Graph()
+    RosApi(Node(graph, "rosapi"))
+    talker = Node(graph, "talker", parameters={"rate": 3.0})
+    talker.create_publisher(String, "/chatter")
+    talker.create_publisher(Int32, "/_hidden")
+    talker.declare_parameter("rate", 1.0, ParameterDescriptor(minimum=0))
+    talker.declare_parameter("names", ["a", "b"])
+    talker.declare_parameter("key", b"\x01\x02")
+    listener = Node(graph, "listener")
+    listener.create_subscription(String, "/chatter")
+
+    def reset(_request: TriggerRequest) -> SuccessResponse:
+        return SuccessResponse(success=True, message="")
+
+    listener.create_service(Trigger, "/reset", reset)
+    Node(graph, "_secret")
+    return Asker(graph)
+
+
+async def test_topics_come_with_their_types_and_without_hidden_ones(ask: Asker) -> None:
+    assert await ask("topics") == {
+        "topics": ["/chatter", "/parameter_events"],
+        "types": ["std_msgs/msg/String", "rcl_interfaces/msg/ParameterEvent"],
+    }
+
+
+async def test_a_topic_is_found_by_its_type_however_it_is_spelled(ask: Asker) -> None:
+    for spelling in ("std_msgs/String", "std_msgs/msg/String"):
+        assert await ask("topics_for_type", type=spelling) == {"topics": ["/chatter"]}
+    assert await ask("topics_for_type", type="std_msgs/Bool") == {"topics": []}
+
+
+async def test_the_type_of_a_topic(ask: Asker) -> None:
+    assert await ask("topic_type", topic="chatter") == {"type": "std_msgs/msg/String"}
+    assert await ask("topic_type", topic="/nothing") == {"type": ""}
+
+
+async def test_raw_types_are_the_texts_of_the_types(ask: Asker) -> None:
+    answer = await ask("topics_and_raw_types")
+    assert answer["typedefs_full_text"][0] == "string data\n"
+    assert "MSG: rcl_interfaces/ParameterValue" in answer["typedefs_full_text"][1]
+
+
+async def test_services_and_their_types(ask: Asker) -> None:
+    assert "/reset" in (await ask("services"))["services"]
+    assert await ask("service_type", service="/reset") == {"type": "std_srvs/srv/Trigger"}
+    assert await ask("service_type", service="/nothing") == {"type": ""}
+    assert await ask("services_for_type", type="std_srvs/Trigger") == {"services": ["/reset"]}
+    assert await ask("service_node", service="/reset") == {"node": "/listener"}
+    assert await ask("service_node", service="/nothing") == {"node": ""}
+    assert await ask("service_providers", service="std_srvs/srv/Trigger") == {"providers": ["/listener"]}
+
+
+async def test_who_uses_a_topic(ask: Asker) -> None:
+    assert await ask("publishers", topic="/chatter") == {"publishers": ["/talker"]}
+    assert await ask("subscribers", topic="/chatter") == {"subscribers": ["/listener"]}
+
+
+async def test_nodes_and_what_they_do(ask: Asker) -> None:
+    assert await ask("nodes") == {"nodes": ["/asker", "/listener", "/rosapi", "/talker"]}
+    assert await ask("node_details", node="/listener") == {
+        "subscribing": ["/chatter"],
+        "publishing": ["/parameter_events"],
+        "services": ["/reset"],
+    }
+    assert await ask("node_details", node="/nobody") == {"subscribing": [], "publishing": [], "services": []}
+
+
+async def test_message_details_describe_nested_types_too(ask: Asker) -> None:
+    typedefs = (await ask("message_details", type="homebot/Device"))["typedefs"]
+    assert [one["type"] for one in typedefs] == [
+        "homebot/Device",
+        "homebot/Endpoint",
+        "diagnostic_msgs/KeyValue",
+        "builtin_interfaces/Time",
+    ]
+    device = typedefs[0]
+    assert device["fieldnames"] == list(Device.model_fields)
+    assert device["fieldtypes"][3] == "homebot/Endpoint"
+    assert device["fieldarraylen"][:4] == [-1, -1, -1, 0]
+    assert len(device["examples"]) == len(device["fieldnames"])
+    assert (device["constnames"], device["constvalues"]) == ([], [])
+
+
+async def test_bytes_are_an_array_of_uint8(ask: Asker) -> None:
+    typedef = (await ask("message_details", type="homebot/msg/RawMessage"))["typedefs"][0]
+    payload = typedef["fieldnames"].index("payload")
+    assert (typedef["fieldtypes"][payload], typedef["fieldarraylen"][payload]) == ("uint8", 0)
+
+
+async def test_service_details_describe_request_and_response(ask: Asker) -> None:
+    def find(_request: FindDevicesRequest) -> FindDevicesResponse:
+        return FindDevicesResponse(devices=(), sequence=0)
+
+    ask.node.create_service(FindDevices, FIND_DEVICES, find)
+    request = (await ask("service_request_details", type="homebot/FindDevices"))["typedefs"]
+    assert request[0]["fieldnames"] == ["service_type"]
+    response = (await ask("service_response_details", type="homebot/srv/FindDevices"))["typedefs"]
+    assert "homebot/Device" in [one["type"] for one in response]
+
+
+async def test_an_unknown_type_is_an_error_that_names_similar_ones(ask: Asker) -> None:
+    problem = "message type 'std_msgs/Strin' is not known here; similar: std_msgs/msg/String"
+    with pytest.raises(ServiceFailedError, match=problem):
+        await ask("message_details", type="std_msgs/Strin")
+
+
+async def test_time_is_spelled_both_ways(ask: Asker) -> None:
+    time = (await ask("get_time"))["time"]
+    assert time["sec"] == time["secs"] > 1_700_000_000
+    assert time["nanosec"] == time["nsecs"]
+
+
+async def test_it_behaves_like_ros_2_without_actions(ask: Asker) -> None:
+    assert (await ask("get_ros_version"))["version"] == 2
+    assert await ask("action_servers") == {"action_servers": []}
+
+
+async def test_parameters_are_read_as_json(ask: Asker) -> None:
+    assert (await ask("get_param_names"))["names"] == ["/talker:key", "/talker:names", "/talker:rate"]
+    values = {name: (await ask("get_param", name=f"/talker:{name}"))["value"] for name in ("rate", "names", "key")}
+    assert {name: json.loads(value) for name, value in values.items()} == {
+        "rate": 3.0,
+        "names": ["a", "b"],
+        "key": [1, 2],
+    }
+    assert await ask("has_param", name="/talker:rate") == {"exists": True}
+    assert await ask("has_param", name="/talker:nothing") == {"exists": False}
+    assert await ask("has_param", name="nonsense") == {"exists": False}
+
+
+async def test_parameters_are_set_from_json(ask: Asker) -> None:
+    assert await ask("set_param", name="/talker:rate", value="7") == {"successful": True, "reason": ""}
+    assert await ask("set_param", name="/talker:key", value="[3]") == {"successful": True, "reason": ""}
+    talker = ask.graph.get_node("/talker")
+    assert talker is not None
+    assert talker.get_parameter("rate").value == 7.0
+    assert talker.get_parameter("key").value == b"\x03"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "problem"),
+    [
+        ("/talker:rate", "-1", "goes from 0"),
+        ("/talker:rate", '"fast"', "is a double"),
+        ("/talker:rate", "{", "Expecting property name"),
+        ("/talker:rate", "null", "cannot be a parameter's value"),
+        ("/talker:key", "[300]", "range"),
+        ("/talker:nothing", "1", "no parameter 'nothing' is declared"),
+        ("/nobody:rate", "1", "there is no node '/nobody'"),
+        ("rate", "1", "a parameter is named /node:parameter, got 'rate'"),
+    ],
+)
+async def test_a_parameter_that_cannot_be_set_says_why(ask: Asker, name: str, value: str, problem: str) -> None:
+    answer = await ask("set_param", name=name, value=value)
+    assert not answer["successful"]
+    assert problem in answer["reason"]
+
+
+async def test_an_absent_parameter_is_null_or_the_default(ask: Asker) -> None:
+    answer = await ask("get_param", name="/talker:nothing")
+    assert (answer["value"], answer["successful"]) == ("null", False)
+    assert (await ask("get_param", name="/talker:nothing", default_value="5"))["value"] == "5"
+
+
+async def test_a_parameter_cannot_be_deleted(ask: Asker) -> None:
+    answer = await ask("delete_param", name="/talker:rate")
+    assert not answer["successful"]
+    assert "stays as long as the node" in answer["reason"]
+    assert "there is no node" in (await ask("delete_param", name="/nobody:x"))["reason"]
+
+
+async def test_endpoints_tell_everything_hidden_ones_too(ask: Asker) -> None:
+    found = (await ask("endpoints", name="/chatter"))["endpoints"]
+    assert [(one["kind"], one["node"]) for one in found] == [("publisher", "/talker"), ("subscription", "/listener")]
+    assert (found[0]["reliability"], found[0]["durability"], found[0]["depth"]) == ("reliable", "volatile", 10)
+    assert [one["name"] for one in (await ask("endpoints", kind="node"))["endpoints"]] == [
+        "/_secret",
+        "/asker",
+        "/listener",
+        "/rosapi",
+        "/talker",
+    ]
+    with pytest.raises(ServiceFailedError, match=r"field 'kind' is one of client, node, .*got 'nodes'"):
+        await ask("endpoints", kind="nodes")

@@ -1,0 +1,123 @@
+"""A homebot to talk to: a graph with a door, on an event loop of its own in a thread."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import anyio
+import pytest
+from pydantic import SecretStr
+
+from homebot.bridges.rosapi import RosApi
+from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.devices import FIND_DEVICES, Device, Endpoint, FindDevices, KeyValue, RawMessage
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
+from homebot.graph import Graph, Node, Publisher, qos_profile_latched
+from homebot.messages import Int32, SetBool, String, Time
+from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
+
+TOKEN = "hunter2"
+
+
+@dataclass
+class Homebot:
+    """What runs in the thread; only :meth:`do` may touch the graph."""
+
+    loop: asyncio.AbstractEventLoop
+    graph: Graph
+    port: int
+    heard: list[str]
+    chatter: Publisher[String]
+
+    @property
+    def door(self) -> str:
+        return f"127.0.0.1:{self.port}"
+
+    def do(self, function: Callable[[], None]) -> None:
+        """Call *function* in the thread and wait for it."""
+
+        async def call() -> None:
+            function()
+
+        asyncio.run_coroutine_threadsafe(call(), self.loop).result(5)
+
+
+@pytest.fixture
+def homebot() -> Iterator[Homebot]:
+    yield from _running(None)
+
+
+@pytest.fixture
+def locked_homebot() -> Iterator[Homebot]:
+    """Its door wants a token."""
+    yield from _running(SecretStr(TOKEN))
+
+
+def _running(token: SecretStr | None) -> Iterator[Homebot]:
+    ready = threading.Event()
+    made: list[Homebot] = []
+    stop: list[anyio.Event] = []
+
+    async def run() -> None:
+        graph = Graph()
+        heard: list[str] = []
+        RosApi(Node(graph, "rosapi"))
+        door = Door(Node(graph, "rosbridge_websocket"), DoorSettings(port=0, token=token))
+        async with _talker(graph) as talker, Node(graph, "listener") as listener, anyio.create_task_group() as tasks:
+            chatter = talker.create_publisher(String, "/chatter")
+            listener.create_subscription(String, "/hello", lambda message: heard.append(message.data))
+            await tasks.start(door.run)
+            stop.append(anyio.Event())
+            made.append(Homebot(asyncio.get_running_loop(), graph, door.port, heard, chatter))
+            ready.set()
+            await stop[0].wait()
+            tasks.cancel_scope.cancel()
+
+    thread = threading.Thread(target=anyio.run, args=(run,))
+    thread.start()
+    assert ready.wait(10)
+    yield made[0]
+    made[0].loop.call_soon_threadsafe(stop[0].set)
+    thread.join(10)
+    assert not thread.is_alive()
+
+
+def _talker(graph: Graph) -> Node:
+    node = Node(graph, "talker")
+    state = node.create_publisher(String, "/state", qos_profile_latched)
+    state.publish(String(data="it's on: 5 lamps"))
+    raw = node.create_publisher(RawMessage, "/raw", qos_profile_latched)
+    stamp = Time(sec=1_700_000_000, nanosec=250_000_000)
+    raw.publish(RawMessage(gateway="mqtt", key="k", address="a/b", payload=b"on", retained=False, received_at=stamp))
+    ticks = node.create_publisher(Int32, "/ticks")
+    node.create_publisher(Int32, "/_hidden")
+    node.create_timer(0.02, lambda: ticks.publish(Int32(data=1)))
+
+    def switch(request: SetBoolRequest) -> SetBoolResponse:
+        return SetBoolResponse(success=request.data, message="done")
+
+    def find(request: FindDevicesRequest) -> FindDevicesResponse:
+        found = [one for one in (_lamp(stamp),) if request.service_type in {"", one.service_type}]
+        return FindDevicesResponse(devices=tuple(found), sequence=1)
+
+    node.create_service(SetBool, "/switch", switch)
+    node.create_service(FindDevices, FIND_DEVICES, find)
+    return node
+
+
+def _lamp(stamp: Time) -> Device:
+    endpoint = Endpoint(gateway="mqtt", key="k", address="home/lights/lamp/out", command_address="home/lights/lamp/in")
+    return Device(
+        id="lights/lamp",
+        name="Lamp\x1b[31m",
+        service_type="lights",
+        endpoints=(endpoint,),
+        metadata=(KeyValue(key="room", value="kitchen"),),
+        first_seen=stamp,
+        last_seen=stamp,
+        expires=Time(sec=1_700_003_600, nanosec=0),
+        freshness="fresh",
+    )

@@ -1,0 +1,281 @@
+"""The commands, in this process, against a running homebot."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from homebot.cli import main
+from homebot.graph import qos_profile_latched
+from homebot.messages import String
+
+Text = pytest.CaptureFixture[str]
+
+
+def run(homebot: Any, *arguments: str) -> int:
+    return main(["--door", homebot.door, *arguments])
+
+
+def test_topics_are_listed_with_types_and_hidden_ones_on_request(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "topic", "list") == 0
+    assert capsys.readouterr().out.split() == ["/chatter", "/hello", "/parameter_events", "/raw", "/state", "/ticks"]
+    assert run(homebot, "topic", "list", "-t", "-a") == 0
+    out = capsys.readouterr().out
+    assert "/_hidden [std_msgs/msg/Int32]\n" in out
+    assert "/chatter [std_msgs/msg/String]\n" in out
+
+
+def test_echo_prints_yaml(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "topic", "echo", "--once", "/state") == 0
+    assert capsys.readouterr().out == 'data: "it\'s on: 5 lamps"\n---\n'
+
+
+def test_echo_shows_bytes_as_text(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "topic", "echo", "raw", "--once") == 0
+    assert capsys.readouterr().out == (
+        'gateway: mqtt\nkey: k\naddress: a/b\npayload: "on"\nretained: false\n'
+        "received_at:\n  sec: 1700000000\n  nanosec: 250000000\n---\n"
+    )
+
+
+def test_echo_prints_one_field_or_json(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "topic", "echo", "--once", "--field", "received_at.sec", "/raw") == 0
+    assert capsys.readouterr().out == "1700000000\n---\n"
+    assert run(homebot, "topic", "echo", "--once", "--json", "/raw") == 0
+    assert json.loads(capsys.readouterr().out)["payload"] == "b24="
+
+
+def test_echo_of_an_unknown_field_names_the_known_ones(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "topic", "echo", "--once", "--field", "received_at.secs", "/raw") == 1
+    assert capsys.readouterr().err == (
+        "homebot: the message has no field 'received_at.secs': 'secs' is not there; it has sec, nanosec\n"
+    )
+
+
+def test_echo_gives_up_after_the_timeout(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "topic", "echo", "--timeout", "0.05", "/chatter") == 1
+    assert capsys.readouterr().err == "homebot: no message on /chatter within 0.05 s\n"
+
+
+@pytest.mark.parametrize("arguments", [["std_msgs/String", "{data: hi there}"], ['{"data": "hi there"}']])
+def test_pub_publishes_with_and_without_a_type(homebot: Any, capsys: Text, arguments: list[str]) -> None:
+    assert run(homebot, "topic", "pub", "-r", "100", "-t", "2", "/hello", *arguments) == 0
+    assert homebot.heard == ["hi there", "hi there"]
+    assert capsys.readouterr().out.splitlines()[1] == 'publishing #2 on /hello: {"data": "hi there"}'
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (["/hello", "{data: 5}"], "homebot: to publish was refused: not a std_msgs/msg/String: field 'data': "),
+        (["/hello", "std_msgs/Int32", "{data: 5}"], "homebot: to advertise was refused: topic /hello carries "),
+        (["/helo", "{data: hi}"], "homebot: there is no topic /helo; did you mean /hello?"),
+        (
+            ["/new", "std_msgs/Strng", "{data: hi}"],
+            "message type 'std_msgs/Strng' is not known here; similar: ",
+        ),
+        (["/a b", "std_msgs/String", "{data: hi}"], "has a character that names may not hold"),
+    ],
+)
+def test_pub_that_is_refused_says_why(homebot: Any, capsys: Text, arguments: list[str], problem: str) -> None:
+    assert run(homebot, "topic", "pub", "--once", *arguments) == 1
+    assert problem in capsys.readouterr().err
+    assert homebot.heard == []
+
+
+def test_info_tells_who_uses_a_topic(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "topic", "info", "hello") == 0
+    assert capsys.readouterr().out == "Type: std_msgs/msg/String\nPublisher count: 0\nSubscription count: 1\n"
+    assert run(homebot, "topic", "info", "-v", "/state") == 0
+    out = capsys.readouterr().out
+    assert "Node: /talker\nTopic type: std_msgs/msg/String\nEndpoint type: PUBLISHER\n" in out
+    assert "  History (Depth): KEEP_LAST (1)\n  Durability: TRANSIENT_LOCAL\n" in out
+    assert run(homebot, "topic", "info", "/nothing") == 1
+
+
+def test_services_are_listed_and_called(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "service", "list", "-t") == 0
+    assert "/switch [std_srvs/srv/SetBool]\n" in capsys.readouterr().out
+    assert run(homebot, "service", "call", "/switch", "{data: true}") == 0
+    assert capsys.readouterr().out == "success: true\nmessage: done\n"
+    assert run(homebot, "service", "call", "--json", "switch", "std_srvs/SetBool", '{"data": false}') == 0
+    assert json.loads(capsys.readouterr().out) == {"success": False, "message": "done"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (["/swich"], "homebot: there is no service /swich; did you mean /switch?\n"),
+        (["/switch"], "homebot: service /switch failed: not a std_srvs/srv/SetBool_Request: field 'data' is missing\n"),
+        (
+            ["/switch", "std_srvs/Trigger"],
+            "homebot: service /switch is a std_srvs/srv/SetBool, not a std_srvs/Trigger\n",
+        ),
+    ],
+)
+def test_a_call_that_fails_says_why(homebot: Any, capsys: Text, arguments: list[str], problem: str) -> None:
+    assert run(homebot, "service", "call", *arguments) == 1
+    assert capsys.readouterr().err == problem
+
+
+def test_nodes_are_listed_and_told_about(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "node", "list") == 0
+    assert capsys.readouterr().out.split() == ["/listener", "/rosapi", "/rosbridge_websocket", "/talker"]
+    assert run(homebot, "node", "info", "listener") == 0
+    assert capsys.readouterr().out == (
+        "/listener\n  Subscribers:\n    /hello: std_msgs/msg/String\n  Publishers:\n"
+        "    /parameter_events: rcl_interfaces/msg/ParameterEvent\n  Service Servers:\n  Service Clients:\n"
+    )
+    assert run(homebot, "node", "info", "/lisener") == 1
+    assert "did you mean /listener" in capsys.readouterr().err
+
+
+def test_devices_are_a_table_for_people(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "devices") == 0
+    head, row = capsys.readouterr().out.splitlines()
+    assert head.split() == ["DEVICE", "TYPE", "GATEWAY", "ADDRESS", "STATE", "LAST", "SEEN"]
+    assert row.split()[:5] == ["lights/lamp", "lights", "mqtt", "home/lights/lamp/out", "fresh"]
+    assert row.endswith("d ago")
+    assert run(homebot, "devices", "--type", "locks") == 0
+    assert capsys.readouterr().out == "no device offers locks now\n"
+
+
+def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "devices", "--type", "lights", "--json") == 0
+    assert json.loads(capsys.readouterr().out) == [
+        {
+            "id": "lights/lamp",
+            "name": "Lamp\x1b[31m",
+            "service_type": "lights",
+            "gateway": "mqtt",
+            "address": "home/lights/lamp/out",
+            "first_seen": "2023-11-14T22:13:20.250Z",
+            "last_seen": "2023-11-14T22:13:20.250Z",
+            "expires": "2023-11-14T23:13:20.000Z",
+            "freshness": "fresh",
+            "endpoints": [
+                {
+                    "gateway": "mqtt",
+                    "key": "k",
+                    "address": "home/lights/lamp/out",
+                    "command_address": "home/lights/lamp/in",
+                }
+            ],
+            "metadata": {"room": "kitchen"},
+        }
+    ]
+
+
+def test_nobody_there_is_one_clear_sentence(capsys: Text) -> None:
+    assert main(["topic", "list", "--door", "127.0.0.1:1"]) == 1
+    assert capsys.readouterr().err == "homebot: no homebot answers on 127.0.0.1:1; start one with `homebot run`\n"
+
+
+def test_a_locked_door_wants_its_token(
+    locked_homebot: Any, capsys: Text, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run(locked_homebot, "topic", "list") == 1
+    assert "a token is needed" in capsys.readouterr().err
+    token = tmp_path / "token"
+    token.write_text("hunter2\n", encoding="utf-8")
+    assert run(locked_homebot, "--token-file", str(token), "topic", "list") == 0
+    monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", "hunter2")
+    assert run(locked_homebot, "topic", "list") == 0
+    assert run(locked_homebot, "topic", "list", "--token-file", str(tmp_path / "absent")) == 1
+    assert "cannot be read" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["topic"],
+        ["fly"],
+        ["topic", "pub", "/t", "std_msgs/String", "data"],
+        ["topic", "pub", "/t", "std_msgs/String", "{data"],
+        ["topic", "pub", "-r", "0", "/t", "std_msgs/String", "{}"],
+        ["topic", "hz", "-w", "none", "/t"],
+        ["topic", "list", "--door", "nowhere"],
+        ["topic", "list", "--door", "host:99999"],
+    ],
+)
+def test_a_wrong_command_line_ends_with_code_2(arguments: list[str], capsys: Text) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert "error: " in capsys.readouterr().err
+
+
+def test_help_teaches_by_examples(capsys: Text) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["topic", "pub", "--help"])
+    assert caught.value.code == 0
+    assert "homebot topic pub --once /hello std_msgs/String '{data: hi}'" in capsys.readouterr().out
+
+
+def _process(homebot: Any, *arguments: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "homebot", *arguments]
+    environment = os.environ | {"HOMEBOT_DOOR": homebot.door}
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+
+
+def test_ctrl_c_ends_quietly(homebot: Any) -> None:
+    with _process(homebot, "topic", "echo", "/ticks") as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "data: 1\n"
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=10)
+    assert (process.returncode, errors) == (130, "")
+
+
+def test_echo_waits_for_a_topic_that_does_not_exist_yet(homebot: Any) -> None:
+    def speak() -> None:
+        publisher = homebot.graph.get_node("/talker").create_publisher(String, "/later", qos_profile_latched)
+        publisher.publish(String(data="now"))
+
+    with _process(homebot, "topic", "echo", "--once", "--timeout", "10", "/later") as process:
+        assert process.stderr is not None
+        assert "there is no topic /later" in process.stderr.readline()
+        assert process.stderr.readline() == "homebot: waiting for it; Ctrl-C ends this\n"
+        homebot.do(speak)
+        out, _ = process.communicate(timeout=10)
+    assert out == "data: now\n---\n"
+
+
+def test_a_closed_pipe_ends_quietly(homebot: Any) -> None:
+    with _process(homebot, "topic", "echo", "/ticks") as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert process.stdout.readline() == "data: 1\n"
+        process.stdout.close()
+        assert process.stderr.read() == ""
+        assert process.wait(10) == 0
+
+
+def test_hz_measures_the_rate(homebot: Any) -> None:
+    with _process(homebot, "topic", "hz", "/ticks") as process:
+        assert process.stdout is not None
+        label, rate = process.stdout.readline().split(": ")
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=10)
+    assert label == "average rate"
+    assert 5 < float(rate) < 60
+
+
+def test_help_and_version_import_nothing_heavy() -> None:
+    """They answer at once: no event loop, no WebSocket, no pydantic is loaded for them."""
+    code = (
+        "import sys, homebot.cli\n"
+        "try: homebot.cli.main(['--version'])\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'asyncio', 'anyio', 'pydantic', 'structlog', 'websockets'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=20)
+    assert done.stdout.splitlines()[-1] == "[]"

@@ -1,0 +1,119 @@
+"""roslibpy, an independent client, through the door."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import textwrap
+from typing import Any
+
+import anyio
+import pytest
+
+from homebot.bridges.rosapi import RosApi
+from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.graph import Graph, Node, qos_profile_latched
+from homebot.messages import SetBool, String
+from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
+
+pytestmark = pytest.mark.system
+
+# Its Twisted reactor cannot be started twice in one process, so each transport gets a process of its own.
+CLIENT = textwrap.dedent(
+    """
+    import json, queue, sys, roslibpy
+
+    port, transport = int(sys.argv[1]), sys.argv[2]
+    ros = roslibpy.Ros("127.0.0.1", port, transport=transport)
+    ros.run(timeout=10)
+    report = {"topics": ros.get_topics(), "time": ros.get_time()["secs"], "type": ros.get_topic_type("/state")}
+    report["nodes"], report["params"] = ros.get_nodes(), ros.get_params()
+    report["rate"] = ros.get_param("/lamp:rate")
+    ros.set_param("/lamp:rate", 9)
+    report["details"] = ros.get_message_details("std_msgs/String")["typedefs"][0]["fieldnames"]
+
+    heard = queue.Queue()
+    roslibpy.Topic(ros, "/state", "std_msgs/String").subscribe(heard.put)
+    report["latched"] = heard.get(timeout=10)["data"]
+    roslibpy.Topic(ros, "/echoed", "std_msgs/String").subscribe(heard.put)
+    roslibpy.Topic(ros, "/hello", "std_msgs/String").publish(roslibpy.Message({"data": "hi"}))
+    report["echoed"] = heard.get(timeout=10)["data"]
+
+    switch = roslibpy.Service(ros, "/switch", "std_srvs/SetBool")
+    report["called"] = switch.call(roslibpy.ServiceRequest({"data": True}), timeout=10)["message"]
+    try:
+        roslibpy.Service(ros, "/nobody", "std_srvs/SetBool").call(roslibpy.ServiceRequest({}), timeout=10)
+    except roslibpy.core.ServiceException as exc:
+        report["absent"] = str(exc)
+
+    def serve(request, response):
+        response["success"], response["message"] = request["data"], "served by roslibpy"
+        return True
+
+    mine = roslibpy.Service(ros, "/mine", "std_srvs/SetBool")
+    mine.advertise(serve)
+    go = roslibpy.Topic(ros, "/go", "std_msgs/String")
+    go.publish(roslibpy.Message({"data": "serving"}))
+    report["served"] = heard.get(timeout=10)["data"]
+    mine.unadvertise()
+    print(json.dumps(report))
+    ros.terminate()
+    """
+)
+
+
+@pytest.mark.parametrize("transport", ["twisted", "asyncio"])
+async def test_roslibpy_subscribes_publishes_calls_and_serves(transport: str) -> None:
+    graph = Graph()
+    RosApi(Node(graph, "rosapi"))
+    door = Door(Node(graph, "rosbridge_websocket"), DoorSettings(port=0))
+    heard: list[str] = []
+    async with Node(graph, "lamp") as lamp, anyio.create_task_group() as tasks:
+        _furnish(lamp, heard)
+        await tasks.start(door.run)
+        command = [sys.executable, "-c", CLIENT, str(door.port), transport]
+        with anyio.fail_after(45):
+            done = await anyio.run_process(command, check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        tasks.cancel_scope.cancel()
+    assert done.returncode == 0, done.stderr.decode()
+    report: dict[str, Any] = json.loads(done.stdout)
+    assert {"/state", "/hello", "/echoed", "/go"} <= set(report.pop("topics"))
+    assert report.pop("time") > 1_700_000_000
+    assert "has no server" in report.pop("absent")
+    assert report == {
+        "type": "std_msgs/msg/String",
+        "nodes": ["/lamp", "/rosapi", "/rosbridge_websocket"],
+        "params": ["/lamp:rate"],
+        "rate": 2.0,
+        "details": ["data"],
+        "latched": "on",
+        "echoed": "you said hi",
+        "called": "done",
+        "served": "served by roslibpy",
+    }
+    assert heard == ["hi"]
+    assert lamp.get_parameter("rate").value == 9.0
+    assert b"rror" not in done.stderr, done.stderr.decode()
+
+
+def _furnish(lamp: Node, heard: list[str]) -> None:
+    lamp.declare_parameter("rate", 2.0)
+    lamp.create_publisher(String, "/state", qos_profile_latched).publish(String(data="on"))
+    echoed = lamp.create_publisher(String, "/echoed")
+    mine = lamp.create_client(SetBool, "/mine")
+
+    def on_hello(message: String) -> None:
+        heard.append(message.data)
+        echoed.publish(String(data=f"you said {message.data}"))
+
+    async def on_go(_message: String) -> None:
+        await mine.wait_for_service(10)
+        echoed.publish(String(data=(await mine.call(SetBoolRequest(data=True))).message))
+
+    def switch(request: SetBoolRequest) -> SetBoolResponse:
+        return SetBoolResponse(success=request.data, message="done")
+
+    lamp.create_subscription(String, "/hello", on_hello)
+    lamp.create_subscription(String, "/go", on_go)
+    lamp.create_service(SetBool, "/switch", switch)
