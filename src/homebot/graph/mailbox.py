@@ -132,7 +132,7 @@ class Mailbox(Generic[T]):
         try:
             await sender
         except asyncio.CancelledError:
-            if sender.cancelled():  # else it was admitted, which took it out
+            if sender in self.senders:
                 self.senders.remove(sender)
             raise
 

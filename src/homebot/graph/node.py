@@ -276,9 +276,9 @@ class Node:
         try:
             return await tasks.__aexit__(exc_type, exc, traceback)
         except BaseExceptionGroup as group:
-            if len(group.exceptions) > 1:
+            only = _only_one(group)
+            if only is None:
                 raise
-            only = group.exceptions[0]
         finally:
             self.close()
         if only is exc:
@@ -314,3 +314,13 @@ class Node:
     def _check_open(self) -> None:
         if self._closed:
             raise ClosedError(f"the node {self.full_name} is closed")
+
+
+def _only_one(group: BaseExceptionGroup[BaseException]) -> BaseException | None:
+    """Return the one exception in *group*, also where it lies in a group of its own, or None when there are several."""
+    while len(group.exceptions) == 1:
+        only = group.exceptions[0]
+        if not isinstance(only, BaseExceptionGroup):
+            return only
+        group = only
+    return None

@@ -137,7 +137,9 @@ class ParameterSet:
         value = _converted(value, declared.kind)
         kind = _kind_of(value)
         if kind != declared.kind and not (value == () and declared.kind.endswith("[]")):
-            raise ParameterError(f"{self._node}: parameter {name!r} is a {declared.kind}, got the {kind} {value!r}")
+            raise ParameterError(
+                f"{self._node}: parameter {name!r} is of type {declared.kind}, got the {kind} {value!r}"
+            )
         low, high = declared.descriptor.minimum, declared.descriptor.maximum
         if (low, high) != (None, None) and isinstance(value, int | float):
             low = -math.inf if low is None else low

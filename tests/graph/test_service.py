@@ -1,0 +1,672 @@
+"""Services: what each kind of server does to its callers, and that nobody ever hangs."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+import anyio
+import pytest
+
+from homebot.errors import (
+    ClosedError,
+    DuplicateNameError,
+    ServiceFailedError,
+    ServiceGoneError,
+    ServiceTimeoutError,
+    ServiceUnavailableError,
+    TypeMismatchError,
+    UsageError,
+)
+from homebot.graph import Client, Graph, Node, Service, service
+from homebot.messages import SetBool, String, Trigger
+from homebot.messages.std_srvs import SetBoolRequest, SuccessResponse, TriggerRequest
+
+TriggerClient = Client[TriggerRequest, SuccessResponse]
+
+ASK = TriggerRequest()
+pytestmark = pytest.mark.virtual_time
+
+
+def answer(message: str = "") -> SuccessResponse:
+    return SuccessResponse(success=True, message=message)
+
+
+class Gate:
+    """A handler that waits to be let on, and notes what happens to it."""
+
+    def __init__(self) -> None:
+        self.opened = anyio.Event()
+        self.started = 0
+        self.running = 0
+        self.most = 0
+        self.cancelled = 0
+
+    async def __call__(self, _request: TriggerRequest) -> SuccessResponse:
+        self.started += 1
+        self.running += 1
+        self.most = max(self.most, self.running)
+        try:
+            await self.opened.wait()
+        except asyncio.CancelledError:
+            self.cancelled += 1
+            raise
+        finally:
+            self.running -= 1
+        return answer(str(self.started))
+
+
+@pytest.fixture
+def gate() -> Gate:
+    return Gate()
+
+
+@pytest.fixture
+def client(node: Node) -> TriggerClient:
+    return node.create_client(Trigger, "s")
+
+
+def now() -> float:
+    return asyncio.get_running_loop().time()
+
+
+async def test_a_plain_function_answers(node: Node, client: TriggerClient) -> None:
+    node.create_service(Trigger, "s", lambda _request: answer("plain"))
+    assert await client.call(ASK) == answer("plain")
+
+
+async def test_a_coroutine_function_answers_with_or_without_waiting(node: Node, client: TriggerClient) -> None:
+    async def at_once(_request: TriggerRequest) -> SuccessResponse:
+        return answer("at once")
+
+    async def later(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep(1)
+        await anyio.lowlevel.checkpoint()
+        await anyio.sleep(1)
+        return answer("later")
+
+    server = node.create_service(Trigger, "s", at_once)
+    assert await client.call(ASK) == answer("at once")
+    server.close()
+    node.create_service(Trigger, "s", later)
+    assert await client.call(ASK) == answer("later")
+    assert now() == 2
+
+
+async def test_a_function_that_returns_another_awaitable_answers(node: Node, client: TriggerClient) -> None:
+    def promise(_request: TriggerRequest) -> asyncio.Future[SuccessResponse]:
+        future = asyncio.get_running_loop().create_future()
+        asyncio.get_running_loop().call_later(1, future.set_result, answer("promised"))
+        return future
+
+    node.create_service(Trigger, "s", promise)
+    assert await client.call(ASK) == answer("promised")
+
+
+async def test_the_request_reaches_the_server(node: Node) -> None:
+    seen: list[bool] = []
+
+    def note(request: SetBoolRequest) -> SuccessResponse:
+        seen.append(request.data)
+        return SetBool.Response(success=True, message="")
+
+    node.create_service(SetBool, "~/set", lambda request: SetBool.Response(success=note(request).success, message=""))
+    await node.create_client(SetBool, "~/set").call(SetBool.Request(data=True))
+    assert seen == [True]
+
+
+async def test_without_a_server_a_call_fails_at_once(client: TriggerClient) -> None:
+    with pytest.raises(ServiceUnavailableError, match="service /s has no server; wait for it"):
+        await client.call(ASK)
+    assert now() == 0
+
+
+async def test_after_its_server_is_gone_a_call_fails_at_once(node: Node, client: TriggerClient) -> None:
+    node.create_service(Trigger, "s", lambda _request: answer()).close()
+    with pytest.raises(ServiceUnavailableError):
+        await client.call(ASK)
+
+
+@pytest.mark.parametrize("waits", [False, True])
+async def test_a_raising_server_gives_its_reason_and_cause_and_goes_on(
+    node: Node, client: TriggerClient, *, waits: bool
+) -> None:
+    async def fail(_request: TriggerRequest) -> SuccessResponse:
+        if waits:
+            await anyio.sleep(1)
+        raise ValueError("no such lamp")
+
+    node.create_service(Trigger, "s", fail)
+    for _ in range(2):
+        with pytest.raises(ServiceFailedError) as caught:
+            await client.call(ASK)
+        assert str(caught.value) == "service /s failed: ValueError: no such lamp"
+        assert caught.value.reason == "ValueError: no such lamp"
+        assert isinstance(caught.value.__cause__, ValueError)
+
+
+async def test_a_raising_plain_function_fails_its_call(node: Node, client: TriggerClient) -> None:
+    def fail(_request: TriggerRequest) -> SuccessResponse:
+        raise KeyError
+
+    node.create_service(Trigger, "s", fail)
+    with pytest.raises(ServiceFailedError, match=r"failed: KeyError$"):
+        await client.call(ASK)
+
+
+async def test_a_single_error_of_a_task_group_is_told_as_itself(node: Node, client: TriggerClient) -> None:
+    async def fail(_request: TriggerRequest) -> SuccessResponse:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(client.call, String(data="wrong type"))  # type: ignore[arg-type]  # fails, as it should
+        return answer()
+
+    node.create_service(Trigger, "s", fail)
+    with pytest.raises(ServiceFailedError, match=r"failed: TypeMismatchError: /s takes a TriggerRequest"):
+        await client.call(ASK)
+
+
+async def test_a_response_of_another_type_is_the_servers_failure(node: Node, client: TriggerClient) -> None:
+    def odd(_request: TriggerRequest) -> SuccessResponse:
+        return String(data="x")  # type: ignore[return-value]  # the mistake under test
+
+    node.create_service(Trigger, "s", odd)
+    with pytest.raises(ServiceFailedError, match=r"the server returned String\(data='x'\), which is not its response"):
+        await client.call(ASK)
+
+
+async def test_a_request_of_another_type_is_refused(node: Node, client: TriggerClient) -> None:
+    node.create_service(Trigger, "s", lambda _request: answer())
+    with pytest.raises(TypeMismatchError, match="/s takes a TriggerRequest, got a String"):
+        await client.call(String(data="x"))  # type: ignore[arg-type]  # the mistake under test
+
+
+async def test_a_slow_server_is_cancelled_when_the_time_is_up(node: Node, client: TriggerClient, gate: Gate) -> None:
+    node.create_service(Trigger, "s", gate)
+    with pytest.raises(ServiceTimeoutError, match=r"service /s did not answer within 2 s") as caught:
+        await client.call(ASK, timeout=2)
+    assert (now(), caught.value.timeout, gate.cancelled) == (2, 2, 1)
+    gate.opened.set()
+    assert (await client.call(ASK)).success
+
+
+async def test_a_call_has_a_time_limit_by_default(node: Node, client: TriggerClient, gate: Gate) -> None:
+    node.create_service(Trigger, "s", gate)
+    with pytest.raises(ServiceTimeoutError):
+        await client.call(ASK)
+    assert now() == 5
+
+
+async def test_a_dying_server_ends_the_call_at_once(
+    run: Callable[[str], Awaitable[Node]], client: TriggerClient, gate: Gate
+) -> None:
+    server = await run("server")
+    server.create_service(Trigger, "/s", gate)
+    async with anyio.create_task_group() as tasks:
+
+        async def close() -> None:
+            await anyio.sleep(1)
+            server.close()
+
+        tasks.start_soon(close)
+        with pytest.raises(ServiceGoneError, match="service /s went away during the call"):
+            await client.call(ASK)
+    assert (now(), gate.cancelled) == (1, 1)
+
+
+async def test_a_dying_server_ends_the_calls_in_its_line_too(node: Node, client: TriggerClient, gate: Gate) -> None:
+    server = node.create_service(Trigger, "s", gate)
+    ended: list[int] = []
+
+    async def call(number: int) -> None:
+        with pytest.raises(ServiceGoneError):
+            await client.call(ASK)
+        ended.append(number)
+
+    async with anyio.create_task_group() as tasks:
+        for number in range(3):
+            tasks.start_soon(call, number)
+        await anyio.wait_all_tasks_blocked()
+        server.close()
+        server.close()
+    assert sorted(ended) == [0, 1, 2]
+    assert (gate.started, now()) == (1, 0)
+
+
+async def test_a_server_that_closes_while_one_just_got_its_turn_turns_it_away(
+    node: Node, client: TriggerClient, gate: Gate
+) -> None:
+    server = node.create_service(Trigger, "s", gate)
+
+    async def first() -> None:
+        await client.call(ASK)
+        server.close()  # the next in line has its turn, but has not run yet
+
+    async def second() -> None:
+        with pytest.raises(ServiceGoneError):
+            await client.call(ASK)
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(first)
+        await anyio.wait_all_tasks_blocked()
+        tasks.start_soon(second)
+        await anyio.wait_all_tasks_blocked()
+        gate.opened.set()
+    assert gate.started == 1
+
+
+async def test_closing_a_server_whose_call_just_ran_out_of_time_is_fine(node: Node, client: TriggerClient) -> None:
+    cleaning = anyio.Event()
+
+    async def slow(_request: TriggerRequest) -> SuccessResponse:
+        try:
+            await anyio.sleep_forever()
+        finally:
+            cleaning.set()
+            with anyio.CancelScope(shield=True):
+                await anyio.sleep(1)
+        return answer()
+
+    server = node.create_service(Trigger, "s", slow)
+
+    async def call() -> None:
+        with pytest.raises(ServiceGoneError):
+            await client.call(ASK, timeout=1)
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(call)
+        await cleaning.wait()
+        server.close()
+
+
+async def test_a_server_may_close_itself_while_it_answers(node: Node, client: TriggerClient) -> None:
+    servers: list[Service[TriggerRequest, SuccessResponse]] = []
+
+    async def last(_request: TriggerRequest) -> SuccessResponse:
+        servers[0].close()
+        await anyio.sleep(1)
+        return answer("last")
+
+    servers.append(node.create_service(Trigger, "s", last))
+    assert await client.call(ASK) == answer("last")
+    assert not client.service_is_ready()
+
+
+async def test_one_call_is_served_at_a_time_in_order(node: Node, client: TriggerClient, gate: Gate) -> None:
+    node.create_service(Trigger, "s", gate)
+    answers: list[str] = []
+
+    async def call() -> None:
+        answers.append((await client.call(ASK)).message)
+
+    async with anyio.create_task_group() as tasks:
+        for _ in range(4):
+            tasks.start_soon(call)
+        await anyio.wait_all_tasks_blocked()
+        assert gate.started == 1
+        gate.opened.set()
+    assert answers == ["1", "2", "3", "4"]
+    assert gate.most == 1
+
+
+async def test_a_concurrent_server_serves_side_by_side(node: Node, client: TriggerClient, gate: Gate) -> None:
+    node.create_service(Trigger, "s", gate, concurrent=True)
+    async with anyio.create_task_group() as tasks:
+        for _ in range(4):
+            tasks.start_soon(client.call, ASK)
+        await anyio.wait_all_tasks_blocked()
+        assert gate.running == 4
+        gate.opened.set()
+
+
+async def test_the_time_limit_covers_the_line(node: Node, client: TriggerClient) -> None:
+    async def slow(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep(3)
+        return answer()
+
+    node.create_service(Trigger, "s", slow)
+    times: list[tuple[str, float]] = []
+
+    async def call(name: str, timeout: float) -> None:
+        try:
+            await client.call(ASK, timeout)
+        except ServiceTimeoutError:
+            times.append((f"{name} gave up", now()))
+        else:
+            times.append((name, now()))
+
+    async with anyio.create_task_group() as tasks:
+        for name, timeout in (("first", 10), ("in line", 2), ("at work", 5), ("last", 20)):
+            tasks.start_soon(call, name, timeout)
+    assert times == [("in line gave up", 2), ("first", 3), ("at work gave up", 5), ("last", 8)]
+
+
+async def test_callers_that_gave_up_leave_the_line(
+    node: Node, client: TriggerClient, gate: Gate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(service, "MAX_WAITING", 1)
+    server = node.create_service(Trigger, "s", gate)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(lambda: client.call(ASK, timeout=100))
+        await anyio.wait_all_tasks_blocked()
+        for _ in range(3):
+            with pytest.raises(ServiceTimeoutError):
+                await client.call(ASK, timeout=1)
+        assert not server.line
+        tasks.start_soon(client.call, ASK)
+        await anyio.wait_all_tasks_blocked()
+        with pytest.raises(ServiceUnavailableError, match="service /s has 1 calls waiting already"):
+            await client.call(ASK)
+        gate.opened.set()
+
+
+async def test_one_who_is_cancelled_with_its_turn_in_hand_passes_it_on(
+    node: Node, client: TriggerClient, gate: Gate
+) -> None:
+    node.create_service(Trigger, "s", gate)
+    calls = []
+    for _ in range(3):
+        calls.append(asyncio.ensure_future(client.call(ASK)))
+        await anyio.wait_all_tasks_blocked()
+    calls[0].add_done_callback(lambda _done: calls[1].cancel())
+    gate.opened.set()
+    await asyncio.wait(calls)
+    assert [call.cancelled() for call in calls] == [False, True, False]
+    assert now() == 0
+
+
+async def test_cancelling_the_caller_cancels_the_handler(node: Node, client: TriggerClient, gate: Gate) -> None:
+    node.create_service(Trigger, "s", gate)
+    with anyio.move_on_after(1) as scope:
+        await client.call(ASK)
+    assert scope.cancelled_caught
+    assert (gate.cancelled, now()) == (1, 1)
+    gate.opened.set()
+    assert (await client.call(ASK)).success
+
+
+async def test_what_the_handler_waits_for_being_cancelled_does_not_cancel_the_caller(
+    node: Node, client: TriggerClient
+) -> None:
+    async def wait_for_the_dead(_request: TriggerRequest) -> SuccessResponse:
+        doomed: asyncio.Future[SuccessResponse] = asyncio.get_running_loop().create_future()
+        asyncio.get_running_loop().call_later(1, doomed.cancel)
+        return await doomed
+
+    node.create_service(Trigger, "s", wait_for_the_dead)
+    with pytest.raises(ServiceFailedError, match="what its handler waited for was cancelled"):
+        await client.call(ASK)
+
+
+async def test_a_handler_that_calls_its_own_service_is_told_so(node: Node, client: TriggerClient) -> None:
+    async def recurse(_request: TriggerRequest) -> SuccessResponse:
+        return await client.call(ASK)
+
+    node.create_service(Trigger, "s", recurse)
+    with pytest.raises(ServiceFailedError, match="UsageError: the handler of /s calls itself") as caught:
+        await client.call(ASK)
+    assert isinstance(caught.value.__cause__, UsageError)
+
+
+async def test_it_is_told_so_also_after_it_waited(node: Node, client: TriggerClient) -> None:
+    async def recurse(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep(1)
+        return await client.call(ASK)
+
+    node.create_service(Trigger, "s", recurse)
+    for _ in range(2):
+        with pytest.raises(ServiceFailedError, match="calls itself"):
+            await client.call(ASK)
+    assert now() == 2
+
+
+async def test_it_is_told_so_whoever_was_served_before(node: Node, client: TriggerClient) -> None:
+    """An earlier call from another task, that waited, must not be taken for the one under way."""
+    waits = True
+
+    async def sometimes(_request: TriggerRequest) -> SuccessResponse:
+        if waits:
+            await anyio.sleep(1)
+            return answer()
+        return await client.call(ASK)
+
+    node.create_service(Trigger, "s", sometimes)
+    async with anyio.create_task_group() as tasks:
+        for _ in range(2):
+            tasks.start_soon(client.call, ASK)
+    waits = False
+    with pytest.raises(ServiceFailedError, match="calls itself"):
+        await client.call(ASK)
+    assert now() == 2
+
+
+async def test_it_is_told_so_also_round_another_service(node: Node, client: TriggerClient) -> None:
+    other = node.create_client(Trigger, "other")
+
+    async def there(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep(1)
+        return await other.call(ASK)
+
+    async def back(_request: TriggerRequest) -> SuccessResponse:
+        return await client.call(ASK)
+
+    node.create_service(Trigger, "s", there)
+    node.create_service(Trigger, "other", back)
+    with pytest.raises(ServiceFailedError, match="the handler of /s calls itself"):
+        await client.call(ASK)
+
+
+async def test_one_in_line_whose_handler_calls_itself_is_told_so(node: Node, client: TriggerClient) -> None:
+    failed: list[str] = []
+
+    async def recurse(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep(1)
+        return await client.call(ASK)
+
+    async def call() -> None:
+        try:
+            await client.call(ASK)
+        except ServiceFailedError as exc:
+            failed.append(exc.reason)
+
+    node.create_service(Trigger, "s", recurse)
+    async with anyio.create_task_group() as tasks:
+        for _ in range(3):
+            tasks.start_soon(call)
+    assert len(failed) == 3
+    assert all("calls itself" in reason for reason in failed)
+
+
+async def test_a_concurrent_handler_may_call_itself(node: Node, client: TriggerClient) -> None:
+    depth = 0
+
+    async def recurse(_request: TriggerRequest) -> SuccessResponse:
+        nonlocal depth
+        depth += 1
+        await anyio.lowlevel.checkpoint()
+        return await client.call(ASK) if depth < 5 else answer("bottom")
+
+    node.create_service(Trigger, "s", recurse, concurrent=True)
+    assert await client.call(ASK) == answer("bottom")
+
+
+async def test_services_call_each_other(node: Node, client: TriggerClient) -> None:
+    inner = node.create_client(Trigger, "inner")
+
+    async def outer_handler(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep(1)
+        return answer(f"outer of {(await inner.call(ASK)).message}")
+
+    async def inner_handler(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep(1)
+        return answer("inner")
+
+    node.create_service(Trigger, "s", outer_handler)
+    node.create_service(Trigger, "inner", inner_handler)
+    assert await client.call(ASK) == answer("outer of inner")
+
+
+@pytest.mark.parametrize(
+    ("inner_timeout", "outer_timeout", "error"),
+    [(1, 5, ServiceFailedError), (5, 1, ServiceTimeoutError)],
+)
+async def test_a_nested_time_limit_ends_the_call_it_belongs_to(
+    node: Node,
+    client: TriggerClient,
+    inner_timeout: float,
+    outer_timeout: float,
+    error: type[Exception],
+) -> None:
+    inner = node.create_client(Trigger, "inner")
+
+    async def outer_handler(_request: TriggerRequest) -> SuccessResponse:
+        return await inner.call(ASK, inner_timeout)
+
+    async def forever(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep_forever()
+        return answer()
+
+    node.create_service(Trigger, "s", outer_handler)
+    node.create_service(Trigger, "inner", forever)
+    with pytest.raises(error):
+        await client.call(ASK, outer_timeout)
+    assert now() == 1
+
+
+async def asyncio_sleep() -> None:
+    async with asyncio.timeout(1):
+        await anyio.sleep_forever()
+
+
+async def anyio_sleep() -> None:
+    with anyio.fail_after(1):
+        await anyio.sleep_forever()
+
+
+@pytest.mark.parametrize("sleep", [asyncio_sleep, anyio_sleep])
+async def test_a_time_limit_inside_a_handler_is_the_handlers_own(
+    node: Node, client: TriggerClient, sleep: Callable[[], Awaitable[None]]
+) -> None:
+    async def limited(_request: TriggerRequest) -> SuccessResponse:
+        try:
+            await sleep()
+        except TimeoutError:
+            await anyio.sleep(1)
+        return answer("in time")
+
+    node.create_service(Trigger, "s", limited)
+    assert await client.call(ASK) == answer("in time")
+    assert now() == 2
+
+
+async def test_a_time_out_that_a_handler_lets_out_is_its_failure(node: Node, client: TriggerClient) -> None:
+    async def limited(_request: TriggerRequest) -> SuccessResponse:
+        with anyio.fail_after(1):
+            await anyio.sleep_forever()
+        return answer()
+
+    node.create_service(Trigger, "s", limited)
+    with pytest.raises(ServiceFailedError, match="TimeoutError") as caught:
+        await client.call(ASK)
+    assert isinstance(caught.value.__cause__, TimeoutError)
+
+
+async def test_a_handlers_longer_limit_does_not_hide_the_callers(node: Node, client: TriggerClient) -> None:
+    async def limited(_request: TriggerRequest) -> SuccessResponse:
+        with anyio.move_on_after(60):
+            async with asyncio.timeout(50):
+                await anyio.sleep_forever()
+        return answer()
+
+    node.create_service(Trigger, "s", limited)
+    with pytest.raises(ServiceTimeoutError):
+        await client.call(ASK, timeout=1)
+    task = asyncio.current_task()
+    assert task is not None
+    assert task.cancelling() == 0
+    await anyio.sleep(100)
+
+
+async def test_a_handler_may_run_tasks_of_its_own(node: Node, client: TriggerClient) -> None:
+    done: list[int] = []
+
+    async def work(number: int) -> None:
+        await anyio.sleep(number)
+        done.append(number)
+
+    async def spread(_request: TriggerRequest) -> SuccessResponse:
+        async with anyio.create_task_group() as tasks:
+            for number in (3, 1, 2):
+                tasks.start_soon(work, number)
+        return answer()
+
+    node.create_service(Trigger, "s", spread)
+    await client.call(ASK)
+    assert done == [1, 2, 3]
+    with pytest.raises(ServiceTimeoutError):
+        await client.call(ASK, timeout=1.5)
+    assert done == [1, 2, 3, 1]
+
+
+async def test_waiting_for_a_server_ends_when_it_comes(node: Node, client: TriggerClient) -> None:
+    async with anyio.create_task_group() as tasks:
+
+        async def serve() -> None:
+            await anyio.sleep(3)
+            node.create_service(Trigger, "s", lambda _request: answer())
+
+        tasks.start_soon(serve)
+        assert await client.wait_for_service()
+        assert now() == 3
+    assert await client.wait_for_service(timeout=0)
+    assert client.service_is_ready()
+
+
+async def test_waiting_for_a_server_gives_up_after_its_time(client: TriggerClient) -> None:
+    assert not await client.wait_for_service(timeout=2)
+    assert now() == 2
+
+
+async def test_waiting_goes_on_when_a_server_came_and_went(node: Node, client: TriggerClient) -> None:
+    async with anyio.create_task_group() as tasks:
+
+        async def flicker() -> None:
+            node.create_service(Trigger, "s", lambda _request: answer()).close()
+
+        tasks.start_soon(flicker)
+        assert not await client.wait_for_service(timeout=2)
+    assert now() == 2
+
+
+async def test_a_closed_client_is_refused_and_stops_waiting(node: Node, client: TriggerClient) -> None:
+    async def wait() -> None:
+        with pytest.raises(ClosedError, match="the client of /node for /s is closed"):
+            await client.wait_for_service()
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(wait)
+        await anyio.wait_all_tasks_blocked()
+        client.close()
+        client.close()
+    node.create_service(Trigger, "s", lambda _request: answer())
+    with pytest.raises(ClosedError):
+        await client.call(ASK)
+
+
+async def test_a_second_server_on_one_name_is_refused(run: Callable[[str], Awaitable[Node]]) -> None:
+    one, other = await run("one"), await run("other")
+    first = one.create_service(Trigger, "/s", lambda _request: answer())
+    with pytest.raises(DuplicateNameError, match="/s is served by /one already"):
+        other.create_service(Trigger, "/s", lambda _request: answer())
+    first.close()
+    assert other.create_service(Trigger, "/s", lambda _request: answer()).service_name == "/s"
+
+
+async def test_another_type_on_a_service_name_is_refused(node: Node, client: TriggerClient, graph: Graph) -> None:
+    with pytest.raises(
+        TypeMismatchError, match="/node wants std_srvs/srv/SetBool of /s, which is a std_srvs/srv/Trigger"
+    ):
+        node.create_service(SetBool, "s", lambda _request: SetBool.Response(success=True, message=""))
+    with pytest.raises(TypeMismatchError):
+        node.create_client(SetBool, "s")
+    client.close()
+    assert graph.get_service_type("/s") is None

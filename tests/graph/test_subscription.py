@@ -1,0 +1,139 @@
+"""Reading a topic: iteration and callbacks."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+
+from homebot.errors import UsageError
+from homebot.graph import Graph, Node
+from homebot.messages import String
+
+
+def text(data: object) -> String:
+    return String(data=str(data))
+
+
+async def test_iterating_reads_until_the_subscription_is_closed(node: Node) -> None:
+    subscription, publisher = node.create_subscription(String, "t"), node.create_publisher(String, "t")
+    got: list[str] = []
+
+    async def read() -> None:
+        got.extend([message.data async for message in subscription])
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(read)
+        await anyio.wait_all_tasks_blocked()
+        publisher.publish(text(1))
+        publisher.publish(text(2))
+        subscription.close()
+    assert got == ["1", "2"]
+
+
+async def test_a_plain_function_is_called_with_each_message(node: Node) -> None:
+    got: list[String] = []
+    node.create_subscription(String, "t", got.append)
+    publisher = node.create_publisher(String, "t")
+    for number in range(3):
+        publisher.publish(text(number))
+    await anyio.wait_all_tasks_blocked()
+    assert got == [text(0), text(1), text(2)]
+
+
+async def test_a_callback_gets_one_message_at_a_time(node: Node) -> None:
+    running, most, got = 0, 0, []
+
+    async def slow(message: String) -> None:
+        nonlocal running, most
+        running += 1
+        most = max(most, running)
+        await anyio.lowlevel.checkpoint()
+        got.append(message.data)
+        running -= 1
+
+    node.create_subscription(String, "t", slow)
+    publisher = node.create_publisher(String, "t")
+    for number in range(5):
+        publisher.publish(text(number))
+    await anyio.wait_all_tasks_blocked()
+    assert most == 1
+    assert got == ["0", "1", "2", "3", "4"]
+
+
+async def test_a_concurrent_callback_runs_side_by_side_up_to_the_depth(node: Node) -> None:
+    running, most = 0, 0
+    gate = anyio.Event()
+
+    async def slow(_message: String) -> None:
+        nonlocal running, most
+        running += 1
+        most = max(most, running)
+        await gate.wait()
+        running -= 1
+
+    subscription = node.create_subscription(String, "t", slow, 3, concurrent=True)
+    publisher = node.create_publisher(String, "t")
+    for number in range(3):
+        publisher.publish(text(number))
+    await anyio.wait_all_tasks_blocked()
+    for number in range(5):
+        publisher.publish(text(number))
+    await anyio.wait_all_tasks_blocked()
+    assert (running, most, subscription.lost) == (3, 3, 2)
+    gate.set()
+    await anyio.wait_all_tasks_blocked()
+    assert (running, most) == (0, 3)
+
+
+async def test_a_concurrent_plain_function_is_called_too(node: Node) -> None:
+    got: list[String] = []
+    subscription = node.create_subscription(String, "t", got.append, concurrent=True)
+    node.create_publisher(String, "t").publish(text(1))
+    await anyio.wait_all_tasks_blocked()
+    subscription.close()
+    await anyio.wait_all_tasks_blocked()
+    assert got == [text(1)]
+
+
+async def test_a_callback_that_feeds_itself_lets_others_run(node: Node) -> None:
+    publisher = node.create_publisher(String, "t")
+    node.create_subscription(String, "t", publisher.publish)
+    publisher.publish(text(1))
+    for _ in range(10):
+        await anyio.lowlevel.checkpoint()
+
+
+async def test_a_reader_that_comes_beside_a_callback_is_refused(node: Node) -> None:
+    subscription = node.create_subscription(String, "t", lambda _message: None)
+    await anyio.wait_all_tasks_blocked()
+    with pytest.raises(UsageError, match="two tasks read from one subscription"):
+        await subscription.receive()
+
+
+async def test_a_closed_subscription_calls_back_for_what_was_there_and_ends_its_task(node: Node) -> None:
+    got: list[String] = []
+    subscription = node.create_subscription(String, "t", got.append)
+    publisher = node.create_publisher(String, "t")
+    publisher.publish(text(1))
+    subscription.close()
+    publisher.publish(text(2))
+    await anyio.wait_all_tasks_blocked()
+    assert got == [text(1)]
+
+
+@pytest.mark.parametrize("concurrent", [False, True])
+async def test_an_error_in_a_callback_crashes_its_node_and_no_other(graph: Graph, *, concurrent: bool) -> None:
+    def fail(message: String) -> None:
+        raise ValueError(message.data)
+
+    async with Node(graph, "other") as other:
+        got: list[String] = []
+        other.create_subscription(String, "t", got.append)
+        crashing = Node(graph, "crashing")
+        crashing.create_subscription(String, "t", fail, concurrent=concurrent)
+        other.create_publisher(String, "t").publish(text("boom"))
+        with pytest.raises(ValueError, match="boom"):
+            async with crashing:
+                await anyio.sleep_forever()
+        assert graph.get_node_names() == ("/other",)
+        assert got == [text("boom")]
