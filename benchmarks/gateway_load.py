@@ -125,10 +125,11 @@ async def aiomqtt_loop(load: Load) -> float:
 
     async with aiomqtt.Client("127.0.0.1", load.port) as client:
         await client.subscribe("bench/+/+/out", qos=load.qos)
-        task = asyncio.create_task(listen(client))
-        load.start()
-        ended = await load.wait_received()
-        task.cancel()
+        async with asyncio.TaskGroup() as tasks:
+            task = tasks.create_task(listen(client))
+            load.start()
+            ended = await load.wait_received()
+            task.cancel()
     return load.figure(AIOMQTT, ended)
 
 

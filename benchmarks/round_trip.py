@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any
 
 import aiomqtt
@@ -103,9 +103,14 @@ async def aiomqtt_echo(pace: Pace) -> float:
 
     async with aiomqtt.Client("127.0.0.1", pace.port) as client:
         await client.subscribe(OUT, qos=1)
-        task = asyncio.create_task(echo(client))
         pace.start()
-        figure = await asyncio.to_thread(pace.finish)
+        return await _with_task(echo(client), pace.finish)
+
+
+async def _with_task(work: Coroutine[None, None, None], wait: Callable[[], float]) -> float:
+    async with asyncio.TaskGroup() as tasks:
+        task = tasks.create_task(work)
+        figure = await asyncio.to_thread(wait)
         task.cancel()
     return figure
 
