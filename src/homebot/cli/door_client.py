@@ -125,7 +125,7 @@ class DoorClient:
         try:
             text = await self._connection.recv(decode=True)
         except ConnectionClosed as exc:
-            raise LinkError(f"the connection to homebot ended: {exc.reason or 'homebot stopped'}") from exc
+            raise _ended(exc) from exc
         try:
             frame = json.loads(text)
         except ValueError as exc:
@@ -143,7 +143,7 @@ class DoorClient:
         try:
             await self._connection.send(json.dumps(frame))
         except ConnectionClosed as exc:
-            raise LinkError(f"the connection to homebot ended: {exc.reason or 'homebot stopped'}") from exc
+            raise _ended(exc) from exc
 
 
 @asynccontextmanager
@@ -182,6 +182,11 @@ async def _connect(where: str, token: str) -> ClientConnection:
         raise LinkError(f"no homebot answers on {where}; start one with `homebot run`") from exc
     except (InvalidHandshake, InvalidMessage) as exc:
         raise LinkError(f"what answers on {where} is no homebot: {exc}") from exc
+
+
+def _ended(error: ConnectionClosed) -> LinkError:
+    said = error.rcvd.reason if error.rcvd else ""
+    return LinkError(f"the connection to homebot ended: {said or 'homebot stopped'}")
 
 
 def _reason(error: InvalidStatus) -> str:

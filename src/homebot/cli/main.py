@@ -11,6 +11,7 @@ import importlib
 import os
 import sys
 from collections.abc import Callable, Sequence
+from io import TextIOWrapper
 
 import homebot
 from homebot.cli import config, devices, node, run, service, topic
@@ -41,6 +42,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         SystemExit: The command line is wrong (code 2), or asked for ``--help`` or ``--version`` (code 0).
     """
     options = make_parser().parse_args(argv)
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a device may be called what a terminal cannot show
     try:
         return _load(options.command)(options)
     except HomebotError as exc:

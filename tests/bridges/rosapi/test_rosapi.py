@@ -180,7 +180,7 @@ async def test_parameters_are_set_from_json(ask: Asker) -> None:
     ("name", "value", "problem"),
     [
         ("/talker:rate", "-1", "goes from 0"),
-        ("/talker:rate", '"fast"', "is a double"),
+        ("/talker:rate", '"fast"', "double"),
         ("/talker:rate", "{", "Expecting property name"),
         ("/talker:rate", "null", "cannot be a parameter's value"),
         ("/talker:key", "[300]", "range"),

@@ -68,6 +68,34 @@ async def test_a_stopped_door_does_not_wait_for_a_client_that_hangs(open_house: 
     await connection.wait_closed()
 
 
+async def test_a_client_that_takes_no_bytes_is_cut_off(open_house: Any) -> None:
+    async with open_house(DoorSettings(port=0, stall_timeout=0.1)) as house, house.peer() as stalled:
+        publisher = house.node("camera").create_publisher(String, "/image")
+        await stalled.send("subscribe", topic="/image")
+        await stalled.settle()
+        stalled.connection.transport.pause_reading()
+        with house.graph.watch() as changes, anyio.fail_after(10):
+            for _ in range(30):
+                publisher.publish(String(data="x" * 500_000))
+            while house.entities():
+                await changes.receive()
+        stalled.connection.transport.abort()
+
+
+async def test_a_stopped_door_does_not_wait_for_a_client_that_says_nothing(open_house: Any) -> None:
+    with anyio.fail_after(4):
+        async with open_house() as house:
+            silent = await anyio.connect_tcp("127.0.0.1", house.door.port)
+            async with house.peer() as peer:
+                await peer.settle()
+    await silent.aclose()
+
+
+def test_an_empty_token_is_no_token() -> None:
+    with pytest.raises(ValueError, match="at least 1"):
+        DoorSettings(token=SecretStr(""))
+
+
 BAD_FRAMES = [
     "not json",
     "[" * 50_000,

@@ -166,6 +166,25 @@ async def test_ids_of_two_clients_do_not_mix(open_house: Any) -> None:
         assert (await second.receive())["values"]["success"] is False
 
 
+async def test_a_client_that_owes_too_many_answers_is_asked_no_more(open_house: Any) -> None:
+    async with open_house(DoorSettings(port=0, max_calls=1)) as house, house.peer() as peer:
+        await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
+        await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
+        await peer.settle()
+        client = house.node("app").create_client(Trigger, "/mine")
+        async with anyio.create_task_group() as tasks:
+
+            async def first() -> None:
+                with pytest.raises(ServiceGoneError):
+                    await client.call(TriggerRequest())
+
+            tasks.start_soon(first)
+            await peer.receive()
+            with pytest.raises(ServiceFailedError, match="owes 1 answers already"):
+                await client.call(TriggerRequest())
+            await peer.send("unadvertise_service", service="/mine")
+
+
 async def test_a_second_server_is_refused(open_house: Any) -> None:
     async with open_house() as house, house.peer() as peer:
         house.node("lamp").create_service(SetBool, "/switch", echo)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import anyio
+from structlog.testing import capture_logs
 
 from homebot.bridges.rosbridge import DoorSettings
 from homebot.devices import RawMessage
@@ -126,6 +127,50 @@ async def test_a_topic_without_a_type_is_read_once_it_appears(open_house: Any) -
                 await peer.settle()
         publisher.publish(String(data="now"))
         assert await peer.receive() == {"op": "publish", "topic": "later", "msg": {"data": "now"}}
+
+
+async def test_a_request_for_a_topic_to_come_can_be_taken_back(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        await peer.send("subscribe", id="a", topic="/later")
+        await peer.send("subscribe", id="b", topic="/later", type="who_msgs/Knows")
+        await peer.send("unsubscribe", id="a", topic="/later")
+        await peer.send("unsubscribe", topic="/later")
+        await peer.settle()
+        publisher = house.node("talker").create_publisher(String, "/later")
+        await peer.settle()
+        assert publisher.subscription_count == 0
+
+
+async def test_a_topic_that_comes_with_another_type_than_expected_is_logged(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        await peer.send("subscribe", id="a", topic="/later", type="who_msgs/Knows")
+        await peer.settle()
+        with capture_logs() as logs:
+            house.node("talker").create_publisher(String, "/later")
+            await peer.settle()
+        assert [line["event"] for line in logs] == ["door.late_topic_unfit"]
+        assert "carries std_msgs/msg/String, not who_msgs/Knows" in logs[0]["problem"]
+
+
+async def test_advertising_twice_needs_unadvertising_twice(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        for identifier in ("a", "b"):
+            await peer.send("advertise", id=identifier, topic="/t", type="std_msgs/String")
+        await peer.send("unadvertise", id="a", topic="/t")
+        await peer.settle()
+        assert house.entities() == {("publisher", "/t")}
+        await peer.send("unadvertise", id="b", topic="/t")
+        await peer.settle()
+        assert house.entities() == set()
+
+
+async def test_a_topic_advertised_again_as_latched_becomes_latched(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        await peer.send("advertise", id="a", topic="/t", type="std_msgs/String")
+        await peer.send("advertise", id="b", topic="/t", type="std_msgs/String", latch=True)
+        await peer.settle()
+        (info,) = house.graph.get_endpoints(name="/t")
+        assert info.qos == qos_profile_latched
 
 
 async def test_a_slow_client_loses_its_oldest_messages_and_holds_up_nobody(open_house: Any) -> None:

@@ -30,6 +30,7 @@ from homebot.messages.json import JsonObject
 __all__ = ["Door"]
 
 _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to say goodbye
+_OPEN_TIMEOUT: Final = 2.0  # seconds that a client has to say who it is; stopping waits for it too
 _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
 
 
@@ -104,6 +105,7 @@ class Door:
                 compression=None,  # costs more than a local link saves, and a small frame could grow without limit
                 server_header=None,
                 max_size=settings.max_frame_bytes,
+                open_timeout=_OPEN_TIMEOUT,
                 close_timeout=_CLOSE_TIMEOUT,
                 logger=log,
             )
@@ -129,10 +131,14 @@ class Door:
 
     async def _serve(self, connection: ServerConnection) -> None:
         async def send(frame: JsonObject) -> None:
-            try:
-                await connection.send(encode_frame(frame))
-            except ConnectionClosed as exc:
-                raise LinkError("the client is gone") from exc
+            with anyio.move_on_after(self._settings.stall_timeout) as limit:
+                try:
+                    await connection.send(encode_frame(frame))
+                except ConnectionClosed as exc:
+                    raise LinkError("the client is gone") from exc
+            if limit.cancelled_caught:
+                connection.transport.abort()
+                raise LinkError("the client takes no more bytes")
 
         session = Session(self._node, self._settings, _address_of(connection), send, self._limit)
         self._sessions[connection] = session

@@ -25,6 +25,7 @@ class DoorSettings(BaseModel):
         queue_depth: Messages of one topic that may wait for a slow client (on a keyed topic: of each key); then the
             oldest is dropped and counted.
         max_entities: Topics and services that one client may use at a time.
+        stall_timeout: Seconds after which a client that takes no bytes is cut off.
         max_calls: Service calls of one client under way at a time; one more fails at once.
     """
 
@@ -32,10 +33,11 @@ class DoorSettings(BaseModel):
 
     host: str = "127.0.0.1"
     port: Annotated[int, Field(ge=0, le=65535)] = 9090
-    token: SecretStr | None = None
+    token: Annotated[SecretStr, Field(min_length=1)] | None = None
     allowed_origins: tuple[str, ...] = ()
     max_clients: Count = 64
     max_frame_bytes: Count = 1_048_576
     queue_depth: Count = 1000
     max_entities: Count = 1000
     max_calls: Count = 100
+    stall_timeout: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 60.0

@@ -9,6 +9,7 @@ from homebot import devices
 from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import Graph
 from homebot.messages import builtin_interfaces, rcl_interfaces, std_msgs, std_srvs
+from homebot.messages.definition import nested_types
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
@@ -94,9 +95,10 @@ def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
     Raises:
         PeerError: It is unknown; the message names what is similar.
     """
-    in_use = (graph.get_message_type(topic) for topic in graph.get_topic_names_and_types())
-    for known in (*_MESSAGES, *in_use):
-        if known is not None and same_type(known.ros_type, ros_type):
+    in_use = [found for topic in graph.get_topic_names_and_types() if (found := graph.get_message_type(topic))]
+    nested = (inner for outer in in_use for inner in nested_types(outer))
+    for known in (*_MESSAGES, *in_use, *nested):
+        if same_type(known.ros_type, ros_type):
             return known
     raise _unknown("message", ros_type, [known.ros_type for known in _MESSAGES])
 

@@ -93,7 +93,7 @@ def list_devices(options: argparse.Namespace) -> int:
     async def run(door: DoorClient) -> int:
         answer = _Answer.model_validate(await door.call(FIND_DEVICES, {"service_type": options.type}))
         if options.json:
-            print(json.dumps([one.to_json() for one in answer.devices], indent=2, ensure_ascii=False))
+            print(json.dumps([one.to_json() for one in answer.devices], indent=2))
         elif not answer.devices:
             print(f"no device offers {options.type} now" if options.type else "no device was discovered yet")
         else:

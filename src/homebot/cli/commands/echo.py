@@ -53,7 +53,7 @@ def _show(delivery: Delivery, schema: Schema | None, options: argparse.Namespace
         print(f"homebot: {delivery.lost} messages were lost before this one: too many, too fast", file=sys.stderr)
     message = delivery.message if options.json or schema is None else schema.readable(delivery.message)
     value = _field(message, options.field) if options.field else message
-    text = f"{json.dumps(value, ensure_ascii=False)}\n" if options.json else f"{to_yaml(value)}---\n"
+    text = f"{json.dumps(value)}\n" if options.json else f"{to_yaml(value)}---\n"
     print(text, end="", flush=True)
 
 

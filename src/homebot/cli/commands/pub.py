@@ -23,7 +23,7 @@ def pub(options: argparse.Namespace) -> int:
             raise await no_such_topic(door, options.topic)
         await door.advertise(options.topic, ros_type)
         await door.settle()
-        shown = json.dumps(options.value, ensure_ascii=False)
+        shown = json.dumps(options.value)
         number = 0
         due = anyio.current_time()
         while True:

@@ -38,7 +38,7 @@ def call(options: argparse.Namespace) -> int:
         ros_type = await _type(door, options.service, expected)
         response = await door.call(options.service, request, options.timeout)
         if options.json:
-            print(json.dumps(response, ensure_ascii=False))
+            print(json.dumps(response))
         else:
             print(to_yaml((await response_schema(door, ros_type)).readable(response)), end="")
         return 0
