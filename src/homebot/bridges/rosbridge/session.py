@@ -170,7 +170,7 @@ class Session:
 
     async def _refuse(self, op: str, identifier: Identifier, target: str, problem: str) -> None:
         self.refused += 1
-        if (held_back := self._limit.allows(f"refused {self._client}")) is not None:
+        if (held_back := self._limit.allows(f"refused {self._client.rpartition(':')[0]}")) is not None:
             self._node.log.warning(
                 "door.refused", client=self._client, op=op, problem=problem, refused=self.refused, held_back=held_back
             )
