@@ -1,14 +1,18 @@
-"""A broker without sockets: a hub on a clock that is moved by hand, and clients in memory."""
+"""A broker without sockets on a clock that is moved by hand, with clients in memory; and clients on real sockets."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import asyncio
+import ssl
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import suppress
 from typing import TypeVar
 
+import anyio
 import pytest
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker import BrokerLimits, Hub, Peer, Policy
+from homebot.mqtt.broker import Broker, BrokerLimits, Hub, Peer, Policy
 from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
@@ -207,3 +211,78 @@ def pass_time(clock: ManualClock, hub: Hub) -> Callable[[float], None]:
         hub.deadlines.run(clock.monotonic())
 
     return move
+
+
+class WireClient:
+    """A client on a real socket: packets in, packets out; ``end`` is what the stream ended with."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, version: ProtocolVersion) -> None:
+        self.reader, self.writer, self.version = reader, writer, version
+        self._packets = PacketReader(version)
+
+    async def send(self, *packets: Packet) -> None:
+        await self.send_bytes(b"".join(encode(packet, self.version) for packet in packets))
+
+    async def send_bytes(self, data: bytes) -> None:
+        self.writer.write(data)
+        await self.writer.drain()
+
+    async def take(self) -> Packet:
+        """The next packet; EOFError where the broker closed instead."""
+        with anyio.fail_after(5):
+            while (packet := self._packets.pop()) is None:
+                data = await self.reader.read(65_536)
+                if not data:
+                    raise EOFError
+                self._packets.feed(data)
+        return packet
+
+    async def call(self, packet: Packet) -> Packet:
+        """Send one packet and return the next that comes."""
+        await self.send(packet)
+        return await self.take()
+
+    async def rest(self) -> list[Packet]:
+        """All packets until the broker closes."""
+        packets = []
+        while True:
+            try:
+                packets.append(await self.take())
+            except EOFError:
+                return packets
+
+    async def close(self) -> None:
+        self.writer.close()
+        with suppress(OSError):
+            await self.writer.wait_closed()
+
+
+Dial = Callable[..., Awaitable[WireClient]]
+
+
+@pytest.fixture
+async def dial() -> AsyncIterator[Dial]:
+    """Open a socket to a broker; logged in unless ``client_id`` is None. All are closed after the test."""
+    clients: list[WireClient] = []
+
+    async def make(
+        broker: Broker,
+        client_id: str | None = "a",
+        version: ProtocolVersion = ProtocolVersion.V5,
+        *,
+        context: ssl.SSLContext | None = None,
+        limit: int = 65_536,
+        **more: object,
+    ) -> WireClient:
+        streams = await asyncio.open_connection(broker.host, broker.port, ssl=context, limit=limit)
+        client = WireClient(*streams, version)
+        clients.append(client)
+        if client_id is not None:
+            connack = await client.call(Connect(client_id, version, **more))  # type: ignore[arg-type] # fields of Connect
+            assert isinstance(connack, Connack)
+            assert not connack.reason.failed
+        return client
+
+    yield make
+    for client in clients:
+        await client.close()

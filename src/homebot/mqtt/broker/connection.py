@@ -7,8 +7,6 @@ import socket
 from collections.abc import Callable
 from typing import cast, final
 
-import structlog
-
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.packets import ReasonCode
@@ -16,8 +14,6 @@ from homebot.mqtt.packets import ReasonCode
 __all__ = ["Connection"]
 
 _JOIN_AT_MOST = 128 * 1024  # write at once what has grown to this, so that the transport's limit counts
-
-_log = structlog.get_logger()
 
 
 @final
@@ -75,9 +71,9 @@ class Connection(asyncio.Protocol):
         """Bytes came; a fault of ours costs this connection only."""
         try:
             self.peer.receive(data)
-        except Exception:  # noqa: BLE001 - one connection's fault must not reach the others
-            _log.exception("broker.internal_error", address=self.address)
+        except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
             self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
+            self._hub.warn("broker.internal_error", address=self.address, error=repr(error), exc_info=True)
 
     def eof_received(self) -> bool:
         """The far side sends no more."""

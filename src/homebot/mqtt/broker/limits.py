@@ -39,7 +39,7 @@ class BrokerLimits:
         max_retained_bytes: The same in bytes of payload and topic.
         connect_timeout: How long a socket may be open without a CONNECT.
         linger: How long a connection closed for an error is drained, so that the peer can read the reason.
-        stop_timeout: How long stopping waits for the sockets to empty before it cuts them.
+        stop_timeout: How long stopping waits for the clients to close their side before it cuts them.
     """
 
     max_connections: int = 1000
@@ -60,7 +60,7 @@ class BrokerLimits:
     max_retained_bytes: int = 64 * _MIB
     connect_timeout: float = 10.0
     linger: float = 1.0
-    stop_timeout: float = 2.0
+    stop_timeout: float = 0.2
 
     def __post_init__(self) -> None:
         """Refuse bounds that cannot work.

@@ -1,0 +1,278 @@
+"""The broker on real sockets: listening, stopping, restarting, closing with a reason."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import ssl
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+
+from homebot.clock import ManualClock
+from homebot.errors import LinkError, UsageError
+from homebot.mqtt.broker import Broker, BrokerLimits, PortTakenError
+from homebot.mqtt.packets import (
+    Connect,
+    Disconnect,
+    FilterRequest,
+    Packet,
+    Pingreq,
+    Pingresp,
+    Properties,
+    ProtocolVersion,
+    Puback,
+    Publish,
+    ReasonCode,
+    Subscribe,
+    Will,
+    encode,
+)
+
+if TYPE_CHECKING:
+    from tests.mqtt.broker.conftest import Dial, WireClient
+
+V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
+FOREVER = Properties(session_expiry_interval=0xFFFF_FFFF)
+
+
+@pytest.mark.parametrize("version", [V31, V311, V5])
+async def test_a_message_goes_from_socket_to_socket(dial: Dial, version: ProtocolVersion) -> None:
+    async with Broker() as broker:
+        client = await dial(broker, "a", version)
+        await client.call(Subscribe(1, (FilterRequest("t", 1),)))
+        await (await dial(broker, "b", V5)).call(Publish("t", b"hello", 1, packet_id=1))
+        assert await client.take() == Publish("t", b"hello", 1, packet_id=1)
+
+
+async def test_entering_means_listening_and_leaving_means_gone(dial: Dial) -> None:
+    async with Broker() as broker:
+        assert broker.running
+        assert broker.url == f"mqtt://127.0.0.1:{broker.port}"
+        client, older = await dial(broker), await dial(broker, "b", V311)
+    assert not broker.running
+    assert await client.rest() == [Disconnect(ReasonCode.SERVER_SHUTTING_DOWN)]
+    assert await older.rest() == []
+    with socket.socket() as free:
+        free.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        free.bind((broker.host, broker.port))
+    assert broker.stats.clients == 0
+
+
+async def test_a_taken_port_is_named_with_what_to_do() -> None:
+    async with Broker() as first:
+        second = Broker(port=first.port)
+        with pytest.raises(PortTakenError, match=rf"port {first.port} .* choose another port") as caught:
+            await second.start()
+        assert caught.value.port == first.port
+    async with second:
+        assert second.port == first.port
+
+
+async def test_an_address_that_is_not_here_is_a_link_error() -> None:
+    with pytest.raises(LinkError, match=r"cannot listen on 192\.0\.2\.1"):
+        await Broker(host="192.0.2.1", credentials={"a": "b"}).start()
+    with pytest.raises(LinkError, match="no-such-host"):
+        await Broker(host="no-such-host.invalid", credentials={"a": "b"}).start()
+
+
+async def test_starting_and_stopping_twice_is_harmless() -> None:
+    broker = Broker()
+    with pytest.raises(UsageError, match="never started"):
+        _ = broker.stats
+    await broker.stop()
+    async with broker:
+        port = broker.port
+        await broker.start()
+        assert broker.port == port
+        await broker.stop()
+        await broker.stop()
+
+
+@pytest.mark.parametrize("abrupt", [False, True])
+async def test_a_restart_keeps_port_sessions_and_retained_messages(dial: Dial, *, abrupt: bool) -> None:
+    async with Broker() as broker:
+        port = broker.port
+        client = await dial(broker, will=Will("gone", b"1", retain=True), properties=FOREVER)
+        await client.call(Subscribe(1, (FilterRequest("t/#", 1),)))
+        publisher = await dial(broker, "p")
+        await publisher.call(Publish("t/1", b"kept", 1, retain=True, packet_id=1))
+        await broker.restart(keep_sessions=True, abrupt=abrupt)
+        assert broker.port == port
+        assert broker.stats.retained_messages == 1
+        goodbye = [] if abrupt else [Disconnect(ReasonCode.SERVER_SHUTTING_DOWN)]
+        assert await _until_cut(publisher) == goodbye
+        client = await dial(broker, clean_start=False, properties=FOREVER)
+        again = await client.take()
+        assert isinstance(again, Publish)
+        assert (again.payload, again.dup) == (b"kept", True)
+
+
+async def test_a_restart_may_forget_everything(dial: Dial) -> None:
+    async with Broker() as broker:
+        client = await dial(broker, properties=FOREVER)
+        await client.call(Publish("t", b"x", 1, retain=True, packet_id=1))
+        await broker.restart(keep_sessions=False)
+        assert (broker.stats.sessions, broker.stats.retained_messages) == (0, 0)
+        assert broker.stats.messages_received == 1
+
+
+async def test_clients_that_do_not_read_do_not_hold_up_a_stop(dial: Dial) -> None:
+    limits = BrokerLimits(stop_timeout=0.05, linger=30)
+    async with Broker(limits=limits) as broker:
+        client = await dial(broker)
+        client.writer.transport.pause_reading()  # type: ignore[attr-defined] # a socket transport
+        with anyio.fail_after(2):
+            await broker.stop()
+
+
+async def test_nagle_is_off(dial: Dial) -> None:
+    async with Broker() as broker:
+        await dial(broker)
+        (connection,) = broker._connections
+        assert connection._transport is not None
+        sock = connection._transport.get_extra_info("socket")
+        assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
+async def test_a_client_that_is_still_sending_reads_why_it_was_closed(dial: Dial) -> None:
+    async with Broker(limits=BrokerLimits(linger=0.2)) as broker:
+        client = await dial(broker)
+        flood = encode(Publish("t", bytes(1000))) * 2000
+        client.writer.write(b"\xc0\x01\x00" + flood)
+        (goodbye,) = await client.rest()
+        assert isinstance(goodbye, Disconnect)
+        assert goodbye.reason is ReasonCode.MALFORMED_PACKET
+
+
+async def test_one_bad_client_does_not_disturb_the_others(dial: Dial) -> None:
+    async with Broker() as broker:
+        good = await dial(broker, "good")
+        for junk in (b"\x00" * 50, b"GET / HTTP/1.1\r\n\r\n", b"\x10\xff\xff\xff\xff", b"\x16\x03\x01"):
+            bad = await dial(broker, None)
+            await bad.send_bytes(junk)
+            assert await bad.rest() == []
+        assert await good.call(Pingreq()) == Pingresp()
+        assert broker.stats.connections_failed == 4
+
+
+async def test_a_lost_socket_publishes_the_will(dial: Dial) -> None:
+    async with Broker() as broker:
+        watcher = await dial(broker, "w")
+        await watcher.call(Subscribe(1, (FilterRequest("gone", 1),)))
+        client = await dial(broker, "c", will=Will("gone", b"c", 1))
+        client.writer.transport.abort()
+        assert await watcher.take() == Publish("gone", b"c", 1, packet_id=1)
+
+
+async def test_a_stalled_subscriber_loses_nothing_that_was_acknowledged(dial: Dial) -> None:
+    async with Broker(limits=BrokerLimits(max_queued_messages=100, max_held_packets=50)) as broker:
+        slow = await dial(broker, "s", V311)
+        await slow.call(Subscribe(1, (FilterRequest("t", 1),)))
+        publisher = await dial(broker, "p", V311)
+        count = 500
+        for number in range(count):
+            await publisher.send(Publish("t", number.to_bytes(2, "big"), 1, packet_id=number + 1))
+        acknowledged = [await publisher.take() for _ in range(64 + 75)]
+        received = [await _take_and_acknowledge(slow) for _ in range(count)]
+        acknowledged += [await publisher.take() for _ in range(count - len(acknowledged))]
+        assert received == list(range(count))
+        assert acknowledged == [Puback(number + 1) for number in range(count)]
+        assert broker.stats.holds >= 1
+
+
+async def test_a_large_message_arrives_whole(dial: Dial) -> None:
+    async with Broker() as broker:
+        client = await dial(broker)
+        payload = bytes(range(256)) * 8000
+        await client.call(Subscribe(1, (FilterRequest("t", 0),)))
+        await client.send(Publish("t", payload))
+        assert await client.take() == Publish("t", payload)
+        await client.send_bytes(b"\x30\xff\xff\xff\x7f")
+        assert [getattr(each, "reason", None) for each in await client.rest()] == [ReasonCode.PACKET_TOO_LARGE]
+
+
+async def test_too_many_sockets_are_cut(dial: Dial) -> None:
+    async with Broker(limits=BrokerLimits(max_connections=1)) as broker:
+        await dial(broker, None)
+        await dial(broker, None)
+        with pytest.raises((EOFError, ConnectionError)):
+            await (await dial(broker, None)).take()
+        assert broker.stats.connections_refused == 1
+
+
+async def test_a_clock_moved_by_hand_needs_a_tick(dial: Dial) -> None:
+    clock = ManualClock(5.0)
+    async with Broker(clock=clock) as broker:
+        client = await dial(broker, properties=Properties(session_expiry_interval=3600))
+        await client.send(Disconnect())
+        assert await client.rest() == []
+        clock.advance(3600)
+        broker.tick()
+        assert broker.stats.sessions == 0
+
+
+async def test_deadlines_come_by_themselves(dial: Dial) -> None:
+    async with Broker(limits=BrokerLimits(connect_timeout=0.02)) as broker:
+        client = await dial(broker, None)
+        assert await client.rest() == []
+
+
+async def test_a_fault_of_ours_costs_one_connection_only(dial: Dial) -> None:
+    class Broken:
+        def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - fills the port
+            raise RuntimeError(f"{client_id} {filter}")
+
+        def publish(self, client_id: str, topic: str) -> ReasonCode:
+            raise RuntimeError(f"{client_id} {topic}")
+
+    with capture_logs() as lines:
+        async with Broker(policy=Broken()) as broker:
+            good, bad = await dial(broker, "good"), await dial(broker, "bad")
+            await bad.send(Publish("t"))
+            assert await bad.rest() == [Disconnect(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)]
+            assert await good.call(Pingreq()) == Pingresp()
+    assert [line["error"] for line in lines if line["event"] == "broker.internal_error"] == ["RuntimeError('bad t')"]
+
+
+async def test_password_and_names_of_hosts(dial: Dial) -> None:
+    async with Broker(host="localhost", credentials={"ann": "right"}) as broker:
+        await dial(broker, username="ann", password=b"right")
+        client = await dial(broker, None)
+        await client.send(Connect("x", username="ann", password=b"wrong"))
+        assert [getattr(each, "reason", None) for each in await client.rest()] == [ReasonCode.BAD_USER_NAME_OR_PASSWORD]
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not installed")
+async def test_tls_clients_are_served_and_closed_with_a_reason(dial: Dial, tmp_path: Path) -> None:
+    curve = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
+    names = ["-subj", "/CN=test", "-addext", "subjectAltName=IP:127.0.0.1", "-days", "2"]
+    files = ["-keyout", "key.pem", "-out", "cert.pem"]
+    subprocess.run(["openssl", "req", "-x509", *curve, *names, *files], cwd=tmp_path, check=True, capture_output=True)
+    server = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    server.load_cert_chain(tmp_path / "cert.pem", tmp_path / "key.pem")
+    trusting = ssl.create_default_context(cafile=tmp_path / "cert.pem")
+    async with Broker(tls=server) as broker:
+        assert broker.url.startswith("mqtts://")
+        client = await dial(broker, context=trusting)
+        assert await client.call(Pingreq()) == Pingresp()
+        await client.send_bytes(b"\xc0\x01\x00")
+        assert [getattr(each, "reason", None) for each in await client.rest()] == [ReasonCode.MALFORMED_PACKET]
+
+
+async def _take_and_acknowledge(client: WireClient) -> int:
+    message = await client.take()
+    assert isinstance(message, Publish)
+    await client.send(Puback(message.packet_id or 0))
+    return int.from_bytes(message.payload, "big")
+
+
+async def _until_cut(client: WireClient) -> list[Packet]:
+    try:
+        return await client.rest()
+    except ConnectionError:
+        return []

@@ -1,0 +1,135 @@
+"""Mosquitto's command line clients against the embedded broker."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio
+import pytest
+from anyio.abc import Process
+
+from homebot.mqtt.broker import Broker
+
+VERSIONS = ["mqttv31", "mqttv311", "mqttv5"]
+
+pytestmark = [
+    pytest.mark.system,
+    pytest.mark.skipif(shutil.which("mosquitto_rr") is None, reason="mosquitto-clients is not installed"),
+]
+
+
+@pytest.fixture
+async def broker() -> AsyncIterator[Broker]:
+    async with Broker() as broker:
+        await publish(broker, "-t", "mark", "-m", "ready", "-r")
+        yield broker
+
+
+async def publish(broker: Broker, *arguments: str, version: str = "mqttv5") -> None:
+    """Run mosquitto_pub to its end."""
+    command = ["mosquitto_pub", "-p", str(broker.port), "-V", version, *arguments]
+    with anyio.fail_after(10):
+        await anyio.run_process(command)
+
+
+@asynccontextmanager
+async def listener(broker: Broker, *arguments: str, version: str = "mqttv5") -> AsyncIterator[Process]:
+    """A mosquitto_sub that has subscribed: the retained mark has come."""
+    command = ["mosquitto_sub", "-p", str(broker.port), "-V", version, "-t", "mark", *arguments]
+    process = await anyio.open_process([*command, "-F", "%t %q %r %p"], stderr=subprocess.DEVNULL)
+    async with process:
+        try:
+            assert (await lines(process, 1))[0] == "mark 0 1 ready"
+            yield process
+        finally:
+            if process.returncode is None:
+                process.kill()
+
+
+async def lines(process: Process, count: int) -> list[str]:
+    """The next *count* lines of its output."""
+    assert process.stdout is not None
+    text = b""
+    with anyio.fail_after(10):
+        while text.count(b"\n") < count:
+            text += await process.stdout.receive()
+    return text.decode().splitlines()
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+async def test_messages_arrive_at_every_qos_in_every_version(broker: Broker, version: str) -> None:
+    async with listener(broker, "-t", "home/#", "-q", "2", version=version) as subscriber:
+        for qos in ("0", "1", "2"):
+            await publish(broker, "-t", "home/lamp", "-q", qos, "-m", f"qos {qos}", version=version)
+        assert await lines(subscriber, 3) == [f"home/lamp {qos} 0 qos {qos}" for qos in range(3)]
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+async def test_many_messages_at_qos_2_all_arrive_once(broker: Broker, version: str) -> None:
+    async with listener(broker, "-t", "n", "-q", "2", version=version) as subscriber:
+        numbers = "\n".join(str(number) for number in range(300))
+        command = ["mosquitto_pub", "-p", str(broker.port), "-V", version, "-t", "n", "-q", "2", "-l"]
+        with anyio.fail_after(10):
+            await anyio.run_process(command, input=numbers.encode())
+        assert await lines(subscriber, 300) == [f"n 2 0 {number}" for number in range(300)]
+
+
+async def test_a_retained_message_meets_a_later_subscriber_and_can_be_removed(broker: Broker) -> None:
+    publisher = ["mosquitto_pub", "-p", str(broker.port), "-t", "kept", "-r", "-q", "1", "-s"]
+    await anyio.run_process(publisher, input=b"x" * 900_000)
+    command = ["mosquitto_sub", "-p", str(broker.port), "-V", "mqttv311", "-t", "kept", "-C", "1", "-W", "10"]
+    result = await anyio.run_process(command)
+    assert len(result.stdout) == 900_001
+    await publish(broker, "-t", "kept", "-n", "-r", version="mqttv311")
+    assert broker.stats.retained_bytes == len(b"markready")
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+async def test_the_will_of_a_killed_client_is_published(broker: Broker, version: str) -> None:
+    async with listener(broker, "-t", "will/#", version="mqttv5") as watcher:
+        last_words = ["--will-topic", "will/x", "--will-payload", "gone", "--will-qos", "1"]
+        async with listener(broker, *last_words, version=version) as victim:
+            victim.kill()
+            await victim.wait()
+        assert await lines(watcher, 1) == ["will/x 0 0 gone"]
+
+
+async def test_a_session_is_kept_while_its_client_is_away(broker: Broker) -> None:
+    stay = ["-c", "-i", "stayer", "-t", "queue", "-q", "1"]
+    async with listener(broker, *stay, version="mqttv311"):
+        pass
+    await publish(broker, "-t", "queue", "-q", "1", "-m", "while away")
+    command = ["mosquitto_sub", "-p", str(broker.port), "-V", "mqttv311", *stay, "-C", "1", "-R", "-W", "10"]
+    result = await anyio.run_process(command)
+    assert result.stdout == b"while away\n"
+
+
+async def test_a_request_gets_its_response(broker: Broker) -> None:
+    async with listener(broker, "-t", "ask") as responder:
+        command = ["mosquitto_rr", "-p", str(broker.port), "-V", "mqttv5", "-t", "ask", "-e", "answer"]
+        async with await anyio.open_process([*command, "-m", "ping?", "-W", "10"]) as requester:
+            assert await lines(responder, 1) == ["ask 0 0 ping?"]
+            await publish(broker, "-t", "answer", "-m", "pong!")
+            assert await lines(requester, 1) == ["pong!"]
+
+
+async def test_mqtt_5_properties_go_through(broker: Broker) -> None:
+    command = ["mosquitto_sub", "-p", str(broker.port), "-V", "mqttv5", "-t", "p", "-C", "1", "-W", "10"]
+    properties = ["content-type text", "user-property k v", "response-topic r"]
+    arguments = [part for each in properties for part in ("-D", "PUBLISH", *each.split())]
+    await publish(broker, "-t", "p", "-m", "x", "-r", *arguments)
+    result = await anyio.run_process([*command, "-F", "%C %P %R %p"])
+    assert result.stdout.decode().split() == ["text", "k:v", "r", "x"]
+
+
+async def test_user_and_password_are_asked_for() -> None:
+    async with Broker(credentials={"ann": "right"}) as broker:
+        await publish(broker, "-t", "t", "-m", "x", "-u", "ann", "-P", "right", version="mqttv31")
+        for version in VERSIONS:
+            command = ["mosquitto_pub", "-p", str(broker.port), "-V", version, "-t", "t", "-m", "x"]
+            result = await anyio.run_process([*command, "-u", "ann", "-P", "wrong"], check=False)
+            assert result.returncode != 0
+            assert b"authori" in result.stderr.lower() or b"password" in result.stderr.lower()
