@@ -13,6 +13,7 @@ from subprocess import DEVNULL
 import anyio
 import pytest
 import pytest_asyncio
+import structlog
 from blockbuster import blockbuster_ctx
 
 from homebot.mqtt.broker import Broker
@@ -40,6 +41,18 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
             function.can_block_in("homebot/plugins.py", {"_entry_points", "_load_entry_point", "_load_class"})
             function.can_block_in("homebot/gateways/mqtt/settings.py", {"_password"})
         yield
+
+
+@pytest.fixture(autouse=True)
+def _logs_are_plain() -> None:
+    """As in production: structlog's default draws tracebacks with rich, which reads files while the loop waits."""
+    structlog.configure(
+        processors=[
+            structlog.processors.add_log_level,
+            structlog.processors.format_exc_info,
+            structlog.dev.ConsoleRenderer(colors=False),
+        ]
+    )
 
 
 @pytest.fixture(autouse=True)

@@ -363,15 +363,50 @@ async def test_one_who_is_cancelled_with_its_turn_in_hand_passes_it_on(
     node: Node, client: TriggerClient, gate: Gate
 ) -> None:
     node.create_service(Trigger, "s", gate)
-    calls = []
-    for _ in range(3):
-        calls.append(asyncio.ensure_future(client.call(ASK)))
+
+    async def first() -> None:
+        await client.call(ASK)
+        second.cancel()  # it has its turn, but has not run yet
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(first)
         await anyio.wait_all_tasks_blocked()
-    calls[0].add_done_callback(lambda _done: calls[1].cancel())
-    gate.opened.set()
-    await asyncio.wait(calls)
-    assert [call.cancelled() for call in calls] == [False, True, False]
-    assert now() == 0
+        second = asyncio.ensure_future(client.call(ASK))
+        await anyio.wait_all_tasks_blocked()
+        tasks.start_soon(client.call, ASK)
+        await anyio.wait_all_tasks_blocked()
+        gate.opened.set()
+    assert second.cancelled()
+    assert (gate.started, gate.cancelled, now()) == (2, 0, 0)
+
+
+async def test_a_line_of_cancelled_callers_leaves_the_service_free(node: Node, client: TriggerClient) -> None:
+    waiting: list[asyncio.Future[SuccessResponse]] = []
+
+    async def cancel_the_line(_request: TriggerRequest) -> SuccessResponse:
+        await anyio.sleep(1)
+        for call in waiting:
+            call.cancel()
+        return answer()
+
+    server = node.create_service(Trigger, "s", cancel_the_line)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(client.call, ASK)
+        await anyio.wait_all_tasks_blocked()
+        waiting.append(asyncio.ensure_future(client.call(ASK)))
+    await asyncio.wait(waiting)
+    assert waiting[0].cancelled()
+    assert not server.is_busy
+    assert not server.line
+
+
+async def test_a_call_that_is_thrown_away_closes_its_handler(node: Node, client: TriggerClient, gate: Gate) -> None:
+    server = node.create_service(Trigger, "s", gate)
+    call = client.call(ASK)
+    call.send(None)
+    assert (gate.running, server.is_busy) == (1, True)
+    call.close()
+    assert (gate.running, server.is_busy) == (0, False)
 
 
 async def test_cancelling_the_caller_cancels_the_handler(node: Node, client: TriggerClient, gate: Gate) -> None:

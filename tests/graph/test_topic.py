@@ -220,6 +220,18 @@ async def test_a_mismatch_is_loud_at_both_ends(run: Callable[[str], Awaitable[No
     assert waiting(subscription) == []
 
 
+@pytest.mark.virtual_time
+async def test_one_who_subscribes_again_and_again_cannot_flood_the_log(node: Node) -> None:
+    node.create_publisher(String, "t", qos_profile_sensor_data)
+    with capture_logs() as lines:
+        for _ in range(5):
+            node.create_subscription(String, "t").close()
+        assert len(lines) == 2
+        await anyio.sleep(10)
+        node.create_subscription(String, "t")
+    assert [line["held_back"] for line in lines] == [0, 0, 4, 4]
+
+
 async def test_a_mismatch_leaves_the_other_pairs_alone(node: Node) -> None:
     publisher = node.create_publisher(String, "t", qos_profile_sensor_data)
     deaf, open_minded = (

@@ -100,6 +100,11 @@ def test_what_json_has_no_number_for_is_null(value: float) -> None:
     assert message_to_json(ParameterValue(type=8, double_array_value=(value,)))["double_array_value"] == [None]
 
 
+def test_a_value_that_was_smuggled_past_the_check_is_not_written() -> None:
+    with pytest.raises(TypeMismatchError, match=r"\{1\} is no value of a message"):
+        message_to_json(String.model_construct(data={1}))  # type: ignore[arg-type]  # the mistake under test
+
+
 def test_null_is_read_as_not_a_number() -> None:
     assert math.isnan(message_from_json(Float64, {"data": None}).data)
     values = message_from_json(ParameterValue, {"type": 8, "double_array_value": [None, 1.5]}).double_array_value

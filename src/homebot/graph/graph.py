@@ -15,6 +15,7 @@ from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphChange
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
 from homebot.graph.topic import Topic
+from homebot.log import LogLimit
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
@@ -30,7 +31,8 @@ class Graph:
     """The look-up directory of everything on the graph.
 
     Args:
-        clock: The time that nodes, timers and lifespans go by; by default that of the running loop.
+        clock: The time that nodes, timers and lifespans go by; by default that of the running loop. Timers sleep on the
+            loop, so another clock must run with it.
 
     Attributes:
         clock: That clock.
@@ -43,6 +45,7 @@ class Graph:
         self._services: dict[str, ServiceSlot] = {}
         self._endpoints: dict[int, EndpointInfo] = {}
         self._watchers: list[Mailbox[GraphChange]] = []
+        self._limit = LogLimit(self.clock)
 
     def get_node_names(self) -> tuple[str, ...]:
         """Return the full names of all nodes, sorted."""
@@ -123,7 +126,7 @@ class Graph:
         """
         topic = self._topics.get(name)
         if topic is None or topic.is_unused:
-            topic = self._topics[name] = Topic(name, message_type)
+            topic = self._topics[name] = Topic(name, message_type, self._limit)
         topic.check_type(message_type, node)
         return topic
 

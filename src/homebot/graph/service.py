@@ -121,10 +121,10 @@ class Service(Generic[RequestT, ResponseT]):
         try:
             await turn
         except asyncio.CancelledError:
-            if not turn.cancelled():
-                self.end_turn()
-            elif place in self.line:
+            if place in self.line:
                 self.line.remove(place)
+            elif not turn.cancelled():
+                self.end_turn()
             raise
         if self.is_closed:
             raise ServiceGoneError(self.service_name)

@@ -10,6 +10,7 @@ from homebot.errors import TypeMismatchError
 from homebot.graph.publisher import Publisher
 from homebot.graph.qos import DurabilityPolicy, qos_incompatibilities
 from homebot.graph.subscription import Subscription
+from homebot.log import LogLimit
 from homebot.messages.message import Message
 
 __all__ = ["Topic"]
@@ -29,7 +30,9 @@ class Topic:
         subscriptions: Everybody who subscribes.
     """
 
-    def __init__(self, name: str, message_type: type[Message]) -> None:
+    def __init__(self, name: str, message_type: type[Message], limit: LogLimit) -> None:
+        """Make an unused topic; *limit* keeps one who subscribes again and again from flooding the log."""
+        self._limit = limit
         self.name = name
         self.message_type = message_type
         self.publishers: list[Publisher[Any]] = []
@@ -55,14 +58,14 @@ class Topic:
         """Connect *publisher* with every subscription that fits."""
         self.publishers.append(publisher)
         for subscription in self.subscriptions:
-            _report_mismatch(publisher, subscription)
+            self._report_mismatch(publisher, subscription)
         self._connect(publisher)
 
     def add_subscription(self, subscription: Subscription[Any]) -> None:
         """Connect *subscription* with every publisher that fits, and replay what they keep for late joiners."""
         self.subscriptions.append(subscription)
         for publisher in self.publishers:
-            if _report_mismatch(publisher, subscription):
+            if self._report_mismatch(publisher, subscription):
                 continue
             if _is_transient_local(subscription):
                 publisher.replay(subscription)
@@ -84,6 +87,29 @@ class Topic:
     def _connect(self, publisher: Publisher[Any]) -> None:
         publisher.connect(tuple(one for one in self.subscriptions if _fit(publisher, one)))
 
+    def _report_mismatch(self, publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
+        """Say at both ends that the two do not fit, and whether that is so."""
+        problems = qos_incompatibilities(publisher.qos, subscription.qos)
+        if not problems:
+            return False
+        publisher.incompatible_qos_count += 1
+        subscription.incompatible_qos_count += 1
+        held_back = self._limit.allows(f"{self.name} {publisher.info.node} {subscription.info.node}")
+        if held_back is None:
+            return True
+        for end, other in ((publisher.info, subscription.info), (subscription.info, publisher.info)):
+            _log.warning(
+                QOS_INCOMPATIBLE,
+                node=end.node,
+                topic=self.name,
+                end=end.kind.value,
+                other_node=other.node,
+                problem="; ".join(problems),
+                consequence="no message goes between the two",
+                held_back=held_back,
+            )
+        return True
+
 
 def _fit(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
     return not qos_incompatibilities(publisher.qos, subscription.qos)
@@ -91,24 +117,3 @@ def _fit(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
 
 def _is_transient_local(subscription: Subscription[Any]) -> bool:
     return subscription.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
-
-
-def _report_mismatch(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
-    """Say at both ends that the two do not fit, and whether that is so."""
-    problems = qos_incompatibilities(publisher.qos, subscription.qos)
-    if not problems:
-        return False
-    publisher.incompatible_qos_count += 1
-    subscription.incompatible_qos_count += 1
-    ends = ((publisher.info, subscription.info), (subscription.info, publisher.info))
-    for end, other in ends:
-        _log.warning(
-            QOS_INCOMPATIBLE,
-            node=end.node,
-            topic=end.name,
-            end=end.kind.value,
-            other_node=other.node,
-            problem="; ".join(problems),
-            consequence="no message goes between the two",
-        )
-    return True
