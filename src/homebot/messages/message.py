@@ -45,7 +45,13 @@ class Message(BaseModel):
         UsageError: A class names a key field that it does not have.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=True)
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=True,
+        defer_build=True,  # most programs use few of the types they import
+    )
 
     ros_type: ClassVar[str]
     key_field: ClassVar[str | None] = None
