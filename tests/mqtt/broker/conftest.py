@@ -43,6 +43,7 @@ class MemoryLink:
     def __init__(self) -> None:
         self.choked = False
         self.address = "memory"
+        self.last = b""
         self.written = bytearray()
         self.reading = True
         self.closed = False
@@ -50,6 +51,7 @@ class MemoryLink:
 
     def write(self, data: bytes) -> None:
         if not self.closed:
+            self.last = data
             self.written += data
 
     def pause_reading(self) -> None:

@@ -231,3 +231,20 @@ def test_subscriptions_are_bounded(new_hub: NewHub, join: Join) -> None:
     client = join(at=hub)
     granted, invalid = ReasonCode.GRANTED_QOS_2, ReasonCode.TOPIC_FILTER_INVALID
     assert client.subscribe("a", "a/b/c/d", "b", "c", "a") == (granted, invalid, granted, QUOTA, granted)
+
+
+def test_properties_count_towards_the_bounds(new_hub: NewHub, join: Join) -> None:
+    hub = new_hub(max_retained_bytes=1000)
+    client = join(at=hub)
+    big = Properties(user_properties=(("k" * 500, "v" * 500),))
+    client.publish("t", b"x", 1, 1, retain=True, properties=big)
+    assert client.take_only(Puback)[0].reason is QUOTA
+
+
+def test_subscribers_share_the_encoded_bytes(join: Join) -> None:
+    subscribers = [join(name) for name in "abc"]
+    for subscriber in subscribers:
+        subscriber.subscribe("t", qos=0)
+    join("p").publish("t", bytes(1000))
+    first, second, third = (subscriber.link.last for subscriber in subscribers)
+    assert first is second is third

@@ -266,3 +266,11 @@ def test_lines_that_outsiders_cause_are_limited(
         stranger().send_bytes(b"\xff\xff\xff\xff\xff")
     assert hub.stats.connections_failed == 50
     assert capsys.readouterr().out.count("broker.connection_failed") <= 1
+
+
+def test_the_words_of_a_reason_are_short_however_long_the_culprit(join: Join) -> None:
+    client = join()
+    client.send(Subscribe(1, (FilterRequest("a" * 65_000 + "#"),)))
+    (goodbye,) = client.take_only(Disconnect)
+    assert goodbye.reason is ReasonCode.TOPIC_FILTER_INVALID
+    assert len(goodbye.properties.reason_string or "") <= 200

@@ -13,11 +13,12 @@ from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["Connection"]
 
+_READ_AT_MOST = 16 * 1024  # handled in one turn of the loop: some hundred messages, then it is the others' turn
 _JOIN_AT_MOST = 128 * 1024  # write at once what has grown to this, so that the transport's limit counts
 
 
 @final
-class Connection(asyncio.Protocol):
+class Connection(asyncio.BufferedProtocol):
     """Carries bytes between a transport and a :class:`Peer`; fills the :class:`Link` port.
 
     Args:
@@ -48,6 +49,8 @@ class Connection(asyncio.Protocol):
         self._on_lost = on_lost
         self._refused = refused
         self._transport: asyncio.Transport | None = None
+        self._buffer = bytearray(_READ_AT_MOST)
+        self._view = memoryview(self._buffer)
         self._out: list[bytes] = []
         self._out_size = 0
         self._closing = False
@@ -67,10 +70,14 @@ class Connection(asyncio.Protocol):
         if sock is not None and sock.family in (socket.AF_INET, socket.AF_INET6):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
-    def data_received(self, data: bytes) -> None:
+    def get_buffer(self, sizehint: int) -> bytearray:  # noqa: ARG002 - asyncio's signature
+        """Where the next bytes go."""
+        return self._buffer
+
+    def buffer_updated(self, nbytes: int) -> None:
         """Bytes came; a fault of ours costs this connection only."""
         try:
-            self.peer.receive(data)
+            self.peer.receive(bytes(self._view[:nbytes]))
         except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
             self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
             self._hub.warn("broker.internal_error", address=self.address, error=repr(error), exc_info=True)

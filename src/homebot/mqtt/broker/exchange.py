@@ -67,6 +67,8 @@ class Exchange:
             if chosen is not None and outcome:
                 refused = refused or outcome is Delivery.REFUSED
                 slow.append(chosen)
+        if message.retain:
+            message.forget_encoded()
         if refused or not retained:
             return Receipt(ReasonCode.QUOTA_EXCEEDED, tuple(each for each in slow if not each.overrun))
         if slow:

@@ -30,13 +30,13 @@ class BrokerLimits:
         topic_alias_maximum: Topic aliases in each direction of a connection.
         max_queued_messages: Messages waiting for one client. While it is away the oldest is dropped; while it
             is connected but slow, publishers are held back from three quarters of this on.
-        max_queued_bytes: The same in bytes of payload and topic.
+        max_queued_bytes: The same in bytes of topic, payload and properties.
         hold_time: How long publishers are held back for a slow client; after that its share of further
             messages is refused (0x97) until it has caught up.
         max_held_packets: Packets of a publisher that is held back; beyond it the socket is not read.
         write_buffer: Bytes waiting for a client's socket; beyond it QoS 0 messages for it are dropped.
         max_retained_messages: Retained messages; one more is delivered but not retained (0x97).
-        max_retained_bytes: The same in bytes of payload and topic.
+        max_retained_bytes: The same in bytes of topic, payload and properties.
         connect_timeout: How long a socket may be open without a CONNECT.
         linger: How long a connection closed for an error is drained, so that the peer can read the reason.
         stop_timeout: How long stopping waits for the clients to close their side before it cuts them.

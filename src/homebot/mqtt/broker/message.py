@@ -11,6 +11,8 @@ from homebot.mqtt.packets.publish import encode_publish_parts
 
 __all__ = ["Message"]
 
+_MAX_ENCODED = 8  # two versions at three QoS, and some for subscription identifiers
+
 
 @final
 class Message:
@@ -24,7 +26,7 @@ class Message:
         properties: What goes on to subscribers: no topic alias, no subscription identifiers.
         origin: Client id of the publisher.
         expires_at: When it is worthless, on the clock's monotonic scale, or None.
-        size: Bytes of topic and payload, for the bounds.
+        size: About its bytes (topic, payload and properties), for the bounds.
     """
 
     __slots__ = ("_parts", "expires_at", "origin", "payload", "properties", "qos", "retain", "size", "topic")
@@ -47,6 +49,8 @@ class Message:
         self.origin = origin
         self.expires_at = expires_at
         self.size = len(topic) + len(payload)
+        if properties is not NO_PROPERTIES:
+            self.size += _size_of(properties)
         self._parts: dict[object, tuple[bytes, bytes]] = {}
 
     def parts(
@@ -57,7 +61,10 @@ class Message:
         identifiers: tuple[int, ...],
         now: float,
     ) -> tuple[bytes, bytes]:
-        """The PUBLISH packet before and behind the packet id.
+        """The PUBLISH packet before and behind the packet id; at QoS 0 all of it and nothing.
+
+        What is sent with the retain flag is not kept: replays come one at a time, and a retained message must
+        not take several times the memory it is counted with.
 
         Args:
             version: What the receiver speaks.
@@ -74,8 +81,15 @@ class Message:
         if parts is None:
             properties = self.properties_for(identifiers, now) if is_v5 else NO_PROPERTIES
             packet = Publish(self.topic, self.payload, qos, retain, properties=properties)
-            parts = self._parts[key] = encode_publish_parts(packet, version)
+            head, tail = encode_publish_parts(packet, version)
+            parts = (head, tail) if qos else (head + tail, b"")
+            if not retain and len(self._parts) < _MAX_ENCODED:
+                self._parts[key] = parts
         return parts
+
+    def forget_encoded(self) -> None:
+        """Free what :meth:`parts` has kept: all who were there have got it."""
+        self._parts.clear()
 
     def properties_for(self, identifiers: tuple[int, ...], now: float) -> Properties:
         """The MQTT 5 properties as one receiver gets them; arguments as for :meth:`parts`."""
@@ -90,3 +104,9 @@ class Message:
 
     def _left(self, now: float) -> int | None:
         return None if self.expires_at is None else max(ceil(self.expires_at - now), 0)
+
+
+def _size_of(properties: Properties) -> int:
+    texts = (properties.content_type, properties.response_topic, properties.correlation_data)
+    pairs = sum(len(name) + len(value) for name, value in properties.user_properties)
+    return pairs + sum(len(text) for text in texts if text is not None)

@@ -68,7 +68,7 @@ class Outbound:
         else:
             now = 0.0 if message.expires_at is None else self._clock.monotonic()
             head, tail = message.parts(self.version, qos, retain, identifiers, now)
-        data = head + packet_id.to_bytes(2, "big") + tail if qos else head + tail
+        data = b"".join((head, packet_id.to_bytes(2, "big"), tail)) if qos else head
         if len(data) > self.max_packet_size:
             self._counters.dropped_too_large += 1
             return False
@@ -95,4 +95,5 @@ class Outbound:
             parcel.retain,
             properties=replace(properties, topic_alias=alias),
         )
-        return encode_publish_parts(packet, self.version)
+        head, tail = encode_publish_parts(packet, self.version)
+        return (head, tail) if parcel.qos else (head + tail, b"")

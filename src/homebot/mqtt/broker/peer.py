@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 from homebot.mqtt.broker import login
+from homebot.mqtt.broker.farewell import goodbye, unread_connect_answer
 from homebot.mqtt.broker.holding import Holding
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.inbound import Inbound
@@ -27,7 +28,6 @@ from homebot.mqtt.packets import (
     PacketReader,
     Pingreq,
     Pingresp,
-    Properties,
     ProtocolVersion,
     Puback,
     Pubcomp,
@@ -146,7 +146,7 @@ class Peer:
         if verdict.failed:
             hub.counters.connections_refused += 1
             hub.warn("broker.login_refused", address=self._link.address, reason=verdict.name.lower())
-            self._refuse(verdict, packet.version)
+            self._shut(encode(Connack(reason=verdict), packet.version))
             return
         self._reader.max_packet_size = hub.limits.max_packet_size
         wanted = login.accept(packet, hub)
@@ -252,41 +252,22 @@ class Peer:
             problem=error.problem,
         )
         if self._client is None:
-            self._silence.cancel()
-            self._refuse_unread(error)
+            self._shut(unread_connect_answer(error))
         else:
             self._close(error.code, error.problem, publish_will=True)
 
     def _close(self, reason: ReasonCode, words: str, *, publish_will: bool) -> None:
         client = self._client
-        if client is not None and not self._closed and client.outbound.version is ProtocolVersion.V5:
-            self._say_goodbye(client, reason, words)
+        last = b""
+        if client is not None and client.outbound.version is ProtocolVersion.V5:
+            wanted = client.wanted
+            last = goodbye(reason, words if wanted.problem_information else "", wanted.max_packet_size)
+        self._shut(last, publish_will=publish_will)
+
+    def _shut(self, last: bytes, *, publish_will: bool = False) -> None:
+        if not self._closed:
+            self._link.write(last)
         self._finish(publish_will=publish_will)
-        self._link.close(linger=True)
-
-    def _say_goodbye(self, client: _Client, reason: ReasonCode, words: str) -> None:
-        outbound = client.outbound
-        if words and client.wanted.problem_information:
-            goodbye = encode(Disconnect(reason, Properties(reason_string=words)), outbound.version)
-            if len(goodbye) <= outbound.max_packet_size:
-                self._link.write(goodbye)
-                return
-        outbound.send(Disconnect(reason))
-
-    def _refuse_unread(self, error: PacketError) -> None:
-        """Answer a CONNECT that could not be read, in the version it seems to have."""
-        if error.code is ReasonCode.UNSUPPORTED_PROTOCOL_VERSION:
-            newer = error.frame[:6] == b"\0\4MQTT" and error.frame[6:7] > b"\5"
-            self._refuse(error.code, ProtocolVersion.V5 if newer else ProtocolVersion.V311)
-        elif b"\0\4MQTT\5" in error.frame[:16]:
-            self._refuse(error.code, ProtocolVersion.V5)
-        else:
-            self._finish(publish_will=False)
-            self._link.close(linger=True)
-
-    def _refuse(self, reason: ReasonCode, version: ProtocolVersion) -> None:
-        self._link.write(encode(Connack(reason=reason), version))
-        self._finish(publish_will=False)
         self._link.close(linger=True)
 
     def _finish(self, *, publish_will: bool) -> None:
@@ -298,7 +279,6 @@ class Peer:
         self._holding.stop()
         if client is not None:
             self._take_held(client)
-        if client is not None:
             del self._hub.peers[client.session.client_id]
             self._hub.sessions.detach(client.session, client.will if publish_will else None)
 

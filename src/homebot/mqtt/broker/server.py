@@ -226,10 +226,12 @@ class Broker:
         hub = self._hub
         if hub is None:
             return
-        hub.deadlines.run(hub.clock.monotonic())
-        earliest = hub.deadlines.earliest
-        if earliest is not None:
-            self._wake_at(earliest)
+        try:
+            hub.deadlines.run(hub.clock.monotonic())
+        finally:
+            earliest = hub.deadlines.earliest
+            if earliest is not None:
+                self._wake_at(earliest)
 
     async def _bind(self, loop: asyncio.AbstractEventLoop) -> socket.socket:
         family, address = await self._resolve(loop)

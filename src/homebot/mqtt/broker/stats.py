@@ -53,7 +53,7 @@ class BrokerStats:
         sessions: Sessions kept now, connected or not.
         subscriptions: Subscriptions of all sessions.
         retained_messages: Retained messages.
-        retained_bytes: Their payloads and topics, in bytes.
+        retained_bytes: Their topics, payloads and properties, in bytes.
         queued_messages: Messages waiting in all sessions.
     """
 

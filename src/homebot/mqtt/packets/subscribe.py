@@ -229,7 +229,8 @@ def _filter(cursor: Cursor) -> str:
     try:
         validate_filter(name)
     except InvalidNameError as error:
-        raise PacketError(str(error), cursor.body, ReasonCode.TOPIC_FILTER_INVALID) from None
+        problem = f"topic filter {name[:40]!r} {error.problem}"
+        raise PacketError(problem, cursor.body, ReasonCode.TOPIC_FILTER_INVALID) from None
     return name
 
 
