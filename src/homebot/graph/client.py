@@ -94,7 +94,7 @@ class Client(Generic[RequestT, ResponseT]):
         if server is None:
             self._check_open()
             raise ServiceUnavailableError(self.info.name)
-        if request.__class__ is not self._request_type:
+        if type(request) is not self._request_type:
             self._reject(request)
         if server.is_busy:
             timeout = await self._take_turn(server, timeout)
@@ -102,10 +102,10 @@ class Client(Generic[RequestT, ResponseT]):
             server.is_busy = server.is_exclusive
         try:
             response = server.callback(request)
-            if response.__class__ is not self._response_type:
+            if type(response) is not self._response_type:
                 # The first step is taken without a time limit in place: most handlers need no second one, and a timer
                 # costs more than such a call.
-                handler = response if response.__class__ is CoroutineType else _as_coroutine(response)
+                handler = response if type(response) is CoroutineType else _as_coroutine(response)
                 try:
                     waits_for = handler.send(None)
                 except StopIteration as stop:
@@ -123,7 +123,7 @@ class Client(Generic[RequestT, ResponseT]):
                 server.end_turn()
             else:
                 server.is_busy = False
-        if response.__class__ is self._response_type:
+        if type(response) is self._response_type:
             return response
         raise _no_response(self.info.name, response)
 

@@ -79,7 +79,7 @@ class Publisher(Generic[MessageT]):
             TypeMismatchError: *message* is not exactly of the topic's type.
             ClosedError: The publisher was closed.
         """
-        if message.__class__ is not self._message_type:
+        if type(message) is not self._message_type:
             self._reject(message)
         if not self._is_plain:
             self._publish_kept(message)
@@ -103,7 +103,7 @@ class Publisher(Generic[MessageT]):
         Raises:
             TypeMismatchError, ClosedError: As :meth:`publish`.
         """
-        if message.__class__ is not self._message_type:
+        if type(message) is not self._message_type:
             self._reject(message)
         while (full := self._first_full(message)) is not None:
             await full.wait_for_change()
