@@ -10,9 +10,11 @@ import pytest
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import Hub
 from homebot.mqtt.packets import (
+    Connack,
     Disconnect,
     Pingreq,
     Pingresp,
+    Properties,
     ProtocolVersion,
     Puback,
     Publish,
@@ -179,3 +181,45 @@ def test_many_retained_messages_do_not_outrun_their_new_subscriber(small: Hub, j
         packets = slow.take()
     assert sum(isinstance(packet, Publish) for packet in received) == 30
     assert sum(isinstance(packet, Puback) for packet in received) == 1
+
+
+def test_a_share_whose_only_member_is_slow_holds_its_publishers_too(small: Hub, join: Join) -> None:
+    slow, publisher = join("s", at=small), join("p", at=small)
+    slow.subscribe("$share/g/t")
+    assert pour(publisher, 12) == 7
+    assert len(drain(slow)) == 12
+
+
+def test_an_overrun_client_gets_no_more_retained_messages_than_it_has_room_for(
+    small: Hub, join: Join, later: Callable[[float], None]
+) -> None:
+    slow, publisher = join("s", at=small), join("p", at=small)
+    for number in range(20):
+        publisher.publish(f"r/{number}", b"x", 1, 1, retain=True)
+    slow.subscribe("t")
+    publisher.take()
+    pour(publisher, 12)
+    later(10)
+    slow.subscribe("r/#")
+    assert small.stats.queued_messages == 8
+    assert small.stats.dropped_overrun == 20 + 3
+
+
+def test_a_packet_that_must_not_come_ends_the_connection_also_after_it_waited(small: Hub, join: Join) -> None:
+    slow, publisher = join("s", at=small), join("p", at=small)
+    slow.subscribe("t")
+    pour(publisher, 8)
+    publisher.send(Connack())
+    assert not publisher.link.closed
+    assert len(drain(slow)) == 8
+    assert publisher.take_only(Disconnect)[0].reason is ReasonCode.PROTOCOL_ERROR
+
+
+def test_a_bad_message_among_those_a_lost_publisher_left_ends_them(small: Hub, join: Join) -> None:
+    slow, publisher = join("s", at=small), join("p", at=small)
+    slow.subscribe("t")
+    pour(publisher, 8)
+    publisher.publish("", b"no such alias", properties=Properties(topic_alias=5))
+    publisher.publish("t", b"behind", 1, 99)
+    publisher.lose()
+    assert len(drain(slow)) == 8

@@ -274,3 +274,9 @@ def test_the_words_of_a_reason_are_short_however_long_the_culprit(join: Join) ->
     (goodbye,) = client.take_only(Disconnect)
     assert goodbye.reason is ReasonCode.TOPIC_FILTER_INVALID
     assert len(goodbye.properties.reason_string or "") <= 200
+
+
+def test_a_will_too_deep_is_refused(stranger: Stranger) -> None:
+    client = stranger()
+    client.send(Connect("a", will=Will("a/" * 200)))
+    assert client.take_only(Connack)[0].reason is ReasonCode.TOPIC_NAME_INVALID

@@ -185,6 +185,19 @@ async def test_a_stalled_subscriber_loses_nothing_that_was_acknowledged(dial: Di
         assert broker.stats.holds >= 1
 
 
+async def test_a_socket_that_is_full_costs_qos_0_messages_but_no_qos_1_message(dial: Dial) -> None:
+    async with Broker(limits=BrokerLimits(write_buffer=100_000)) as broker:
+        slow, publisher = await dial(broker, "s"), await dial(broker, "p")
+        await slow.call(Subscribe(1, (FilterRequest("t", 1),)))
+        for _ in range(100):
+            await publisher.send(Publish("t", bytes(200_000)))
+        assert await publisher.call(Publish("t", b"last", 1, packet_id=1)) == Puback(1)
+        messages = [await slow.take()]
+        while messages[-1] != Publish("t", b"last", 1, packet_id=1):
+            messages.append(await slow.take())
+        assert broker.stats.dropped_qos0 == 101 - len(messages) > 0
+
+
 async def test_a_large_message_arrives_whole(dial: Dial) -> None:
     async with Broker() as broker:
         client = await dial(broker)

@@ -202,3 +202,34 @@ def test_packet_ids_start_anew_after_the_last_and_pass_over_those_in_use(join: J
     client.publish("t", b"last", 1, packet_id=1)
     client.publish("t", b"next", 1, packet_id=1)
     assert [message.packet_id for message in client.messages()] == [1, 65_535, 2]
+
+
+def test_qos_0_messages_that_waited_are_dropped_when_the_client_goes(join: Join) -> None:
+    client, other = join("s", session_expiry_interval=FOREVER), join("p")
+    other.publish("t/0", b"0", 0, retain=True)
+    other.publish("t/1", b"1", 1, 1, retain=True)
+    client.link.choked = True
+    client.subscribe("t/#")
+    client.lose()
+    assert payloads(join("s", clean=False, present=True)) == [b"1"]
+
+
+def test_a_message_that_became_too_large_is_not_sent_again(join: Join) -> None:
+    client = join("s", session_expiry_interval=FOREVER)
+    client.subscribe("t")
+    client.publish("t", bytes(100), 1, 1)
+    client.publish("t", b"small", 1, 2)
+    client.lose()
+    client = join("s", clean=False, present=True, maximum_packet_size=50)
+    assert payloads(client) == [b"small"]
+
+
+def test_an_acknowledgement_before_the_second_sending_stops_it(join: Join) -> None:
+    client = join("s", session_expiry_interval=FOREVER)
+    client.subscribe("t")
+    for number in (1, 2):
+        client.publish("t", str(number).encode(), 1, number)
+    client.lose()
+    client = join("s", clean=False, present=True, receive_maximum=1)
+    client.send(Puback(2), Puback(1))
+    assert payloads(client) == [b"1"]

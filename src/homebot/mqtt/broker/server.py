@@ -102,7 +102,7 @@ class Broker:
         self._hub: Hub | None = None
         self._server: asyncio.Server | None = None
         self._connections: set[Connection] = set()
-        self._empty = anyio.Event()
+        self._empty: anyio.Event | None = None
         self._timer: asyncio.TimerHandle | None = None
 
     def __repr__(self) -> str:
@@ -267,7 +267,7 @@ class Broker:
 
     def _lost(self, connection: Connection) -> None:
         self._connections.discard(connection)
-        if not self._connections:
+        if self._empty is not None and not self._connections:
             self._empty.set()
 
     async def _gone(self) -> None:
