@@ -17,7 +17,7 @@ from homebot.mqtt.options import MqttOptions
 
 __all__ = ["SimulatedHouse", "thesis_devices"]
 
-HEARTBEAT = 5.0
+HEARTBEAT = 2.0
 """Seconds after which a device repeats its state, as real ones do."""
 
 
