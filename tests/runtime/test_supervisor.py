@@ -113,7 +113,7 @@ async def test_a_component_that_returns_is_done() -> None:
 
 
 async def test_entering_waits_until_the_component_is_ready() -> None:
-    """ "Started" is a signal."""
+    """Being ready is a signal, not a matter of time."""
 
     async def slow(*, task_status: TaskStatus[None]) -> None:
         await anyio.sleep(3)

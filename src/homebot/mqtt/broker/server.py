@@ -179,7 +179,7 @@ class Broker:
         )
         hub.deadlines.wake = self._wake_at
         self.tick()
-        _log.info("broker.listening", url=self.url)
+        _log.debug("broker.listening", url=self.url)
 
     async def stop(self, *, abrupt: bool = False) -> None:
         """Close all connections and free the port; sessions and retained messages stay for the next start.
@@ -207,7 +207,7 @@ class Broker:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        _log.info("broker.stopped", url=self.url)
+        _log.debug("broker.stopped", url=self.url)
 
     async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
         """Stop, and start again on the same port.
