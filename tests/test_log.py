@@ -126,3 +126,12 @@ def test_the_limit_remembers_a_thousand_kinds() -> None:
         limit.allows(f"kind {number}")
     assert limit.allows("kind 1000") is None
     assert limit.allows("kind 0") == 0
+
+
+def test_a_burst_of_lines_passes_before_the_limit_holds_them_back() -> None:
+    """And the next interval tells how many were held back."""
+    clock = ManualClock()
+    limit = LogLimit(clock, interval=10.0, burst=3)
+    assert [limit.allows("kind") for _ in range(5)] == [0, 0, 0, None, None]
+    clock.advance(10.0)
+    assert [limit.allows("kind") for _ in range(4)] == [2, 0, 0, None]

@@ -10,6 +10,7 @@ import re
 import sys
 from collections import OrderedDict
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal, TextIO, TypeAlias, final
 
 import structlog
@@ -75,17 +76,19 @@ def sentence(event: EventDict) -> str:
 
 @final
 class LogLimit:
-    """Lets one line of a kind through per interval and counts the others, so that no outsider can flood the log.
+    """Lets a few lines of a kind through per interval and counts the others, so that no outsider can flood the log.
 
     Args:
         clock: The time to go by.
-        interval: Seconds between two lines of one kind.
+        interval: Seconds after which a kind may be heard again.
+        burst: Lines of one kind let through per interval.
     """
 
-    def __init__(self, clock: Clock, interval: float = 10.0) -> None:
+    def __init__(self, clock: Clock, interval: float = 10.0, burst: int = 1) -> None:
         self._clock = clock
         self._interval = interval
-        self._kinds: OrderedDict[str, tuple[float, int]] = OrderedDict()
+        self._burst = burst
+        self._kinds: OrderedDict[str, _Interval] = OrderedDict()
 
     def allows(self, kind: str) -> int | None:
         """Return how many lines of *kind* were held back since the last one, or None when this one must be too.
@@ -93,16 +96,25 @@ class LogLimit:
         The 1,000 kinds used last are remembered.
         """
         now = self._clock.monotonic()
-        last, held_back = self._kinds.get(kind, (None, 0))
-        if last is not None and now - last < self._interval:
-            self._kinds[kind] = (last, held_back + 1)
-            self._kinds.move_to_end(kind)
-            return None
-        self._kinds[kind] = (now, 0)
+        current = self._kinds.get(kind)
+        if current is None or now - current.start >= self._interval:
+            current = self._kinds[kind] = _Interval(now, held_back=current.held_back if current else 0)
+            if len(self._kinds) > _MAX_KEYS:
+                self._kinds.popitem(last=False)
         self._kinds.move_to_end(kind)
-        if len(self._kinds) > _MAX_KEYS:
-            self._kinds.popitem(last=False)
+        if current.passed >= self._burst:
+            current.held_back += 1
+            return None
+        current.passed += 1
+        held_back, current.held_back = current.held_back, 0
         return held_back
+
+
+@dataclass(slots=True)
+class _Interval:
+    start: float
+    passed: int = 0
+    held_back: int = 0
 
 
 class _Console:

@@ -126,7 +126,13 @@ class Door:
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)
         if (held_back := self._limit.allows(f"turned away {client.rpartition(':')[0]}")) is not None:
-            self._node.log.warning("door.turned_away", client=client, problem=problem, held_back=held_back)
+            self._node.log.warning(
+                "door.turned_away",
+                message=f"{client} was turned away: {problem}",
+                client=client,
+                problem=problem,
+                held_back=held_back,
+            )
         return connection.respond(status, f"{problem}\n")
 
     async def _serve(self, connection: ServerConnection) -> None:
@@ -161,9 +167,17 @@ class _LibraryLog(logging.Handler):
         if (held_back := self._limit.allows(record.msg)) is None:
             return
         if record.msg == "connection handler failed":
-            self._node.log.error("door.session_crashed", exc_info=error, held_back=held_back)
+            self._node.log.error(
+                "door.session_crashed", message="a client's session crashed", exc_info=error, held_back=held_back
+            )
         else:
-            self._node.log.warning("door.handshake_failed", problem=str(error or record.msg), held_back=held_back)
+            problem = str(error or record.msg)
+            self._node.log.warning(
+                "door.handshake_failed",
+                message=f"somebody came to the door who speaks no WebSocket: {problem}",
+                problem=problem,
+                held_back=held_back,
+            )
 
 
 async def _texts(connection: ServerConnection) -> AsyncIterator[str]:

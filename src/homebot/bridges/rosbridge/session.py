@@ -172,7 +172,13 @@ class Session:
         self.refused += 1
         if (held_back := self._limit.allows(f"refused {self._client.rpartition(':')[0]}")) is not None:
             self._node.log.warning(
-                "door.refused", client=self._client, op=op, problem=problem, refused=self.refused, held_back=held_back
+                "door.refused",
+                message=f"{self._client} asked to {op}: {problem}",
+                client=self._client,
+                op=op,
+                problem=problem,
+                refused=self.refused,
+                held_back=held_back,
             )
         if op == "call_service":
             await self._send(service_failure(target, identifier, problem))

@@ -116,4 +116,9 @@ class Subscriptions:
                 try:
                     self._serve(op)
                 except HomebotError as exc:
-                    self._node.log.warning("door.late_topic_unfit", topic=full_name, problem=str(exc))
+                    self._node.log.warning(
+                        "door.late_topic_unfit",
+                        message=f"nobody outside hears {full_name}: {exc}",
+                        topic=full_name,
+                        problem=str(exc),
+                    )

@@ -46,6 +46,9 @@ CONVENTIONS = "homebot.mqtt_conventions"
 REFRESH = 1.0
 """Seconds between two sightings of a device that keeps talking: `last_seen` is exact to this much."""
 
+MAX_WARNINGS = 20
+"""Lines of one kind in ten seconds, each about another culprit."""
+
 START_PATIENCE = 2.0
 """Seconds for which the start of homebot waits for a broker that does not answer; the gateway goes on trying."""
 
@@ -92,6 +95,7 @@ class MqttGateway(Gateway):
         self._settings = settings
         self._clock = node.graph.clock
         self._limit = LogLimit(self._clock)
+        self._flood_limit = LogLimit(self._clock, burst=MAX_WARNINGS)
         self._conventions = [_convention(name, settings.root) for name in settings.conventions]
         self._channels = Channels(self._conventions)
         self._listeners = Listeners(node, self.names, inboxes=settings.delivery == "inbox")
@@ -264,10 +268,13 @@ class MqttGateway(Gateway):
             self._warn(COMMAND_REFUSED, f"not sent to {command.address}: {exc}", topic=command.address)
 
     def _warn(self, event: str, words: str, *, topic: str) -> None:
-        held_back = self._limit.allows(event)
-        if held_back is not None:
-            more = f" (and {held_back} more like this)" if held_back else ""
-            self.node.log.warning(event, message=f"{words}{more}", topic=topic, held_back=held_back)
+        """Tell of a culprit once in a while, and of so many culprits at most."""
+        repeated = self._limit.allows(f"{event} {topic}")
+        if repeated is None or (unheard := self._flood_limit.allows(event)) is None:
+            return
+        held_back = repeated + unheard
+        more = f" (and {held_back} more like this)" if held_back else ""
+        self.node.log.warning(event, message=f"{words}{more}", topic=topic, held_back=held_back)
 
 
 def _convention(name: str, root: str) -> Convention:
