@@ -205,6 +205,27 @@ async def test_raw_messages_reach_the_inbox_of_the_node_that_asked(embedded_brok
         assert second.text() == "off"
 
 
+async def test_a_burst_of_qos_0_does_not_overrun_an_inbox_whose_reader_keeps_up(embedded_broker_url: str) -> None:
+    """3,000 messages that arrive in a few reads, three times what the inbox holds."""
+    everything = anyio.Event()
+    heard: list[bytes] = []
+
+    def hear(message: RawMessage) -> None:
+        heard.append(message.payload)
+        if len(heard) == 3000:
+            everything.set()
+
+    async with gateway_on(embedded_broker_url, root="h") as house:
+        answer = await house.listen("h/l/x/out", listener="/watcher")
+        house.watcher.create_subscription(RawMessage, answer.data_topic, hear, 1000)
+        for number in range(3000):
+            await house.say("h/l/x/out", b"%d" % number, qos=0)
+
+        with anyio.fail_after(5):
+            await everything.wait()
+        assert heard == [b"%d" % number for number in range(3000)]
+
+
 async def test_asking_for_an_address_that_no_device_has_is_refused_with_the_reason(embedded_broker_url: str) -> None:
     """Wildcards, commands, strangers, nodes that are not there."""
     async with gateway_on(embedded_broker_url) as house:
