@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Hashable
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Generic, TypeAlias, TypeVar
+from typing import Generic, TypeAlias, TypeVar, final
 
 import anyio
 import anyio.lowlevel
@@ -25,6 +25,7 @@ T = TypeVar("T")
 Callback: TypeAlias = Callable[[MessageT], Awaitable[None] | None]
 
 
+@final
 @dataclass(frozen=True, slots=True)
 class Expiring(Generic[T]):
     """A queued message whose publisher gave it a lifespan.
@@ -131,21 +132,24 @@ class Subscription(Generic[MessageT]):
     async def _run_in_turn(self, callback: Callback[MessageT]) -> None:
         mailbox = self.mailbox
         queue, senders = mailbox.queue, mailbox.senders
-        handled = 0
         while True:
             while queue:
-                item = queue.popleft()
-                if senders:
-                    mailbox.admit_senders()
-                message = self._unexpired(item) if isinstance(item, Expiring) else item
-                if message is None:
-                    continue
-                result = callback(message)
-                if result is not None:
-                    await result
-                handled += 1
-                if handled >= TURN:
-                    handled = 0
+                for _ in range(TURN):
+                    if not queue:
+                        break
+                    item = queue.popleft()
+                    if senders:
+                        mailbox.admit_senders()
+                    if type(item) is Expiring:
+                        message = self._unexpired(item)
+                        if message is None:
+                            continue
+                    else:
+                        message = item
+                    result = callback(message)
+                    if result is not None:
+                        await result
+                else:
                     await anyio.lowlevel.checkpoint()
             try:
                 await mailbox.wait()
