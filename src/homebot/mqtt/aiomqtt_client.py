@@ -41,7 +41,8 @@ from homebot.mqtt.dial import dial, make_tls_context, socket_error
 from homebot.mqtt.incoming import Frame, FrameReader
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.packets.reason import ReasonCode
+from homebot.mqtt.packets.publish import Publish, encode_publish
+from homebot.mqtt.packets.reason import ProtocolVersion, ReasonCode
 from homebot.mqtt.receiver import Receiver
 from homebot.mqtt.refusals import check_granted, farewell_error, login_error, reason_words
 from homebot.mqtt.topics import validate_filter, validate_topic
@@ -67,6 +68,7 @@ _SILENCE.disabled = True
 _log = structlog.get_logger()
 
 _Version = Literal["5", "3.1.1"]
+_CODEC: Final = {"5": ProtocolVersion.V5, "3.1.1": ProtocolVersion.V311}
 
 
 @final
@@ -131,7 +133,7 @@ class AiomqttClient:
         """Acknowledge; see `MqttClient.ack`."""
         data = self._receiver.settle(messages)
         if data and self._link is not None:
-            self._link.answer(data)
+            self._link.put(data)
 
     @asynccontextmanager
     async def _connected(self) -> AsyncIterator[Session]:
@@ -228,6 +230,8 @@ class _Link(aiomqtt.Client):
         self._answers: dict[int, asyncio.Future[int]] = {}
         self._window = anyio.Semaphore(_IN_FLIGHT)
         self._tick: asyncio.TimerHandle | None = None
+        self._flush_soon: asyncio.Handle | None = None
+        self._stuck = False
         self._dialled: socket.socket | None = None
         self._write_error: OSError | None = None
         # paho dials in a blocking call; it is given the socket that was dialled without blocking.
@@ -279,7 +283,10 @@ class _Link(aiomqtt.Client):
         if qos:
             async with self._window:
                 return await self._send_and_wait(topic, payload, qos, retain=retain, extra=extra)
-        self._hand_over(topic, payload, 0, retain=retain, extra=extra)
+        if extra is None:
+            self.put(encode_publish(Publish(topic, payload, 0, retain), _CODEC[self.version]))
+        else:
+            self._hand_over(topic, payload, 0, retain=retain, extra=extra)
         while len(self._client._out_packet) > _SEND_QUEUE and self._lost is None:
             self._drained = anyio.Event()
             await self._drained.wait()
@@ -306,11 +313,23 @@ class _Link(aiomqtt.Client):
             raise self._lost_error("unsubscribe") from error
         self._check_alive()
 
-    def answer(self, data: bytes) -> None:
-        """Send finished packets, as many as there are in *data*."""
-        if self._lost is None:
-            # One entry in paho's queue, and so one write to the socket, for a whole batch of acknowledgements.
-            self._client._packet_queue(paho.PUBACK, data, 0, 0)
+    def put(self, data: bytes) -> None:
+        """Send finished packets, as many as there are in *data*: at once if the socket takes them, else in turn."""
+        if self._lost is not None:
+            return
+        client, sent = self._client, 0
+        sock = client.socket()
+        if not client.want_write() and sock is not None:
+            try:
+                sent = sock.send(data)
+            except (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+                sent = 0
+            except OSError as error:
+                self._break(socket_error(self._options.url, error))
+                return
+        if sent < len(data):
+            # paho passes packets of this type on as they are; it does not look into them.
+            client._packet_queue(paho.PUBACK, data[sent:], 0, 0)
 
     # -- own publishes ------------------------------------------------------------------------------------
 
@@ -320,6 +339,7 @@ class _Link(aiomqtt.Client):
         packet_id = self._hand_over(topic, payload, qos, retain=retain, extra=extra)
         answer: asyncio.Future[int] = self._loop.create_future()
         self._answers[packet_id] = answer
+        self._flush()
         try:
             with anyio.fail_after(self.timeout):
                 reason = await answer
@@ -403,17 +423,23 @@ class _Link(aiomqtt.Client):
     def _on_socket_register_write(self, client: paho.Client, userdata: Any, sock: Any) -> None:
         # Later in this turn, so that everything said in one turn goes together; not at once, because paho may
         # hold a lock that its callbacks need.
-        self._loop.call_soon(self._flush)
+        self._flush_soon = self._loop.call_soon(self._flush)
 
     def _on_socket_unregister_write(self, client: paho.Client, userdata: Any, sock: Any) -> None:
-        self._loop.remove_writer(sock.fileno())
+        if self._stuck:
+            self._loop.remove_writer(sock.fileno())
+            self._stuck = False
         self._drained.set()
 
     def _flush(self) -> None:
+        if self._flush_soon is not None:
+            self._flush_soon.cancel()
+            self._flush_soon = None
         sock = self._client.socket()
         self._client.loop_write()
         if sock is not None and self._client.socket() is sock and self._client.want_write():
             self._loop.add_writer(sock.fileno(), self._flush)
+            self._stuck = True
 
     def _keep_alive(self) -> None:
         if self._client.loop_misc() == paho.MQTT_ERR_SUCCESS and self._client.socket() is not None:
@@ -455,7 +481,7 @@ class _Link(aiomqtt.Client):
             if self._lost is not None:
                 return
         if answers:
-            self.answer(bytes(answers))
+            self.put(bytes(answers))
 
     def _handle(self, packet: Frame) -> bytes:
         kind = packet.first & 0xF0
