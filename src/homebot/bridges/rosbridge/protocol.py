@@ -76,7 +76,7 @@ class Operation(BaseModel):
         id: The client's identifier of the interaction; answers repeat it.
     """
 
-    model_config = ConfigDict(frozen=True, extra="ignore", strict=True)
+    model_config = ConfigDict(frozen=True, extra="ignore", strict=True, defer_build=True)
 
     ops: ClassVar[tuple[str, ...]] = ()
 
