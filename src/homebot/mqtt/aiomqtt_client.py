@@ -1,9 +1,11 @@
 """The MQTT client port on aiomqtt 2; the one file that knows aiomqtt and the paho client below it.
 
-aiomqtt gives the session, the coding of what is sent, and the requests to subscribe. Replaced, because it loses
-messages or waits in vain: the dialling (a cancelled one leaves a thread and a lock behind), the reading (one message
-for each turn of the loop, acknowledged before anybody has it, stopped by one bad packet), and the waiting for answers
-(a refused publish looks like a good one, a dead link like a slow one).
+aiomqtt gives the login, the requests to subscribe, the books of own publishes of QoS 1 and 2, and the keep-alive.
+Replaced, because it loses messages or waits in vain: the dialling (a cancelled one leaves a thread and a lock behind),
+the reading (one message for each turn of the loop, acknowledged before anybody has it, stopped by one bad packet), and
+the waiting for answers (a refused publish looks like a good one, a dead link like a slow one).
+
+It is longer than other files, because whatever touches the libraries stands here and nowhere else.
 
 Concurrency: all callbacks run in the loop's own thread. Any number of tasks publish, as many of QoS 1 and 2 at once as
 the broker allows; the others wait in order.
@@ -255,10 +257,10 @@ class _Link(aiomqtt.Client):
             with anyio.fail_after(self.timeout):
                 return await self._greeting
         except TimeoutError as error:
-            self._abort()
+            self._break(self._trouble(f"no answer to CONNECT within {self.timeout:g} s"))
             raise self._trouble(f"no answer to CONNECT within {self.timeout:g} s") from error
         except BaseException:
-            self._abort()
+            self._break(self._trouble("the connect was given up"))
             raise
 
     async def close(self) -> None:
@@ -288,8 +290,10 @@ class _Link(aiomqtt.Client):
         else:
             self._hand_over(topic, payload, 0, retain=retain, extra=extra)
         while len(self._client._out_packet) > _SEND_QUEUE and self._lost is None:
-            self._drained = anyio.Event()
+            if self._drained.is_set():
+                self._drained = anyio.Event()
             await self._drained.wait()
+        self._check_alive()
         return PublishResult()
 
     async def request(self, subscriptions: tuple[Subscription, ...]) -> tuple[int, ...]:
@@ -374,7 +378,7 @@ class _Link(aiomqtt.Client):
 
     def _check_alive(self) -> None:
         if self._lost is not None:
-            raise self._lost_error("request")
+            raise LinkError(f"the link is lost: {self._lost}")
 
     def _lost_error(self, what: str) -> LinkError:
         if self._lost is None:

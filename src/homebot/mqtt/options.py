@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import secrets
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, cast
 from urllib.parse import SplitResult, unquote, urlsplit
 
 from pydantic import SecretStr
@@ -114,26 +114,26 @@ class MqttOptions:
                 raise UsageError(f"MQTT options: {problem}")
 
     @classmethod
-    def from_url(cls, url: str, **settings: Any) -> MqttOptions:
+    def from_url(cls, url: str, **settings: object) -> MqttOptions:
         """Read ``mqtt://[user[:password]@]host[:port]`` or ``mqtts://...``.
 
         Args:
             url: The address; special characters of user and password are percent-encoded.
-            settings: Further fields; they win over the same fact in the address.
+            settings: Further fields by name; they win over the same fact in the address.
 
         Raises:
             UsageError: The address cannot be read, or a value is out of range. The text names the culprit and
                 never holds the password.
         """
         parts = _split(url)
-        facts: dict[str, Any] = {
-            "host": parts.hostname,
-            "port": _port_of(parts),
-            "tls": parts.scheme == "mqtts",
-            "user": None if parts.username is None else unquote(parts.username),
-            "password": None if parts.password is None else SecretStr(unquote(parts.password)),
-        }
-        return cls(**(facts | settings))
+        options = cls(
+            host=parts.hostname or "",
+            port=_port_of(parts),
+            tls=parts.scheme == "mqtts",
+            user=None if parts.username is None else unquote(parts.username),
+            password=None if parts.password is None else SecretStr(unquote(parts.password)),
+        )
+        return replace(options, **cast("dict[str, Any]", settings))
 
     @property
     def url(self) -> str:
