@@ -6,7 +6,7 @@ from pydantic import BaseModel
 
 from homebot.apps.base import App
 from homebot.devices import Device, RawMessage
-from homebot.errors import HomebotError, WireError
+from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
 
@@ -16,8 +16,15 @@ TOLD_OFF = "light_service.told_off"
 IS_OFF = "light_service.is_off"
 NOT_UNDERSTOOD = "light_service.not_understood"
 NO_MESSAGES = "light_service.no_messages"
+NOT_TOLD = "light_service.not_told"
 
 SERVICE_TYPE = "lights"
+
+BURST = 50
+"""Lines of one kind in ten seconds, over all lamps."""
+
+BURST_OF_LAMP = 5
+"""Lines of one kind about one lamp in ten seconds."""
 
 
 class LightService(App):
@@ -26,43 +33,57 @@ class LightService(App):
     def __init__(self, node: Node, settings: BaseModel) -> None:
         super().__init__(node, settings)
         self._noted_off: set[str] = set()
+        self._lines = LogLimit(node.graph.clock, burst=BURST)
+        self._lines_of_lamp = LogLimit(node.graph.clock, burst=BURST_OF_LAMP)
+        self._problems = LogLimit(node.graph.clock)
 
     async def run(self) -> None:
         """Listen to each lamp from when it appears."""
-        limit = LogLimit(self.node.graph.clock)
         async for change in self.devices.follow(SERVICE_TYPE):
             if change.kind == "removed":
                 self._noted_off.discard(change.device.id)
-            elif change.kind in {"appeared", "changed"}:
-                await self._listen(change.device, limit)
+            else:
+                await self._listen(change.device)
 
-    async def _listen(self, lamp: Device, limit: LogLimit) -> None:
+    async def _listen(self, lamp: Device) -> None:
         async def answer(message: RawMessage) -> None:
             try:
                 await self._answer(lamp, message)
             except WireError as exc:
-                if limit.allows(lamp.id) is not None:
-                    self.node.log.warning(NOT_UNDERSTOOD, message=f"{lamp.id}: {exc}", device=lamp.id)
+                self._complain(NOT_UNDERSTOOD, lamp, exc)
+            except (RefusedError, LinkError) as exc:
+                self._complain(NOT_TOLD, lamp, exc)
 
         try:
             await self.devices.listen(lamp, answer)
-        except HomebotError as exc:
-            self.node.log.error(NO_MESSAGES, message=str(exc), device=lamp.id)
+        except (RefusedError, ServiceError) as exc:
+            self._complain(NO_MESSAGES, lamp, exc)
 
     async def _answer(self, lamp: Device, message: RawMessage) -> None:
         """Answer ``on`` with ``off``; note ``off``.
 
         Raises:
             WireError: The lamp said something else.
+            RefusedError, LinkError: It cannot be told.
         """
         state = message.text()
         if state == "on":
-            await self.devices.tell(lamp, "off")
             self._noted_off.discard(lamp.id)
-            self.node.log.info(TOLD_OFF, message=f"{lamp.id} is on: told it off", device=lamp.id)
+            await self.devices.tell(lamp, "off")
+            self._say(TOLD_OFF, lamp, "is on: told it off")
         elif state == "off":
             if lamp.id not in self._noted_off:
                 self._noted_off.add(lamp.id)
-                self.node.log.info(IS_OFF, message=f"{lamp.id} is off", device=lamp.id)
+                self._say(IS_OFF, lamp, "is off")
         else:
             raise WireError(f"{message.address} says neither on nor off", message.payload)
+
+    def _say(self, event: str, lamp: Device, words: str) -> None:
+        if self._lines_of_lamp.allows(f"{event} {lamp.id}") is not None and self._lines.allows(event) is not None:
+            self.node.log.info(event, message=f"{lamp.id} {words}", device=lamp.id)
+
+    def _complain(self, event: str, lamp: Device, problem: HomebotError) -> None:
+        held_back = self._problems.allows(f"{event} {lamp.id}")
+        if held_back is not None and self._lines.allows(event) is not None:
+            more = f" (and {held_back} more like this)" if held_back else ""
+            self.node.log.warning(event, message=f"{lamp.id}: {problem}{more}", device=lamp.id, held_back=held_back)

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
-from homebot.devices.device import Device, Endpoint
+import anyio.lowlevel
+
+from homebot.devices.device import Device
 from homebot.devices.follow import Follow
 from homebot.devices.names import FIND_DEVICES, GatewayNames
 from homebot.devices.raw import RawCommand, RawMessage
+from homebot.devices.service_starts import service_starts
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,
@@ -16,13 +19,16 @@ from homebot.devices.services import (
     SubscribeToTopicRequest,
     SubscribeToTopicResponse,
 )
-from homebot.errors import RefusedError
-from homebot.graph import Client, EntityKind, Node, Publisher, Subscription
+from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
+from homebot.graph import Client, Node, Publisher, Subscription
+from homebot.log import LogLimit
 from homebot.messages import Time
 
 __all__ = ["Devices", "MessageHandler"]
 
 MessageHandler: TypeAlias = Callable[[RawMessage], Awaitable[None] | None]
+
+NOT_HEARD = "devices.not_heard"
 
 _INBOX_DEPTH = 1000
 _COMMANDS_DEPTH = 1000
@@ -39,11 +45,12 @@ class Devices:
         self._since = Time.from_seconds(node.graph.clock.now())
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._handlers: dict[tuple[str, str], MessageHandler] = {}
-        self._listened: dict[tuple[str, str], Endpoint] = {}
-        self._follows_gateways = False
+        self._wanted: dict[str, set[str]] = {}
+        self._asks_again = False
         self._subscriptions: dict[str, Subscription[RawMessage]] = {}
         self._gateways: dict[str, Client[SubscribeToTopicRequest, SubscribeToTopicResponse]] = {}
         self._commands: dict[str, Publisher[RawCommand]] = {}
+        self._limit = LogLimit(node.graph.clock)
 
     async def find(self, service_type: str = "") -> tuple[Device, ...]:
         """Return the devices that offer *service_type* (all when it is empty), sorted by id.
@@ -61,55 +68,75 @@ class Devices:
         """Call *handler* with every raw message of *device*, in order, one at a time.
 
         What the device said since this node came into being is included, as far as its gateway still has it, and so is
-        the state that the broker keeps of it. A second call replaces the handler.
+        the state that the broker keeps of it. A second call replaces the handler, and nothing comes twice. A gateway
+        that is away is asked when it comes, and again whenever it was restarted.
 
         Raises:
             RefusedError: A gateway of the device does not deliver.
-            ServiceError: It does not answer.
+            ServiceError: It is there but does not answer.
         """
         for endpoint in device.endpoints:
-            request = SubscribeToTopicRequest(topic=endpoint.address, listener=self._node.full_name, since=self._since)
-            response = await self._gateway(endpoint.gateway).call(request)
-            if not response.success:
-                raise RefusedError(f"listening to {device.id}", response.message)
+            if endpoint.address not in self._wanted.setdefault(endpoint.gateway, set()):
+                await self._want(endpoint.gateway, endpoint.address)
             self._handlers[endpoint.gateway, endpoint.key] = handler
-            self._subscribe(response.data_topic, response.missed)
 
     async def tell(self, device: Device, payload: str) -> None:
-        """Send *payload* to *device* through its first endpoint that takes commands.
+        """Send *payload* to *device* through its first endpoint that takes commands and whose gateway is there.
 
         It returns when the gateway has the command in its queue; that the device obeyed is not proven by it.
 
         Raises:
             RefusedError: The device takes no commands.
+            LinkError: No gateway of it is there now; nothing was sent.
         """
-        for endpoint in device.endpoints:
-            if endpoint.command_address:
-                out = self._out(endpoint.gateway)
+        endpoints = [endpoint for endpoint in device.endpoints if endpoint.command_address]
+        if not endpoints:
+            raise RefusedError(f"a command to {device.id}", "it takes none")
+        for endpoint in endpoints:
+            out = self._out(endpoint.gateway)
+            if out.subscription_count:
                 await out.send(RawCommand(address=endpoint.command_address, payload=payload))
-                return
-        raise RefusedError(f"a command to {device.id}", "it takes none")
+                if out.subscription_count:  # else the gateway went while its queue was full
+                    return
+        raise LinkError(f"{device.id} was not told {payload!r}: its gateway {endpoints[0].gateway} is not running")
 
-    async def _ask(self, endpoint: Endpoint) -> None:
-        request = SubscribeToTopicRequest(topic=endpoint.address, listener=self._node.full_name, since=self._since)
-        response = await self._gateway(endpoint.gateway).call(request)
+    async def _want(self, gateway: str, address: str) -> None:
+        self._wanted[gateway].add(address)
+        if not self._asks_again:
+            self._asks_again = True
+            self._node.create_task(self._ask_again)
+        try:
+            await self._ask(gateway, address)
+        except ServiceUnavailableError:
+            return  # it is asked when it comes
+        except BaseException:
+            self._wanted[gateway].discard(address)
+            raise
+
+    async def _ask(self, gateway: str, address: str) -> None:
+        request = SubscribeToTopicRequest(topic=address, listener=self._node.full_name, since=self._since)
+        response = await self._gateway(gateway).call(request)
         if not response.success:
-            raise RefusedError(f"listening to {endpoint.address}", response.message)
+            raise RefusedError(f"listening to {address}", response.message)
         self._subscribe(response.data_topic, response.missed)
 
-    def _follow_gateways(self) -> None:
-        if not self._follows_gateways:
-            self._follows_gateways = True
-            self._node.create_task(self._ask_again)
-
     async def _ask_again(self) -> None:
-        """A gateway that was restarted has forgotten who listens."""
-        with self._node.graph.watch() as changes:
-            async for change in changes:
-                if change.change == "added" and change.entity.kind is EntityKind.SERVICE:
-                    for endpoint in list(self._listened.values()):
-                        if GatewayNames(endpoint.gateway).subscribe == change.entity.name:
-                            await self._ask(endpoint)
+        """A gateway that was restarted has forgotten who listens; to another one, asking twice changes nothing."""
+        async for service in service_starts(self._node.graph):
+            for gateway, addresses in list(self._wanted.items()):
+                if service in {None, GatewayNames(gateway).subscribe}:
+                    for address in sorted(addresses):
+                        await self._try_to_ask(gateway, address)
+                        await anyio.lowlevel.checkpoint()
+
+    async def _try_to_ask(self, gateway: str, address: str) -> None:
+        try:
+            await self._ask(gateway, address)
+        except ServiceUnavailableError:
+            return  # gone again; it is asked when it comes
+        except (RefusedError, ServiceError) as exc:
+            if self._limit.allows(NOT_HEARD) is not None:
+                self._node.log.warning(NOT_HEARD, message=f"{address} is not heard any more: {exc}", address=address)
 
     def _gateway(self, gateway: str) -> Client[SubscribeToTopicRequest, SubscribeToTopicResponse]:
         if gateway not in self._gateways:

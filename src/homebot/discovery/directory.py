@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import anyio
+import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -24,7 +25,8 @@ from homebot.devices.services import (
     GetIndexDataResponse,
 )
 from homebot.discovery.index import DeviceIndex
-from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
+from homebot.errors import TypeMismatchError
+from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscription
 from homebot.log import LogLimit
 from homebot.units import Seconds
 
@@ -36,6 +38,16 @@ STALE = "discovery.stale"
 RETURNED = "discovery.returned"
 REMOVED = "discovery.removed"
 REJECTED = "discovery.index_full"
+NOT_FOLLOWED = "discovery.source_not_followed"
+
+BURST = 50
+"""Lines of each kind of change in ten seconds; a flood of devices is counted rather than told."""
+
+LONGEST_SLEEP = 60.0
+"""Seconds after which deadlines are looked at anew: the computer's clock may have been set meanwhile."""
+
+_TURN = 100
+"""Changes made in one go before other tasks get their turn."""
 
 _SIGHTINGS_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -74,60 +86,87 @@ class Directory:
         self._wakes_at = math.inf
         self._earlier_deadline = anyio.Event()
         self._limit = LogLimit(clock)
-        node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
-        node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
+        self._told = LogLimit(clock, burst=BURST)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Keep the index until cancelled."""
+        """Keep the index until cancelled.
+
+        It answers as soon as it has taken in what the gateways keep for late joiners, so that nobody who asks a
+        restarted directory hears of an empty house.
+        """
         with self._node.graph.watch() as changes:
-            for endpoint in self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER):
-                self._follow(endpoint)
+            self._follow_all()
+            self._node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
+            self._node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(self._expire)
                 task_status.started()
+                lost = 0
                 async for change in changes:
-                    if change.change == "added":
-                        self._follow(change.entity)
+                    if changes.lost > lost:
+                        lost = changes.lost
+                        self._follow_all()
+                    if change.change == "added" and change.entity.ros_type == Sighting.ros_type:
+                        self._follow(change.entity.name)
 
-    def _follow(self, endpoint: EndpointInfo) -> None:
-        is_source = endpoint.kind is EntityKind.PUBLISHER and endpoint.ros_type == Sighting.ros_type
-        if is_source and endpoint.name not in self._sources:
-            self._sources[endpoint.name] = self._node.create_subscription(
-                Sighting, endpoint.name, self._observe, _SIGHTINGS_QOS
-            )
+    def _follow_all(self) -> None:
+        for endpoint in self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER):
+            if endpoint.ros_type == Sighting.ros_type:
+                self._follow(endpoint.name)
+
+    def _follow(self, topic: str) -> None:
+        if topic in self._sources:
+            return
+        try:
+            source = self._node.create_subscription(Sighting, topic, qos_profile=_SIGHTINGS_QOS)
+        except TypeMismatchError as exc:
+            self._node.log.warning(NOT_FOLLOWED, message=str(exc), topic=topic)
+            return
+        self._sources[topic] = source
+        while (kept := source.take()) is not None:
+            self._observe(kept)
+        self._node.create_task(lambda: source.run(self._observe, concurrent=False))
 
     def _observe(self, sighting: Sighting) -> None:
         rejected = self.index.rejected
         change = self.index.observe(sighting)
         if change is not None:
             self._announce(change)
-            if change.device.expires.to_seconds() < self._wakes_at:
-                self._earlier_deadline.set()
         elif self.index.rejected > rejected and self._limit.allows(REJECTED) is not None:
             self._node.log.warning(
                 REJECTED, message=f"{sighting.key} was not taken in: the index is full", rejected=self.index.rejected
             )
+        if sighting.expires_at.to_seconds() < self._wakes_at:
+            self._earlier_deadline.set()
 
     async def _expire(self) -> None:
         while True:
             self._wakes_at = self.index.next_deadline() or math.inf
             self._earlier_deadline = anyio.Event()
-            with anyio.move_on_after(max(0.0, self._wakes_at - self._clock.now())):
+            delay = min(self._wakes_at - self._clock.now(), LONGEST_SLEEP) if self._wakes_at < math.inf else math.inf
+            with anyio.move_on_after(max(0.0, delay)):
                 await self._earlier_deadline.wait()
-            for change in self.index.expire(self._clock.now()):
-                self._announce(change)
+            while changes := self.index.expire(self._clock.now(), at_most=_TURN):
+                for change in changes:
+                    self._announce(change)
+                await anyio.lowlevel.checkpoint()
 
     def _announce(self, change: DeviceChange) -> None:
         self._changes.publish(change)
         event, words = _WORDS[change.kind]
+        held_back = self._told.allows(event)
+        if held_back is None:
+            return
         device = change.device
+        more = f" (and {held_back} more like this)" if held_back else ""
         self._node.log.info(
             event,
-            message=words.format(id=device.id, gateway=device.endpoints[0].gateway, why=change.why),
+            message=words.format(id=device.id, gateway=device.endpoints[0].gateway, why=change.why) + more,
             device=device.id,
             service_type=device.service_type,
             gateway=device.endpoints[0].gateway,
             why=change.why,
+            held_back=held_back,
         )
 
     def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:

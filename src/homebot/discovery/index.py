@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from homebot.devices import Device, DeviceChange, Endpoint, Freshness, KeyValue, Sighting
+from homebot.discovery.deadlines import Deadlines
 from homebot.messages import Time
 
 __all__ = ["DeviceIndex"]
@@ -34,6 +35,7 @@ class DeviceIndex:
         self._forget_after = forget_after
         self._entries: dict[str, _Entry] = {}
         self._ids: dict[tuple[str, str], str] = {}
+        self._deadlines = Deadlines()
 
     def observe(self, sighting: Sighting) -> DeviceChange | None:
         """Take *sighting* in and return what it changes; None for one that only says "still there"."""
@@ -44,24 +46,27 @@ class DeviceIndex:
             return self._add(sighting)
         return self._refresh(self._entries[device_id], sighting)
 
-    def expire(self, now: float) -> tuple[DeviceChange, ...]:
+    def expire(self, now: float, at_most: int | None = None) -> tuple[DeviceChange, ...]:
         """Return what the passing of time changes: devices that become stale at *now*, and those to be forgotten.
 
         Args:
             now: Seconds since the Unix epoch.
+            at_most: How many changes to make; ask again until none is left. None makes them all.
         """
-        changes = []
-        for entry in list(self._entries.values()):
-            if entry.freshness != "stale" and now >= entry.expires:
-                entry.freshness = "stale"
+        changes: list[DeviceChange] = []
+        while (at_most is None or len(changes) < at_most) and (due := self._deadlines.pop(now)) is not None:
+            entry = self._entries[due]
+            if entry.freshness == "stale":
+                changes.append(self._remove(due, "it has been stale for too long"))
+            else:
+                entry.become_stale()
+                self._plan(entry)
                 changes.append(self._change("stale", entry, "it has been silent for too long"))
-            if entry.freshness == "stale" and now >= entry.expires + self._forget_after:
-                changes.append(self._remove(entry.device_id, "it has been stale for too long"))
         return tuple(changes)
 
     def next_deadline(self) -> float | None:
         """Return when :meth:`expire` has something to do, in seconds since the Unix epoch; None for never."""
-        return min((self._deadline(entry) for entry in self._entries.values()), default=None)
+        return self._deadlines.next()
 
     def devices(self, service_type: str = "") -> tuple[Device, ...]:
         """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""
@@ -79,9 +84,6 @@ class DeviceIndex:
     def __len__(self) -> int:
         return len(self._entries)
 
-    def _deadline(self, entry: _Entry) -> float:
-        return entry.expires + (self._forget_after if entry.freshness == "stale" else 0.0)
-
     def _add(self, sighting: Sighting) -> DeviceChange | None:
         if len(self._entries) >= MAX_DEVICES:
             self.rejected += 1
@@ -89,15 +91,24 @@ class DeviceIndex:
         device_id = self._free_id(sighting)
         self._ids[sighting.gateway, sighting.key] = device_id
         entry = self._entries[device_id] = _Entry(device_id, sighting)
+        self._plan(entry)
         return self._change("appeared", entry, sighting.why)
+
+    def _plan(self, entry: _Entry) -> None:
+        forgets = self._forget_after if entry.freshness == "stale" else 0.0
+        self._deadlines.set(entry.device_id, entry.expires.to_seconds() + forgets)
 
     def _free_id(self, sighting: Sighting) -> str:
         """A key is the id, unless another gateway has a device of the same key."""
-        return sighting.key if sighting.key not in self._entries else f"{sighting.key}@{sighting.gateway}"
+        device_id = sighting.key
+        while device_id in self._entries:
+            device_id = f"{device_id}@{sighting.gateway}"
+        return device_id
 
     def _refresh(self, entry: _Entry, sighting: Sighting) -> DeviceChange | None:
         was, was_described = entry.freshness, _description(entry.sighting)
         entry.refresh(sighting)
+        self._plan(entry)
         if was == "stale" and entry.freshness == "fresh":
             return self._change("returned", entry, "it spoke again")
         if was_described != _description(sighting):
@@ -108,6 +119,7 @@ class DeviceIndex:
 
     def _remove(self, device_id: str, why: str) -> DeviceChange:
         entry = self._entries.pop(device_id)
+        self._deadlines.discard(device_id)
         del self._ids[entry.sighting.gateway, entry.sighting.key]
         return self._change("removed", entry, why)
 
@@ -123,24 +135,36 @@ class _Entry:
     device_id: str
     sighting: Sighting
     first_seen: Time = field(init=False)
-    expires: float = field(init=False)
+    expires: Time = field(init=False)
     freshness: Freshness = field(init=False)
+    _device: Device | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         self.first_seen = self.sighting.seen_at
-        self.expires = self.sighting.expires_at.to_seconds()
+        self.expires = self.sighting.expires_at
         self.freshness = "fresh" if self.sighting.confirmed else "unconfirmed"
 
     def refresh(self, sighting: Sighting) -> None:
         """A kept message tells nothing new of a device that has spoken itself."""
+        self._device = None
         if not sighting.confirmed and self.freshness != "unconfirmed":
             self.sighting = sighting.model_copy(update={"seen_at": self.sighting.seen_at, "confirmed": True})
             return
         self.sighting = sighting
-        self.expires = sighting.expires_at.to_seconds()
+        self.expires = sighting.expires_at
         self.freshness = "fresh" if sighting.confirmed else "unconfirmed"
 
+    def become_stale(self) -> None:
+        self._device = None
+        self.freshness = "stale"
+
     def to_device(self) -> Device:
+        """The same object as long as nothing is new: an answer may hold thousands of them."""
+        if self._device is None:
+            self._device = self._to_device()
+        return self._device
+
+    def _to_device(self) -> Device:
         sighting = self.sighting
         endpoint = Endpoint(
             gateway=sighting.gateway,
@@ -156,7 +180,7 @@ class _Entry:
             metadata=sighting.metadata,
             first_seen=self.first_seen,
             last_seen=sighting.seen_at,
-            expires=Time.from_seconds(self.expires),
+            expires=self.expires,
             freshness=self.freshness,
         )
 

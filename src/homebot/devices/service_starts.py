@@ -1,0 +1,25 @@
+"""Which services come onto the graph: how to notice that a node was restarted and has forgotten who it served."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+
+from homebot.graph import EntityKind, Graph
+
+__all__ = ["service_starts"]
+
+
+async def service_starts(graph: Graph) -> AsyncIterator[str | None]:
+    """Yield the full name of each service that comes, from the first step on; to be read to its end, in one task.
+
+    None comes at the beginning, and whenever more happened than could be remembered: any service may be a new one.
+    """
+    with graph.watch() as changes:
+        yield None
+        lost = 0
+        async for change in changes:
+            if changes.lost > lost:
+                lost = changes.lost
+                yield None
+            if change.change == "added" and change.entity.kind is EntityKind.SERVICE:
+                yield change.entity.name
