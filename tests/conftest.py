@@ -39,7 +39,8 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
         for function in blockbuster.functions.values():
             # Start-up: plug-ins and passwords are read before anything is served.
             function.can_block_in("homebot/plugins.py", {"_entry_points", "_load_entry_point", "_load_class"})
-            function.can_block_in("homebot/gateways/mqtt/settings.py", {"_password"})
+            function.can_block_in("homebot/gateways/mqtt/settings.py", {"check_files"})
+            function.can_block_in("homebot/config.py", {"read_secret"})
         yield
 
 

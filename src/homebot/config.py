@@ -29,10 +29,10 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import to_json
 
-from homebot.errors import ConfigError, InvalidNameError
+from homebot.errors import ConfigError, InvalidNameError, UsageError
 from homebot.names import validate_node_name
 
-__all__ = ["Config", "HomeSettings", "Table", "load_config", "parse_config", "parse_settings"]
+__all__ = ["Config", "HomeSettings", "Table", "load_config", "parse_config", "parse_settings", "read_secret"]
 
 Table = dict[str, object]
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -80,10 +80,9 @@ def load_config(path: Path) -> Config:
     """
     source = str(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as exc:
-        reason = exc.strerror if isinstance(exc, OSError) and exc.strerror else "it is not UTF-8 text"
-        raise ConfigError(source, "", f"cannot be read: {reason}") from exc
+        raise ConfigError(source, "", f"cannot be read: {_unreadable(exc)}") from exc
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as exc:
@@ -122,19 +121,39 @@ def parse_settings(model: type[ModelT], table: Mapping[str, object], source: str
         ConfigError: The first thing that is wrong: an unknown key, a wrong type, a value that may not be.
     """
     try:
-        text = to_json({name: value for name, value in table.items() if name != "class"})
+        text = to_json({name: value for name, value in table.items() if name != "class"}, inf_nan_mode="constants")
         return model.model_validate_json(text, strict=True)
     except ValidationError as exc:
         first = exc.errors(include_url=False, include_context=False)[0]
         path = ".".join(part for part in (key, *(str(part) for part in first["loc"])) if part)
         reason = _reason(_model_at(model, first["loc"][:-1]), first["type"], first["msg"])
-        is_secret = any(word in path for word in ("password", "token", "url"))
+        is_secret = any(word in path.lower() for word in _SECRET_WORDS)
         shown = "" if is_secret or first["type"] in _TELL_ALL else f", got {first.get('input')!r}"
         # The cause is left out: it would show the value of a secret.
         raise ConfigError(source, path, f"{reason}{shown}") from None
 
 
+def read_secret(path: Path) -> str:
+    """Return the first line of the file *path*, without what ends it.
+
+    Raises:
+        UsageError: The file cannot be read, or its first line is empty; never holds the secret.
+    """
+    try:
+        secret = path.read_text(encoding="utf-8").partition("\n")[0].removesuffix("\r")
+    except (OSError, UnicodeDecodeError) as exc:
+        raise UsageError(f"{path} cannot be read: {_unreadable(exc)}") from exc
+    if not secret:
+        raise UsageError(f"the first line of {path} is empty")
+    return secret
+
+
+_SECRET_WORDS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
 _TELL_ALL = {"extra_forbidden", "missing", "value_error"}
+
+
+def _unreadable(error: OSError | UnicodeDecodeError) -> str:
+    return (error.strerror or str(error)) if isinstance(error, OSError) else "it is not UTF-8 text"
 
 
 def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseModel]:

@@ -54,6 +54,17 @@ class Gateway(ABC):
         self._sightings = node.create_publisher(Sighting, self.names.received_topics, _SIGHTINGS_QOS)
         self._states = node.create_publisher(GatewayState, "~/state", qos_profile_latched)
 
+    @classmethod  # noqa: B027  # no duty: most gateways have nothing to look for
+    def check(cls, settings: BaseModel) -> None:
+        """Look for what *settings* name, such as files, before anything is started; nothing is connected.
+
+        Args:
+            settings: An instance of :attr:`Settings`.
+
+        Raises:
+            UsageError: The gateway could not work with them; names the key where there is one.
+        """
+
     @abstractmethod
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Work until cancelled; say that you are ready with ``task_status.started()``."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import dataclass, field
 
 import anyio
 
 from homebot.devices import GatewayNames, RawMessage
-from homebot.errors import RefusedError
+from homebot.errors import ClosedError, RefusedError
 from homebot.graph import Node, Publisher, QoSProfile
 from homebot.log import LogLimit
 
@@ -17,6 +18,9 @@ SLOW_LISTENER = "gateway.slow_listener"
 
 PATIENCE = 5.0
 """Seconds for which a full inbox holds up the gateway (and, through it, the broker) before it loses its oldest."""
+
+NO_PATIENCE = 60.0
+"""Seconds for which a listener is not waited for again after it let that time pass."""
 
 MAX_ADDRESSES = 100_000
 
@@ -43,6 +47,13 @@ class Listeners:
         self._by_address: defaultdict[str, list[Publisher[RawMessage]]] = defaultdict(list)
         self._by_topic: dict[str, Publisher[RawMessage]] = {}
         self._mirrored: dict[str, str] = {}
+        self._askers: dict[str, _Asker] = {}
+        self._no_patience_until: dict[str, float] = {}
+
+    def has(self, address: str, listener: str) -> bool:
+        """Whether the node *listener*, as it is now on the graph, asked for *address* before."""
+        asker = self._askers.get(listener)
+        return asker is not None and asker.node is self._node.graph.get_node(listener) and address in asker.addresses
 
     def add(self, address: str, key: str, name: str, listener: str) -> Publisher[RawMessage]:
         """Deliver what is said on *address*, by the device *key* called *name*, to *listener*, from now on.
@@ -60,47 +71,85 @@ class Listeners:
             RefusedError: No such node is on the graph, or too many addresses are listened to.
             InvalidNameError: The device's name makes too long a topic name.
         """
+        if address not in self._by_address and len(self._by_address) >= MAX_ADDRESSES:
+            raise RefusedError(f"listening to {address}", f"{MAX_ADDRESSES:,} addresses are in use already")
+        asker = self._asker(listener)
         if self._inboxes and listener:
-            if self._node.graph.get_node(listener) is None:
+            if asker is None:
                 raise RefusedError(f"an inbox for {listener}", "no such node is on the graph")
             topic = f"{listener}/inbox"
         else:
             topic = self._mirror_topic(key, name)
-        if address not in self._by_address and len(self._by_address) >= MAX_ADDRESSES:
-            raise RefusedError(f"listening to {address}", f"{MAX_ADDRESSES} addresses are listened to already")
         publisher = self._by_topic.get(topic)
         if publisher is None:
             publisher = self._by_topic[topic] = self._node.create_publisher(RawMessage, topic, _RAW_QOS)
         if publisher not in self._by_address[address]:
             self._by_address[address].append(publisher)
+        if asker is not None:
+            asker.addresses.add(address)
         return publisher
 
     def of(self, address: str) -> list[Publisher[RawMessage]]:
-        """Return who gets what is said on *address*; the same list for ever, so that it can be kept."""
+        """Return who gets what is said on *address*; the same list until :meth:`tidy`, so that it can be kept."""
         return self._by_address[address]
 
-    async def deliver(self, publisher: Publisher[RawMessage], message: RawMessage, *, patient: bool) -> None:
-        """Hand *message* over; a *patient* delivery waits up to 5 s for a full inbox rather than losing its oldest."""
-        if patient and publisher.is_full:
-            with anyio.move_on_after(PATIENCE) as waiting:
-                await publisher.send(message)
-                return
-            if waiting.cancelled_caught and self._limit.allows(publisher.topic_name) is not None:
-                self._node.log.warning(
-                    SLOW_LISTENER,
-                    message=f"{publisher.topic_name} is full and not read: its oldest messages are lost",
-                    topic=publisher.topic_name,
-                )
-        publisher.publish(message)
+    def tidy(self, address: str) -> None:
+        """Forget *address* if nobody listens to it; for an address whose list nobody keeps."""
+        if not self._by_address.get(address, True):
+            del self._by_address[address]
 
-    def drop_node(self, listener: str) -> None:
-        """Forget the inbox of a node that left the graph."""
+    async def deliver(self, publisher: Publisher[RawMessage], message: RawMessage, *, patient: bool) -> None:
+        """Hand *message* over; a *patient* delivery waits up to 5 s for a full inbox rather than losing its oldest.
+
+        A listener that let these 5 s pass gets no more patience for a minute: one that hangs must not hold up the
+        others for long.
+        """
+        try:
+            if patient and publisher.is_full and self._has_patience(publisher.topic_name):
+                with anyio.move_on_after(PATIENCE):
+                    await publisher.send(message)
+                    return
+                self._lose_patience(publisher.topic_name)
+            publisher.publish(message)
+        except ClosedError:
+            return  # the listener left while somebody was waited for
+
+    def drop_nodes_that_left(self) -> tuple[str, ...]:
+        """Forget the nodes that are no longer on the graph; return the addresses that nobody listens to any more."""
+        left = [name for name, asker in self._askers.items() if self._node.graph.get_node(name) is not asker.node]
+        return tuple(address for name in left for address in self._drop(name))
+
+    def _asker(self, listener: str) -> _Asker | None:
+        node = self._node.graph.get_node(listener)
+        asker = self._askers.get(listener)
+        if asker is not None and asker.node is node:
+            return asker
+        self._drop(listener)
+        if node is None:
+            return None
+        asker = self._askers[listener] = _Asker(node)
+        return asker
+
+    def _drop(self, listener: str) -> list[str]:
+        asker = self._askers.pop(listener, None)
         publisher = self._by_topic.pop(f"{listener}/inbox", None)
-        if publisher is not None:
-            for publishers in self._by_address.values():
-                if publisher in publishers:
-                    publishers.remove(publisher)
-            publisher.close()
+        self._no_patience_until.pop(f"{listener}/inbox", None)
+        if asker is None or publisher is None:
+            return []
+        publisher.close()
+        for address in asker.addresses:
+            self._by_address[address].remove(publisher)
+        return [address for address in asker.addresses if not self._by_address[address]]
+
+    def _has_patience(self, topic: str) -> bool:
+        return self._node.graph.clock.monotonic() >= self._no_patience_until.get(topic, 0.0)
+
+    def _lose_patience(self, topic: str) -> None:
+        self._no_patience_until[topic] = self._node.graph.clock.monotonic() + NO_PATIENCE
+        if self._limit.allows(topic) is not None:
+            self._node.log.warning(
+                SLOW_LISTENER, message=f"{topic} is full and not read: its oldest messages are lost", topic=topic
+            )
 
     def _mirror_topic(self, key: str, name: str) -> str:
         """The device's name alone, unless a device of another key has it already."""
@@ -108,3 +157,9 @@ class Listeners:
         if self._mirrored.setdefault(short, key) == key:
             return short
         return self._names.received_data(*key.split("/"))
+
+
+@dataclass(slots=True)
+class _Asker:
+    node: Node
+    addresses: set[str] = field(default_factory=set)

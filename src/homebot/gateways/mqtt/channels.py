@@ -26,12 +26,14 @@ class Channel:
         device: What the topic says of the device.
         listeners: Who gets its raw messages.
         refresh_at: Reading of the monotonic clock from which on the next message is worth a sighting.
+        is_ghost: Whether only a message that the broker had kept speaks for the device.
         kept: The last 10 messages of at most 4 KiB, for a listener that comes a moment later.
     """
 
     device: Announcement
     listeners: list[Publisher[RawMessage]]
     refresh_at: float = 0.0
+    is_ghost: bool = False
     kept: deque[RawMessage] = field(default_factory=lambda: deque(maxlen=KEPT))
 
     def keep(self, message: RawMessage) -> None:

@@ -16,13 +16,13 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
-from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.devices.services import NEVER, SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
 from homebot.gateways.mqtt.channels import Channel, Channels
 from homebot.gateways.mqtt.convention import Announcement, Convention
-from homebot.gateways.mqtt.settings import MqttGatewaySettings
+from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import EntityKind, Node
 from homebot.log import LogLimit
 from homebot.messages import Time
@@ -110,6 +110,20 @@ class MqttGateway(Gateway):
         if node.name == "mqtt":
             node.create_service(SubscribeToTopic, "/subscribe_to_mqtt_topic", self._subscribe)
 
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Find the conventions and read the credentials.
+
+        Raises:
+            UsageError: A convention cannot be loaded, a file cannot be read, or settings contradict each other.
+        """
+        if isinstance(settings, MqttGatewaySettings):
+            for name in settings.conventions:
+                _convention(name, settings.root)
+            settings.check_files()
+            if settings.url != EMBEDDED:
+                settings.options()
+
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the link and handle what comes until cancelled; ready when the first try to connect has ended."""
         filters = [one for convention in self._conventions for one in convention.filters()]
@@ -155,9 +169,14 @@ class MqttGateway(Gateway):
 
     async def _watch_nodes(self) -> None:
         with self.node.graph.watch() as changes:
+            lost = 0
             async for change in changes:
-                if change.change == "removed" and change.entity.kind is EntityKind.NODE:
-                    self._listeners.drop_node(change.entity.name)
+                is_removal = change.change == "removed" and change.entity.kind is EntityKind.NODE
+                if is_removal or changes.lost > lost:
+                    lost = changes.lost
+                    for address in self._listeners.drop_nodes_that_left():
+                        if self._channels.get(address) is None:
+                            self._listeners.tidy(address)
 
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
         stamp = Time.from_seconds(self._clock.now())
@@ -172,7 +191,7 @@ class MqttGateway(Gateway):
                 self._forget(channel, stamp)
                 continue
             self.counters.received += 1
-            if now >= channel.refresh_at:
+            if now >= channel.refresh_at or (channel.is_ghost and not message.retain):
                 self._sight(channel, message, stamp)
                 channel.refresh_at = now + REFRESH
             raw = RawMessage(
@@ -184,13 +203,13 @@ class MqttGateway(Gateway):
                 received_at=stamp,
             )
             channel.keep(raw)
-            for listener in channel.listeners:
+            for listener in tuple(channel.listeners):  # one may come or go while another is waited for
                 await self._listeners.deliver(listener, raw, patient=message.qos > 0)
 
     def _open(self, message: MqttMessage) -> Channel | None:
         try:
             device = self._channels.announced(message.topic)
-            if device is None or not message.payload:
+            if device is None:
                 return None
             return self._channels.open(message.topic, device, self._listeners.of(message.topic))
         except WireError as exc:
@@ -200,6 +219,7 @@ class MqttGateway(Gateway):
 
     def _sight(self, channel: Channel, message: MqttMessage, stamp: Time) -> None:
         is_new = channel.refresh_at == 0.0
+        channel.is_ghost = message.retain and (is_new or channel.is_ghost)
         if is_new and message.retain:
             self._warn(
                 GHOST,
@@ -219,6 +239,7 @@ class MqttGateway(Gateway):
     def _forget(self, channel: Channel, stamp: Time) -> None:
         """An empty message clears what the broker keeps: the device was taken out of the house."""
         self._channels.close(channel.device.address)
+        self._listeners.tidy(channel.device.address)
         self.sight(self._sighting("removed", "its topic was cleared", channel.device, stamp, confirmed=True))
 
     def _sighting(
@@ -241,7 +262,7 @@ class MqttGateway(Gateway):
             command_address=device.command_address,
             metadata=device.metadata,
             seen_at=stamp,
-            expires_at=Time.from_seconds(stamp.to_seconds() + self._settings.stale_after),
+            expires_at=Time.from_seconds(min(stamp.to_seconds() + self._settings.stale_after, NEVER.to_seconds())),
             confirmed=confirmed,
         )
 
@@ -251,11 +272,12 @@ class MqttGateway(Gateway):
             device = self._channels.announced(request.topic)
             if device is None:
                 raise WireError(f"topic {request.topic!r} is none that a device speaks on")
+            is_new = not self._listeners.has(request.topic, request.listener)
             publisher = self._listeners.add(request.topic, device.key, device.name, request.listener)
         except HomebotError as exc:
             return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
         channel = self._channels.get(request.topic)
-        missed = channel.missed_by(request.since.to_seconds()) if channel else ()
+        missed = channel.missed_by(request.since.to_seconds()) if channel and is_new else ()
         return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
 
     async def _send(self, command: RawCommand) -> None:

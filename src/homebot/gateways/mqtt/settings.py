@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
 
+from homebot.config import read_secret
 from homebot.errors import HomebotError, UsageError
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
@@ -108,6 +109,20 @@ class MqttGatewaySettings(BaseModel):
             **{name: value for name, value in given.items() if value is not None},
         )
 
+    def check_files(self) -> None:
+        """See whether the certificate files can be read.
+
+        Raises:
+            UsageError: One cannot; names its key.
+        """
+        for key in ("ca_file", "cert_file", "key_file"):
+            file: Path | None = getattr(self, key)
+            if file is not None:
+                try:
+                    file.open("rb").close()
+                except OSError as exc:
+                    raise UsageError(f"{key}: {file} cannot be read: {exc.strerror}") from exc
+
     def _password(self) -> SecretStr | None:
         if self.password_env is not None:
             if self.password_env not in os.environ:
@@ -115,9 +130,9 @@ class MqttGatewaySettings(BaseModel):
             return SecretStr(os.environ[self.password_env])
         if self.password_file is not None:
             try:
-                return SecretStr(self.password_file.read_text().partition("\n")[0])
-            except (OSError, UnicodeDecodeError) as exc:
-                raise UsageError(f"password_file: {self.password_file} cannot be read: {exc}") from exc
+                return SecretStr(read_secret(self.password_file))
+            except UsageError as exc:
+                raise UsageError(f"password_file: {exc}") from exc
         return None
 
 
