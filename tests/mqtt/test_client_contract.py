@@ -261,3 +261,26 @@ async def test_a_restarted_broker_is_found_again_and_no_accepted_message_is_lost
                     progress.set()
                     progress = anyio.Event()
     assert got == accepted
+
+
+@pytest.mark.parametrize("ends", [False, True])
+async def test_a_good_close_ends_the_session_only_where_that_is_asked(
+    options: MqttOptions, make: Make, *, ends: bool
+) -> None:
+    """A client id that will not come again leaves nothing at the broker."""
+    lasting = replace(options, session_expiry=60, session_ends_on_close=ends)
+    async with make(lasting).connected():
+        pass
+    async with make(replace(lasting, session_ends_on_close=False)).connected() as session:
+        assert session.resumed is not ends
+
+
+async def test_a_broken_link_leaves_the_session_in_any_case(broker: Broker, options: MqttOptions, make: Make) -> None:
+    """What comes meanwhile must not be lost."""
+    client = make(replace(options, session_expiry=60, session_ends_on_close=True))
+    async with client.connected():
+        await broker.restart(keep_sessions=True, abrupt=True)
+        with anyio.fail_after(5):
+            await client.wait_lost()
+    async with client.connected() as session:
+        assert session.resumed

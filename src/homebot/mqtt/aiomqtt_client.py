@@ -47,6 +47,7 @@ from homebot.mqtt.packets.publish import Publish, encode_publish
 from homebot.mqtt.packets.reason import ProtocolVersion, ReasonCode
 from homebot.mqtt.receiver import Receiver
 from homebot.mqtt.refusals import check_granted, farewell_error, login_error, reason_words
+from homebot.mqtt.session_end import end_session
 from homebot.mqtt.topics import validate_filter, validate_topic
 
 __all__ = ["AiomqttClient"]
@@ -147,9 +148,21 @@ class AiomqttClient:
             try:
                 yield session
             finally:
-                await link.close()
+                await self._close(link)
         finally:
             self._up = False
+
+    async def _close(self, link: _Link) -> None:
+        ends_session = link.is_alive and self._options.session_ends_on_close and self._options.session_expiry > 0
+        await link.close()
+        if not ends_session:
+            return
+        with anyio.CancelScope(shield=True), anyio.move_on_after(_GOODBYE):
+            try:
+                tls = await make_tls_context(self._options) if self._options.tls else None
+                await end_session(self._options, link.version, await dial(self._options, tls))
+            except HomebotError as error:
+                _log.debug("mqtt.session_left", broker=self._options.url, reason=str(error))
 
     async def _open(self) -> tuple[_Link, Session]:
         tls = await make_tls_context(self._options) if self._options.tls else None  # certificates are renewed
@@ -270,6 +283,10 @@ class _Link(aiomqtt.Client):
                 await self._gone.wait()
         self._abort()
         self._lose(self._trouble("closed"))
+
+    @property
+    def is_alive(self) -> bool:
+        return self._lost is None
 
     async def wait_lost(self) -> LinkError | RefusedError:
         await self._gone.wait()

@@ -62,6 +62,8 @@ class MqttOptions:
         timeout: Longest wait in seconds for the broker's answer to one request.
         session_expiry: Seconds that the broker keeps subscriptions and unacknowledged messages after the
             link is gone, 0 to 4294967295. 0 starts clean each time. MQTT 3.1.1 knows only 0 and for ever.
+        session_ends_on_close: Whether a close in good order ends the session at once, for a client id that will not
+            come again. A link that breaks leaves it in any case.
         maximum_packet_size: Largest packet to accept, in bytes. MQTT 5 brokers are told; what is larger all
             the same is dropped and counted.
         receive_maximum: Most messages of QoS 1 and 2 that may wait for acknowledgement, 1 to 65535. MQTT
@@ -87,6 +89,7 @@ class MqttOptions:
     keep_alive: int = 30
     timeout: float = 10.0
     session_expiry: int = 0
+    session_ends_on_close: bool = False
     maximum_packet_size: int = 256 * 1024
     receive_maximum: int = 256
     inbox_messages: int = 10_000

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import socket
 import ssl
@@ -260,21 +261,47 @@ async def test_password_and_names_of_hosts(dial: Dial) -> None:
         assert [getattr(each, "reason", None) for each in await client.rest()] == [ReasonCode.BAD_USER_NAME_OR_PASSWORD]
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not installed")
-async def test_tls_clients_are_served_and_closed_with_a_reason(dial: Dial, tmp_path: Path) -> None:
+@pytest.fixture
+def certificate(tmp_path: Path) -> Path:
+    """A folder with ``cert.pem`` and ``key.pem`` for 127.0.0.1."""
+    if shutil.which("openssl") is None:
+        pytest.skip("openssl is not installed")
     curve = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
     names = ["-subj", "/CN=test", "-addext", "subjectAltName=IP:127.0.0.1", "-days", "2"]
     files = ["-keyout", "key.pem", "-out", "cert.pem"]
     subprocess.run(["openssl", "req", "-x509", *curve, *names, *files], cwd=tmp_path, check=True, capture_output=True)
+    return tmp_path
+
+
+@pytest.fixture
+def tls(certificate: Path) -> ssl.SSLContext:
     server = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-    server.load_cert_chain(tmp_path / "cert.pem", tmp_path / "key.pem")
-    trusting = ssl.create_default_context(cafile=tmp_path / "cert.pem")
-    async with Broker(tls=server) as broker:
+    server.load_cert_chain(certificate / "cert.pem", certificate / "key.pem")
+    return server
+
+
+async def test_tls_clients_are_served_and_closed_with_a_reason(
+    dial: Dial, certificate: Path, tls: ssl.SSLContext
+) -> None:
+    trusting = ssl.create_default_context(cafile=certificate / "cert.pem")
+    async with Broker(tls=tls) as broker:
         assert broker.url.startswith("mqtts://")
         client = await dial(broker, context=trusting)
         assert await client.call(Pingreq()) == Pingresp()
         await client.send_bytes(b"\xc0\x01\x00")
         assert [getattr(each, "reason", None) for each in await client.rest()] == [ReasonCode.MALFORMED_PACKET]
+
+
+async def test_a_broker_stops_after_a_failed_tls_handshake(tls: ssl.SSLContext) -> None:
+    """Somebody who speaks no TLS never becomes a connection, so the stop does not wait for one."""
+    async with Broker(tls=tls) as broker:
+        stranger = await anyio.connect_tcp("127.0.0.1", broker.port)
+        await stranger.send(b"GET / HTTP/1.1\r\n\r\n")
+        with anyio.fail_after(5), contextlib.suppress(anyio.EndOfStream, anyio.BrokenResourceError):
+            await stranger.receive()
+        with anyio.fail_after(2):
+            await broker.stop()
+        await stranger.aclose()
 
 
 async def _take_and_acknowledge(client: WireClient) -> int:

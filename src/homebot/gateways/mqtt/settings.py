@@ -38,7 +38,8 @@ class MqttGatewaySettings(BaseModel):
         ca_file: PEM file of the authorities to trust with ``mqtts``.
         cert_file: PEM file of this client's certificate.
         key_file: PEM file of its key.
-        client_id: Name at the broker, unique there; by default a new one for each run.
+        client_id: Name at the broker, unique there; by default a new one for each run, whose session ends with it. A
+            fixed one gets what the broker kept while homebot was not running.
         protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1.
         max_payload: Largest message accepted, in bytes; the broker is told.
         session_expiry: Seconds for which the broker keeps messages for this gateway while it is away.
@@ -106,6 +107,7 @@ class MqttGatewaySettings(BaseModel):
             protocol=self.protocol,
             maximum_packet_size=self.max_payload,
             session_expiry=self.session_expiry,
+            session_ends_on_close="client_id" not in self.model_fields_set,
             **{name: value for name, value in given.items() if value is not None},
         )
 

@@ -24,8 +24,8 @@ class Connection(asyncio.BufferedProtocol):
     Args:
         hub: The broker.
         loop: The running loop.
-        on_lost: Told when the socket is closed.
-        refused: There is no room: cut it as soon as it is open.
+        admit: Asked when the socket is open (with TLS: when the hand-shake is done); False cuts it.
+        on_lost: Told when an admitted socket is closed.
 
     Attributes:
         choked: As :class:`Link` says.
@@ -37,17 +37,16 @@ class Connection(asyncio.BufferedProtocol):
         self,
         hub: Hub,
         loop: asyncio.AbstractEventLoop,
+        admit: Callable[[Connection], bool],
         on_lost: Callable[[Connection], None],
-        *,
-        refused: bool = False,
     ) -> None:
         self.choked = False
         self.address = "?"
         self.peer = Peer(hub, self)
         self._hub = hub
         self._loop = loop
+        self._admit = admit
         self._on_lost = on_lost
-        self._refused = refused
         self._transport: asyncio.Transport | None = None
         self._buffer = bytearray(_READ_AT_MOST)
         self._view = memoryview(self._buffer)
@@ -59,7 +58,7 @@ class Connection(asyncio.BufferedProtocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """The socket is open."""
         self._transport = transport = cast("asyncio.Transport", transport)
-        if self._refused:
+        if not self._admit(self):
             self.abort()
             return
         transport.set_write_buffer_limits(high=self._hub.limits.write_buffer)

@@ -171,7 +171,7 @@ class Broker:
             raise LinkError(f"cannot listen on {self._host} port {self._port}: {error.strerror}") from error
         self._port = sock.getsockname()[1]
         self._server = await loop.create_server(
-            lambda: self._accept(hub, loop),
+            lambda: Connection(hub, loop, self._admit, self._lost),
             sock=sock,
             ssl=self._tls,
             backlog=_BACKLOG,
@@ -254,16 +254,17 @@ class Broker:
         family = socket.AF_INET if literal.version == 4 else socket.AF_INET6
         return family, (self._host, self._port)
 
-    def _accept(self, hub: Hub, loop: asyncio.AbstractEventLoop) -> Connection:
-        full = len(self._connections) >= _SOCKETS_PER_CLIENT * self._limits.max_connections
-        refused = full or self._server is None
-        if full:
+    def _admit(self, connection: Connection) -> bool:
+        hub = self._hub
+        if hub is None or self._server is None:
+            return False
+        if len(self._connections) >= _SOCKETS_PER_CLIENT * self._limits.max_connections:
             hub.warn("broker.too_many_sockets", sockets=len(self._connections))
-        hub.counters.connections_refused += refused
-        hub.counters.connections_accepted += not refused
-        connection = Connection(hub, loop, self._lost, refused=refused)
+            hub.counters.connections_refused += 1
+            return False
+        hub.counters.connections_accepted += 1
         self._connections.add(connection)
-        return connection
+        return True
 
     def _lost(self, connection: Connection) -> None:
         self._connections.discard(connection)
