@@ -157,7 +157,7 @@ class Subscription(Generic[MessageT]):
                 return
 
     async def _run_concurrently(self, callback: Callback[MessageT]) -> None:
-        limit = anyio.Semaphore(self.qos.queue_depth)
+        limit = anyio.Semaphore(self.qos.queue_depth, fast_acquire=True)
 
         async def handle(message: MessageT) -> None:
             try:
