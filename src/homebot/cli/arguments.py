@@ -17,6 +17,7 @@ __all__ = [
     "add_noun",
     "add_plain_command",
     "address",
+    "app",
     "message",
     "positive",
     "type_or_message",
@@ -77,6 +78,15 @@ def address(text: str) -> tuple[str, int]:
     if not colon or not host or not port.isascii() or not port.isdigit() or int(port) > 65535:
         raise argparse.ArgumentTypeError(f"an address is HOST:PORT, got {text!r}")
     return host, int(port)
+
+
+def app(text: str) -> str:
+    """Return the name of an app: a plug-in's, or ``module:Class``."""
+    module, colon, kind = text.partition(":")
+    is_class = all(part.isidentifier() for part in (*module.split("."), kind))
+    if not text or (colon and not is_class):
+        raise argparse.ArgumentTypeError(f"an app is a plug-in's name or module:Class, got {text!r}")
+    return text
 
 
 def message(text: str) -> dict[str, object]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from homebot.cli.arguments import Commands, add_plain_command, address, positive
+from homebot.cli.arguments import Commands, add_plain_command, address, app, positive
 
 __all__ = ["add_parser"]
 
@@ -39,6 +39,7 @@ def add_parser(commands: Commands) -> None:
     parser.add_argument(
         "--app",
         metavar="NAME",
+        type=app,
         action="append",
         default=[],
         help="app to run, a plug-in's name or module:Class; may be given more than once",

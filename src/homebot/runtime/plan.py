@@ -9,16 +9,20 @@ from pydantic import BaseModel
 
 from homebot.apps import App
 from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge.admission import is_loopback
 from homebot.config import Config, Table, parse_settings
 from homebot.discovery import DirectorySettings
-from homebot.errors import ConfigError, PluginError
+from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
 from homebot.plugins import load_plugin
+from homebot.runtime.door_table import DoorTable
 
 __all__ = ["Component", "Plan", "make_plan"]
 
 GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
+
+OWN_NODES = frozenset({"homebot", "discovery", "rosapi", "rosbridge_websocket"})
 
 ComponentT = TypeVar("ComponentT", Gateway, App)
 
@@ -61,23 +65,51 @@ def make_plan(config: Config) -> Plan:
     """Find every class that *config* names and check every table.
 
     Raises:
-        ConfigError: A class cannot be found, or a table is wrong; names the file, the key and the reason.
+        ConfigError: A class cannot be found, a table is wrong, or a secret cannot be read; names the file, the key and
+            the reason.
     """
     source = config.source
     base_gateway: type[Gateway] = Gateway  # type: ignore[type-abstract]  # only compared with, never made
     base_app: type[App] = App  # type: ignore[type-abstract]  # likewise
+    gateways = tuple(
+        _component(base_gateway, GATEWAYS, name, table, source, f"gateways.{name}")
+        for name, table in config.gateways.items()
+    )
+    for gateway in gateways:
+        try:
+            gateway.kind.check(gateway.settings)
+        except UsageError as exc:
+            raise ConfigError(source, f"gateways.{gateway.name}", str(exc)) from exc
     return Plan(
         home=config.home.name,
-        gateways=tuple(
-            _component(base_gateway, GATEWAYS, name, table, source, f"gateways.{name}")
-            for name, table in config.gateways.items()
-        ),
-        apps=tuple(
-            _component(base_app, APPS, name, table, source, f"apps.{name}") for name, table in config.apps.items()
-        ),
+        gateways=gateways,
+        apps=tuple(_app(base_app, name, table, source) for name, table in config.apps.items()),
         discovery=parse_settings(DirectorySettings, config.discovery, source, "discovery"),
-        door=parse_settings(DoorSettings, config.door, source, "door"),
+        door=_door(config.door, source),
     )
+
+
+def _app(base: type[App], name: str, table: Table, source: str) -> Component[App]:
+    if name in OWN_NODES:
+        raise ConfigError(source, f"apps.{name}", "is the name of a node of homebot's own; call the app something else")
+    return _component(base, APPS, name, table, source, f"apps.{name}")
+
+
+def _door(table: Table, source: str) -> DoorSettings:
+    """The door's settings, with the token read from where it is kept."""
+    given = parse_settings(DoorTable, table, source, "door")
+    try:
+        door = given.settings()
+    except UsageError as exc:
+        raise ConfigError(source, "door.token_file", str(exc)) from exc
+    if door.token is None and not is_loopback(door.host):
+        raise ConfigError(
+            source,
+            "door.host",
+            f"{door.host} can be reached by others, so it needs a token: give token_file, or HOMEBOT_DOOR_TOKEN in the "
+            "environment, or listen on 127.0.0.1",
+        )
+    return door
 
 
 def _component(
@@ -90,6 +122,18 @@ def _component(
         kind = load_plugin(group, wanted)
     except PluginError as exc:
         raise ConfigError(source, f"{key}.class" if "class" in table else key, str(exc)) from exc
-    if not issubclass(kind, base):
-        raise ConfigError(source, f"{key}.class", f"{wanted} is no {base.__name__}")
+    _check_class(kind, base, wanted, source, key)
     return Component(name, kind, parse_settings(kind.Settings, table, source, key))
+
+
+def _check_class(kind: type[object], base: type[ComponentT], wanted: str, source: str, key: str) -> None:
+    """Find the mistakes that would show at the first start otherwise."""
+    what = "an App" if base.__name__ == "App" else f"a {base.__name__}"
+    if not issubclass(kind, base):
+        raise ConfigError(source, f"{key}.class", f"{wanted} is not {what}; derive it from {base.__module__}")
+    missing = sorted(getattr(kind, "__abstractmethods__", ()))
+    if missing:
+        raise ConfigError(source, f"{key}.class", f"{wanted} lacks {', '.join(f'{name}()' for name in missing)}")
+    settings = getattr(kind, "Settings", None)
+    if not isinstance(settings, type) or not issubclass(settings, BaseModel):
+        raise ConfigError(source, f"{key}.class", f"{wanted}.Settings is not a pydantic model")

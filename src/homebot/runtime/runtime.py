@@ -67,6 +67,7 @@ class Runtime:
         self.supervisor = Supervisor(self._clock)
         self.broker_url: str | None = None
         self.door: Door | None = None
+        self._start_is_cut = False
 
     async def __aenter__(self) -> Self:
         """Start everything.
@@ -74,37 +75,49 @@ class Runtime:
         Raises:
             UsageError: Something cannot be started as it is configured; what was started is stopped again.
         """
-        stack = AsyncExitStack()
         try:
-            await self._start(stack)
+            await self._start(self._stack)
         except BaseException:
-            await stack.aclose()
+            await self._stack.aclose()
             raise
-        self._stack = stack
         return self
 
     async def __aexit__(self, *exc_info: object) -> None:
         _log.info(STOPPING, message="stopping")
         await self._stack.aclose()
 
+    def cut_start_short(self) -> None:
+        """Start nothing more and wait for nothing, if the start is still under way; entering then returns at once."""
+        self._start_is_cut = True
+        self.supervisor.hurry()
+
     async def _start(self, stack: AsyncExitStack) -> None:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(_rosout(main))
         gateways = await self._with_broker(stack)
-        for gateway in gateways:
-            await self._keep(stack, gateway.name, self._gateway(gateway))
-        await self._keep(stack, "discovery", self._directory)
-        for app in self._plan.apps:
-            await self._keep(stack, app.name, self._app(app))
-        await self._keep(stack, "rosapi", self._rosapi)
-        await self._keep(stack, "door", self._open_door)
+        for name, work in self._components(gateways):
+            if self._start_is_cut:
+                return
+            await stack.enter_async_context(self.supervisor.running(name, work))
+        if not self._start_is_cut:
+            _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
+
+    def _components(self, gateways: tuple[Component[Gateway], ...]) -> Iterator[tuple[str, Work]]:
+        """In the order of their start; each is made only when those before it are ready."""
+        yield from ((gateway.name, self._gateway(gateway)) for gateway in gateways)
+        yield "discovery", self._directory
+        yield from ((app.name, self._app(app)) for app in self._plan.apps)
+        yield "rosapi", self._rosapi
+        yield "door", self._open_door
         if self._with_house and self.broker_url is not None:
-            await self._keep(stack, "house", self._house(self.broker_url, _root(gateways)))
-        _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
+            yield "house", self._house(self.broker_url, _root(gateways))
 
     def _greeting(self) -> str:
-        door = "" if self.door is None else f"; tools come in on {self._plan.door.host}:{self.door.port}"
-        return f"{self._plan.home} is running{door}"
+        if self.door is None:
+            return f"{self._plan.home} is running"
+        host = self._plan.door.host
+        where = f"[{host}]" if ":" in host else host
+        return f"{self._plan.home} is running; tools come in on {where}:{self.door.port}"
 
     async def _with_broker(self, stack: AsyncExitStack) -> tuple[Component[Gateway], ...]:
         """Start the embedded broker if a gateway wants it; return the gateways with its address filled in."""
@@ -113,9 +126,6 @@ class Runtime:
         broker = await stack.enter_async_context(embedded_broker(self._clock))
         self.broker_url = broker.url
         return tuple(_on_broker(gateway, broker.url) for gateway in self._plan.gateways)
-
-    async def _keep(self, stack: AsyncExitStack, name: str, work: Work) -> None:
-        await stack.enter_async_context(self.supervisor.running(name, work))
 
     def _gateway(self, component: Component[Gateway]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:

@@ -1,8 +1,8 @@
 """Keeps components running: one that crashes is started anew, and the others do not notice.
 
-Each component has a task of its own. A crash is logged with its traceback and followed by a new start after a growing
-delay. One that crashes five times within a minute is given up. A UsageError at the first start is nobody's crash but a
-mistake to be mended, and ends the start of homebot.
+Each component has a task of its own. A crash is logged with its traceback and followed by a new start, after a delay
+that grows with each crash within a minute; one that crashes five times within a minute is given up. A UsageError at the
+first start is nobody's crash but a mistake to be mended, and ends the start of homebot.
 """
 
 from __future__ import annotations
@@ -23,11 +23,12 @@ __all__ = ["Supervisor", "Work"]
 
 CRASHED = "runtime.crashed"
 GIVEN_UP = "runtime.given_up"
+NOT_READY = "runtime.not_ready"
 
 FIRST_DELAY = 0.5
-MAX_DELAY = 15.0
 MAX_CRASHES = 5
 CRASH_WINDOW = 60.0
+READY_WITHIN = 10.0
 
 _log = structlog.get_logger(node="/homebot")
 
@@ -55,10 +56,17 @@ class Supervisor:
         self.restarts: dict[str, int] = {}
         self.given_up: list[str] = []
         self._clock = clock
+        self._hurries = anyio.Event()
+
+    def hurry(self) -> None:
+        """Wait for no component to become ready any more."""
+        self._hurries.set()
 
     @asynccontextmanager
     async def running(self, name: str, work: Work) -> AsyncIterator[None]:
         """Keep *work* running inside the block; entering waits until it is ready, leaving until it is over.
+
+        A component that is not ready after 10 s is not waited for any longer.
 
         Raises:
             UsageError: The component cannot be started as it is configured.
@@ -66,15 +74,33 @@ class Supervisor:
         start = _Start()
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._keep, name, work, start)
-            await start.over.wait()
+            await self._wait_for(name, start)
             if start.mistake is None:
                 yield
+            start.is_stopping = True
             tasks.cancel_scope.cancel()
         if start.mistake is not None:
             raise start.mistake
 
+    async def _wait_for(self, name: str, start: _Start) -> None:
+        async def hurry() -> None:
+            await self._hurries.wait()
+            limit.cancel()
+
+        with anyio.move_on_after(READY_WITHIN) as limit:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(hurry)
+                await start.over.wait()
+                tasks.cancel_scope.cancel()
+        if not start.over.is_set() and not self._hurries.is_set():
+            _log.warning(
+                NOT_READY,
+                message=f"{name} is not ready after {READY_WITHIN:g} s; homebot goes on without waiting for it",
+                component=name,
+            )
+
     async def _keep(self, name: str, work: Work, start: _Start) -> None:
-        crashes: deque[float] = deque(maxlen=MAX_CRASHES)
+        crashes: deque[float] = deque()
         while True:
             try:
                 await work(task_status=start)
@@ -84,33 +110,39 @@ class Supervisor:
                     start.mistake = cause
                     start.started()
                     return
-                crashes.append(self._clock.monotonic())
-                if len(crashes) == MAX_CRASHES and crashes[-1] - crashes[0] < CRASH_WINDOW:
-                    self._give_up(name, cause)
-                    start.started()
-                    return
-                delay = min(MAX_DELAY, FIRST_DELAY * 2 ** (len(crashes) - 1))
-                _log.error(
-                    CRASHED,
-                    message=f"{name} crashed ({_in_words(cause)}); it is started anew in {delay:g} s",
-                    component=name,
-                    exc_info=cause,
-                )
+                delay = self._delay_after(crashes)
+                self._report(name, cause, delay, is_stopping=start.is_stopping)
                 start.started()  # homebot starts without it rather than not at all
+                if delay is None or start.is_stopping:
+                    return
                 await anyio.sleep(delay)
                 self.restarts[name] = self.restarts.get(name, 0) + 1
             else:
                 start.started()
                 return
 
-    def _give_up(self, name: str, cause: BaseException) -> None:
-        self.given_up.append(name)
-        _log.critical(
-            GIVEN_UP,
-            message=f"{name} crashed {MAX_CRASHES} times within a minute and is given up: {_in_words(cause)}",
-            component=name,
-            exc_info=cause,
-        )
+    def _delay_after(self, crashes: deque[float]) -> float | None:
+        """Count one more crash; return the seconds until the next start, or None when that is one too many."""
+        now = self._clock.monotonic()
+        while crashes and now - crashes[0] >= CRASH_WINDOW:
+            crashes.popleft()
+        crashes.append(now)
+        return None if len(crashes) >= MAX_CRASHES else FIRST_DELAY * 2.0 ** (len(crashes) - 1)
+
+    def _report(self, name: str, cause: BaseException, delay: float | None, *, is_stopping: bool) -> None:
+        words = f"{name} crashed ({_in_words(cause)})"
+        if is_stopping:
+            _log.error(CRASHED, message=f"{words} while it stopped", component=name, exc_info=cause)
+        elif delay is not None:
+            _log.error(CRASHED, message=f"{words}; it is started anew in {delay:g} s", component=name, exc_info=cause)
+        else:
+            self.given_up.append(name)
+            _log.critical(
+                GIVEN_UP,
+                message=f"{name} crashed {MAX_CRASHES} times within a minute and is given up: {_in_words(cause)}",
+                component=name,
+                exc_info=cause,
+            )
 
 
 class _Start(TaskStatus[None]):
@@ -119,6 +151,7 @@ class _Start(TaskStatus[None]):
     def __init__(self) -> None:
         self.over = anyio.Event()
         self.mistake: UsageError | None = None
+        self.is_stopping = False
 
     def started(self, value: None = None) -> None:  # noqa: ARG002  # anyio's signature
         self.over.set()

@@ -1,0 +1,54 @@
+"""Ends a process that does not stop in time, whatever hangs in it."""
+
+from __future__ import annotations
+
+import os
+import threading
+from types import TracebackType
+from typing import Self, final
+
+import structlog
+
+__all__ = ["Watchdog"]
+
+LEFT_BEHIND = "runtime.left_behind"
+
+SAY_AFTER = 4.5
+EXIT_AFTER = 4.8
+"""Seconds from :meth:`Watchdog.start` to the end of the process: together with a little work, below five."""
+
+_log = structlog.get_logger(node="/homebot")
+
+
+@final
+class Watchdog:
+    """``with Watchdog() as watchdog``: once started, it lets the block take 4.8 s more and then ends the process.
+
+    It sits in threads of its own, so that neither an event loop that is blocked nor a terminal that takes no more text
+    keeps the process alive.
+    """
+
+    def __init__(self) -> None:
+        self._timers = (threading.Timer(SAY_AFTER, _say), threading.Timer(EXIT_AFTER, os._exit, [1]))
+        self._is_started = False
+
+    def start(self) -> None:
+        """Let the time run. Twice is fine, and so is a signal handler."""
+        if not self._is_started:
+            self._is_started = True
+            for timer in self._timers:
+                timer.daemon = True
+                timer.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for timer in self._timers:
+            timer.cancel()
+
+
+def _say() -> None:
+    _log.critical(LEFT_BEHIND, message="not everything stopped in time; it is left behind")
