@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import json
+import logging
+import warnings
 from collections.abc import Iterator
 
 import pytest
@@ -23,8 +25,12 @@ class Terminal(io.StringIO):
 
 @pytest.fixture(autouse=True)
 def _default_logging_again() -> Iterator[None]:
+    root = logging.getLogger()
+    handlers = list(root.handlers)
     yield
     structlog.reset_defaults()
+    root.handlers[:] = handlers
+    logging.captureWarnings(capture=False)
 
 
 def logged(log_format: LogFormat, out: io.StringIO, **facts: object) -> str:
@@ -135,3 +141,88 @@ def test_a_burst_of_lines_passes_before_the_limit_holds_them_back() -> None:
     assert [limit.allows("kind") for _ in range(5)] == [0, 0, 0, None, None]
     clock.advance(10.0)
     assert [limit.allows("kind") for _ in range(4)] == [2, 0, 0, None]
+
+
+def library_lines(out: io.StringIO) -> list[dict[str, object]]:
+    return [json.loads(line) for line in out.getvalue().splitlines()]
+
+
+def test_what_libraries_log_comes_in_the_same_format_from_warning_on() -> None:
+    out = io.StringIO()
+    configure_logging("json", stream=out)
+    logging.getLogger("aiomqtt").info("not shown")
+    logging.getLogger("aiomqtt").warning("lost %d messages", 3)
+    (line,) = library_lines(out)
+    assert (line["event"], line["node"], line["level"]) == ("log.library", "aiomqtt", "warning")
+    assert line["message"] == "lost 3 messages"
+
+
+def test_a_traceback_of_a_library_stays_within_its_line() -> None:
+    out = io.StringIO()
+    configure_logging("json", stream=out)
+    try:
+        int("boom")
+    except ValueError:
+        logging.getLogger("asyncio").exception("Task exception was never retrieved")
+    (line,) = library_lines(out)
+    assert "ValueError: invalid literal" in str(line["exception"])
+
+
+@pytest.mark.parametrize(
+    ("said", "shown"),
+    [
+        ("no way to mqtt://robot:p@ss:w0rd@broker:1883", "no way to mqtt://robot:***@broker:1883"),
+        ("GET /?token=s3cret&x=1", "GET /?token=***&x=1"),
+        ("Authorization: Bearer s3cret", "Authorization: Bearer ***"),
+        ("{'password': 's3cret', 'user': 'robot'}", "{'password': '***', 'user': 'robot'}"),
+        ("the password of robot was refused", "the password of robot was refused"),
+        ("ws://127.0.0.1:9090/a@b", "ws://127.0.0.1:9090/a@b"),
+    ],
+)
+def test_secrets_in_what_libraries_say_are_not_shown(said: str, shown: str) -> None:
+    out = io.StringIO()
+    configure_logging("json", stream=out)
+    logging.getLogger("websockets").error(said)
+    assert [line["message"] for line in library_lines(out)] == [shown]
+
+
+def test_a_library_that_repeats_itself_is_limited_and_one_that_slips_is_shown_as_it_is() -> None:
+    out = io.StringIO()
+    configure_logging("json", stream=out)
+    for number in range(5):
+        logging.getLogger("paho").error("failed for the %d. time", number)
+    slip = logging.LogRecord("paho", logging.ERROR, __file__, 1, "no %d", ("number",), None)
+    logging.getLogger().handlers[-1].handle(slip)  # pytest's own handlers raise at such a line
+    assert [line["message"] for line in library_lines(out)] == ["failed for the 0. time", "no %d"]
+
+
+def test_configuring_twice_says_everything_once() -> None:
+    first, second = io.StringIO(), io.StringIO()
+    configure_logging("json", stream=first)
+    configure_logging("json", stream=second)
+    logging.getLogger("aiomqtt").warning("lost")
+    assert first.getvalue() == ""
+    assert len(library_lines(second)) == 1
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_warning_of_python_is_a_line_too() -> None:
+    out = io.StringIO()
+    configure_logging("json", stream=out)
+    warnings.warn("this will change", FutureWarning, stacklevel=1)
+    (line,) = library_lines(out)
+    assert line["node"] == "py.warnings"
+    assert "FutureWarning: this will change" in str(line["message"])
+
+
+def test_a_reader_of_the_log_that_goes_away_disturbs_nobody() -> None:
+    class Gone(io.StringIO):
+        def write(self, _text: str) -> int:
+            raise BrokenPipeError
+
+    configure_logging(stream=Gone())
+    structlog.get_logger().info("a.b")
+    closed = io.StringIO()
+    configure_logging(stream=closed)
+    closed.close()
+    structlog.get_logger().info("a.b")

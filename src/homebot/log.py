@@ -6,10 +6,13 @@ the same in plain words for people: it is what the terminal shows.
 
 from __future__ import annotations
 
+import logging
 import re
 import sys
+import time
 from collections import OrderedDict
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal, TextIO, TypeAlias, final
 
@@ -23,9 +26,21 @@ __all__ = ["LogFormat", "LogLimit", "configure_logging", "sentence"]
 
 LogFormat: TypeAlias = Literal["console", "json"]
 
+LIBRARY_LINE = "log.library"
+
 _MAX_KEYS = 1000
 _LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "critical": 50}
 _COLOURS = {"debug": "2", "warning": "33", "error": "31", "critical": "1;31"}
+_SECRETS = (
+    re.compile(r"(://[^\s/@:]*:)[^\s/]+(?=@)"),
+    re.compile(
+        r"""\b( bearer\s+
+             | authorization\W{1,4}(?:\w+\s+)?
+             | [\w-]*(?:password|passwd|passphrase|secret|token|api_?key)[\w-]*["']?\s*[=:]\s*["']?
+             )[^\s"'&,;)}\]]+""",
+        re.IGNORECASE | re.VERBOSE,
+    ),
+)
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 _NOT_FACTS = {"event", "level", "node", "timestamp", "message", "exception"}
 
@@ -38,6 +53,9 @@ def configure_logging(
     processors: Sequence[Processor] = (),
 ) -> None:
     """Send every log line of the process to *stream*, by default standard error.
+
+    What libraries log with the standard library's ``logging``, at warning or above, and Python's own warnings come the
+    same way: limited, and with what looks like a secret taken out.
 
     Args:
         log_format: ``console`` for people, ``json`` for programs: one object a line.
@@ -52,16 +70,18 @@ def configure_logging(
         raise UsageError(f"no log level {level!r}; there are {', '.join(_LEVELS)}")
     out = stream or sys.stderr
     renderer: Processor = structlog.processors.JSONRenderer() if log_format == "json" else _Console(out.isatty())
+    _take_in_stdlib_lines()
     structlog.configure(
         processors=[
             structlog.processors.add_log_level,
             structlog.processors.TimeStamper(fmt="iso", utc=True),
             structlog.processors.format_exc_info,
+            _without_secrets,
             *processors,
             renderer,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(_LEVELS[level]),
-        logger_factory=structlog.PrintLoggerFactory(out),
+        logger_factory=lambda *_: _Writer(out),
         cache_logger_on_first_use=False,
     )
 
@@ -115,6 +135,78 @@ class _Interval:
     start: float
     passed: int = 0
     held_back: int = 0
+
+
+class _Writer:
+    """Writes lines. Whoever read them may have gone; the house does not go down with them."""
+
+    def __init__(self, out: TextIO) -> None:
+        self._out = out
+
+    def msg(self, line: str) -> None:
+        with suppress(OSError, ValueError):  # a broken pipe, or a stream that was closed: nowhere left to say it
+            self._out.write(f"{line}\n")
+            self._out.flush()
+
+    log = debug = info = warning = error = critical = msg
+
+
+class _StdlibLines(logging.Handler):
+    """Brings a line of the standard library's ``logging`` into our log."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self._limit = LogLimit(_SinceStart())
+
+    def emit(self, record: logging.LogRecord) -> None:
+        held_back = self._limit.allows(f"{record.name} {record.msg}")
+        if held_back is None:
+            return
+        facts = {"exc_info": record.exc_info} if record.exc_info else {}
+        more = f" (and {held_back} more like this)" if held_back else ""
+        structlog.get_logger(node=record.name).log(
+            min(record.levelno, logging.CRITICAL) // 10 * 10,
+            LIBRARY_LINE,
+            message=f"{_text(record)}{more}",
+            held_back=held_back,
+            **facts,
+        )
+
+
+def _text(record: logging.LogRecord) -> str:
+    try:
+        return record.getMessage()
+    except (KeyError, TypeError, ValueError):  # the library's own slip must not become ours
+        return str(record.msg)
+
+
+class _SinceStart:
+    """The clock of lines that come from any thread, with an event loop or without."""
+
+    def monotonic(self) -> float:
+        return time.monotonic()
+
+    def now(self) -> float:
+        return time.time()
+
+
+def _take_in_stdlib_lines() -> None:
+    root = logging.getLogger()
+    for handler in root.handlers:
+        if isinstance(handler, _StdlibLines):
+            root.removeHandler(handler)
+    root.addHandler(_StdlibLines())
+    logging.captureWarnings(capture=True)
+
+
+def _without_secrets(_logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:
+    """Take secrets out of what libraries say; our own lines never hold any."""
+    if event.get("event") == LIBRARY_LINE:
+        for key in ("message", "exception"):
+            if key in event:
+                for secret in _SECRETS:
+                    event[key] = secret.sub(r"\1***", str(event[key]))
+    return event
 
 
 class _Console:

@@ -8,7 +8,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.clock import Clock
-from homebot.errors import ClosedError, LinkError
+from homebot.errors import LinkError
 from homebot.house.devices import Lamp, SimulatedDevice, WindowMotor
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import Subscription
@@ -54,36 +54,49 @@ class SimulatedHouse:
         base = f"{self._home}/{device.service_type}/{device.device_id}"
         async with MqttConnection(options, AiomqttClient, status_topic=None, clock=self._clock) as connection:
             await connection.subscribe(Subscription(f"{base}/in", qos=1))
+            voice = _Voice(connection, f"{base}/out", device.state())
             async with anyio.create_task_group() as tasks:
-                tasks.start_soon(self._report_on_connect, device, connection, f"{base}/out")
-                tasks.start_soon(self._report_steadily, device, connection, f"{base}/out")
-                tasks.start_soon(self._obey, device, connection, f"{base}/out")
-
-    async def _report_on_connect(self, device: SimulatedDevice, connection: MqttConnection, topic: str) -> None:
-        async for state in connection.states():
-            if state.phase is LinkPhase.CONNECTED:
-                await _say(connection, topic, device.state())
-
-    async def _report_steadily(self, device: SimulatedDevice, connection: MqttConnection, topic: str) -> None:
-        while True:
-            await anyio.sleep(HEARTBEAT)
-            await _say(connection, topic, device.state())
-
-    async def _obey(self, device: SimulatedDevice, connection: MqttConnection, topic: str) -> None:
-        while True:
-            try:
-                commands = await connection.receive()
-            except ClosedError:
-                return
-            for command in commands:
-                for step in device.obey(command.payload.decode(errors="replace")):
-                    await anyio.sleep(step.after)
-                    await _say(connection, topic, step.report)
-            connection.ack(commands)
+                tasks.start_soon(_report_on_connect, connection, voice)
+                tasks.start_soon(_report_steadily, voice)
+                tasks.start_soon(_obey, device, connection, voice)
 
 
-async def _say(connection: MqttConnection, topic: str, payload: str) -> None:
-    try:
-        await connection.publish(topic, payload.encode(), qos=1)
-    except LinkError:
-        return  # said again at the next link, which is how small devices live
+class _Voice:
+    """What a device says, and says again: its last word, which on the way from one state to the next is neither."""
+
+    def __init__(self, connection: MqttConnection, topic: str, word: str) -> None:
+        self._connection = connection
+        self._topic = topic
+        self._word = word
+
+    async def say(self, word: str) -> None:
+        self._word = word
+        await self.repeat()
+
+    async def repeat(self) -> None:
+        try:
+            await self._connection.publish(self._topic, self._word.encode(), qos=1)
+        except LinkError:
+            return  # said again at the next link, which is how small devices live
+
+
+async def _report_on_connect(connection: MqttConnection, voice: _Voice) -> None:
+    async for state in connection.states():
+        if state.phase is LinkPhase.CONNECTED:
+            await voice.repeat()
+
+
+async def _report_steadily(voice: _Voice) -> None:
+    while True:
+        await anyio.sleep(HEARTBEAT)
+        await voice.repeat()
+
+
+async def _obey(device: SimulatedDevice, connection: MqttConnection, voice: _Voice) -> None:
+    while True:
+        commands = await connection.receive()
+        for command in commands:
+            for step in device.obey(command.payload.decode(errors="replace")):
+                await anyio.sleep(step.after)
+                await voice.say(step.report)
+        connection.ack(commands)

@@ -43,15 +43,26 @@ class TestHouse:
         """Return the next payload that homebot sends to *topic*.
 
         Raises:
-            TimeoutError: Nothing came within 5 s.
+            TimeoutError: Nothing came within 5 s; says what came elsewhere, and which apps crashed.
         """
-        with anyio.fail_after(PATIENCE):
+        with anyio.move_on_after(PATIENCE):
             while not self._heard[topic]:
                 messages = await self._field.receive()
                 for message in messages:
-                    self._heard[message.topic].append(message.payload.decode())
+                    self._heard[message.topic].append(message.payload.decode(errors="replace"))
                 self._field.ack(messages)
+        if not self._heard[topic]:
+            raise TimeoutError(self._silence(topic))
         return self._heard[topic].popleft()
+
+    def _silence(self, topic: str) -> str:
+        elsewhere = {name: list(payloads) for name, payloads in self._heard.items() if payloads}
+        supervisor = self.runtime.supervisor
+        crashed = sorted({*supervisor.restarts, *supervisor.given_up})
+        return (
+            f"nothing came on {topic} within {PATIENCE:g} s; "
+            f"came elsewhere: {elsewhere or 'nothing'}; crashed: {', '.join(crashed) or 'nothing'}"
+        )
 
 
 @asynccontextmanager
