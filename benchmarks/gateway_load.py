@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 import aiomqtt
 
+from background import in_background
 from homebot.devices import Device, Devices, RawMessage
 from house import homebot_listening, lamp_topics
 from mosquitto import mosquitto
@@ -125,11 +126,9 @@ async def aiomqtt_loop(load: Load) -> float:
 
     async with aiomqtt.Client("127.0.0.1", load.port) as client:
         await client.subscribe("bench/+/+/out", qos=load.qos)
-        async with asyncio.TaskGroup() as tasks:
-            task = tasks.create_task(listen(client))
+        async with in_background(listen(client)):
             load.start()
             ended = await load.wait_received()
-            task.cancel()
     return load.figure(AIOMQTT, ended)
 
 

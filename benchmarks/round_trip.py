@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 import aiomqtt
 
+from background import in_background
 from homebot.devices import Device, Devices, RawMessage
 from house import homebot_listening, lamp_topics
 from mosquitto import mosquitto
@@ -103,16 +104,9 @@ async def aiomqtt_echo(pace: Pace) -> float:
 
     async with aiomqtt.Client("127.0.0.1", pace.port) as client:
         await client.subscribe(OUT, qos=1)
-        pace.start()
-        return await _with_task(echo(client), pace.finish)
-
-
-async def _with_task(work: Coroutine[None, None, None], wait: Callable[[], float]) -> float:
-    async with asyncio.TaskGroup() as tasks:
-        task = tasks.create_task(work)
-        figure = await asyncio.to_thread(wait)
-        task.cancel()
-    return figure
+        async with in_background(echo(client)):
+            pace.start()
+            return await asyncio.to_thread(pace.finish)
 
 
 def raw_echo(pace: Pace) -> float:
