@@ -77,6 +77,7 @@ def _start(command: list[str], environment: dict[str, str], memory: list[float])
         stderr=subprocess.STDOUT,
         text=True,
         env=environment,
+        cwd=environment["PYTHONPYCACHEPREFIX"],  # where no homebot.toml of the user is
     ) as process:
         assert process.stdout is not None
         said = []
