@@ -175,3 +175,48 @@ def test_sequences_grow_with_every_change_and_start_where_they_are_told() -> Non
     assert first is not None
     assert second is not None
     assert (first.sequence, second.sequence, index.sequence) == (100, 101, 101)
+
+
+def test_an_id_is_never_given_twice(index: DeviceIndex) -> None:
+    """Not even when a device is called what another one's id was made of."""
+    index.observe(sighting("lights/a@garage", gateway="mqtt"))
+    index.observe(sighting("lights/a", gateway="mqtt"))
+    index.observe(sighting("lights/a", gateway="garage"))
+
+    assert [device.id for device in index.devices()] == ["lights/a", "lights/a@garage", "lights/a@garage@garage"]
+    removed = index.observe(sighting("lights/a", gateway="garage", kind="removed"))
+    assert removed is not None
+    assert removed.device.id == "lights/a@garage@garage"
+
+
+def test_what_the_passing_of_time_changes_can_be_taken_in_portions(index: DeviceIndex) -> None:
+    """In the order of the deadlines."""
+    for number in range(5):
+        index.observe(sighting(f"lights/{number}", at=-number))
+
+    first = index.expire(EXPIRES_AFTER, at_most=3)
+    second = index.expire(EXPIRES_AFTER, at_most=3)
+    assert [change.device.id for change in first] == ["lights/4", "lights/3", "lights/2"]
+    assert [change.device.id for change in second] == ["lights/1", "lights/0"]
+    assert index.expire(EXPIRES_AFTER, at_most=3) == ()
+
+
+def test_one_device_is_found_by_its_id(index: DeviceIndex) -> None:
+    """As it is now."""
+    index.observe(sighting())
+    index.expire(EXPIRES_AFTER)
+    found = index.get("lights/lamp1")
+    assert found is not None
+    assert found.freshness == "stale"
+    assert index.get("lights/lamp2") is None
+
+
+def test_a_full_index_takes_nothing_new_in_and_counts_it() -> None:
+    """What is known already goes on."""
+    index = DeviceIndex(forget_after=FORGET_AFTER, max_devices=1)
+    index.observe(sighting("lights/a"))
+    assert index.observe(sighting("lights/b")) is None
+    assert index.rejected == 1
+    changed = index.observe(sighting("lights/a", name="other"))
+    assert changed is not None
+    assert changed.kind == "changed"

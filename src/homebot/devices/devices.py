@@ -19,7 +19,7 @@ from homebot.devices.services import (
     SubscribeToTopicRequest,
     SubscribeToTopicResponse,
 )
-from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
+from homebot.errors import ClosedError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node, Publisher, Subscription
 from homebot.log import LogLimit
 from homebot.messages import Time
@@ -132,8 +132,8 @@ class Devices:
     async def _try_to_ask(self, gateway: str, address: str) -> None:
         try:
             await self._ask(gateway, address)
-        except ServiceUnavailableError:
-            return  # gone again; it is asked when it comes
+        except (ServiceUnavailableError, ClosedError):
+            return  # the gateway is gone again and is asked when it comes, or we are
         except (RefusedError, ServiceError) as exc:
             if self._limit.allows(NOT_HEARD) is not None:
                 self._node.log.warning(NOT_HEARD, message=f"{address} is not heard any more: {exc}", address=address)

@@ -20,6 +20,8 @@ async def service_starts(graph: Graph) -> AsyncIterator[str | None]:
         async for change in changes:
             if changes.lost > lost:
                 lost = changes.lost
+                while changes.take() is not None:
+                    pass
                 yield None
-            if change.change == "added" and change.entity.kind is EntityKind.SERVICE:
+            elif change.change == "added" and change.entity.kind is EntityKind.SERVICE:
                 yield change.entity.name

@@ -24,7 +24,7 @@ from homebot.devices.services import (
     GetIndexDataRequest,
     GetIndexDataResponse,
 )
-from homebot.discovery.index import DeviceIndex
+from homebot.discovery.index import MAX_DEVICES, DeviceIndex
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscription
 from homebot.log import LogLimit
@@ -57,11 +57,13 @@ class DirectorySettings(BaseModel):
 
     Attributes:
         forget_after: Seconds for which a stale device stays listed before it is removed; a day by default.
+        max_devices: How many devices are listed; further ones are counted and told.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     forget_after: Seconds = Field(default=86_400.0)
+    max_devices: int = Field(default=MAX_DEVICES, ge=1)
 
 
 class Directory:
@@ -79,7 +81,11 @@ class Directory:
         self._node = node
         clock = node.graph.clock
         # Microseconds of the clock: a directory that was restarted goes on above the numbers of the one before.
-        self.index = DeviceIndex(forget_after=settings.forget_after, first_sequence=round(clock.now() * 1e6) + 1)
+        self.index = DeviceIndex(
+            forget_after=settings.forget_after,
+            first_sequence=round(clock.now() * 1e6) + 1,
+            max_devices=settings.max_devices,
+        )
         self._clock = clock
         self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         self._sources: dict[str, Subscription[Sighting]] = {}
@@ -105,8 +111,10 @@ class Directory:
                 async for change in changes:
                     if changes.lost > lost:
                         lost = changes.lost
+                        while changes.take() is not None:
+                            pass
                         self._follow_all()
-                    if change.change == "added" and change.entity.ros_type == Sighting.ros_type:
+                    elif change.change == "added" and change.entity.ros_type == Sighting.ros_type:
                         self._follow(change.entity.name)
 
     def _follow_all(self) -> None:

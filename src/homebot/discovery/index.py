@@ -12,7 +12,7 @@ from homebot.devices import Device, DeviceChange, Endpoint, Freshness, KeyValue,
 from homebot.discovery.deadlines import Deadlines
 from homebot.messages import Time
 
-__all__ = ["DeviceIndex"]
+__all__ = ["MAX_DEVICES", "DeviceIndex"]
 
 MAX_DEVICES = 100_000
 
@@ -23,16 +23,18 @@ class DeviceIndex:
     Args:
         forget_after: Seconds for which a stale device stays in the index before it is removed.
         first_sequence: Number of the first change; a new index that follows an old one starts above it.
+        max_devices: How many it takes in.
 
     Attributes:
         sequence: Number of the last change.
-        rejected: Sightings of new devices that were not taken because the index held 100,000.
+        rejected: Sightings of new devices that were not taken because the index was full.
     """
 
-    def __init__(self, *, forget_after: float, first_sequence: int = 1) -> None:
+    def __init__(self, *, forget_after: float, first_sequence: int = 1, max_devices: int = MAX_DEVICES) -> None:
         self.sequence = first_sequence - 1
         self.rejected = 0
         self._forget_after = forget_after
+        self._max_devices = max_devices
         self._entries: dict[str, _Entry] = {}
         self._ids: dict[tuple[str, str], str] = {}
         self._deadlines = Deadlines()
@@ -85,7 +87,7 @@ class DeviceIndex:
         return len(self._entries)
 
     def _add(self, sighting: Sighting) -> DeviceChange | None:
-        if len(self._entries) >= MAX_DEVICES:
+        if len(self._entries) >= self._max_devices:
             self.rejected += 1
             return None
         device_id = self._free_id(sighting)

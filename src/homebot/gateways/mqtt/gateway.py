@@ -174,6 +174,8 @@ class MqttGateway(Gateway):
                 is_removal = change.change == "removed" and change.entity.kind is EntityKind.NODE
                 if is_removal or changes.lost > lost:
                     lost = changes.lost
+                    while changes.take() is not None:
+                        pass
                     for address in self._listeners.drop_nodes_that_left():
                         if self._channels.get(address) is None:
                             self._listeners.tidy(address)

@@ -1,0 +1,292 @@
+"""What an app does with devices: listen and tell, in both ways of delivery, over restarts; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+
+from homebot.devices import Device, Devices, Endpoint, RawCommand, RawMessage, SubscribeToTopic
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.discovery import Directory
+from homebot.errors import LinkError, RefusedError, ServiceFailedError, ServiceUnavailableError, WireError
+from homebot.graph import Graph, Node
+from homebot.messages import Time
+from homebot.testing import FakeGateway
+
+pytestmark = pytest.mark.virtual_time
+
+RunGateway = Callable[..., AbstractAsyncContextManager[FakeGateway]]
+RunDirectory = Callable[[Graph], AbstractAsyncContextManager[Directory]]
+
+BOTH_WAYS = pytest.mark.parametrize("delivery", ["inbox", "mirror"])
+
+
+class Ear:
+    """A handler that writes down what it hears."""
+
+    def __init__(self) -> None:
+        self._heard: list[str] = []
+
+    def __call__(self, message: RawMessage) -> None:
+        self._heard.append(f"{message.key} {message.text()}")
+
+    async def heard(self) -> list[str]:
+        """What was heard since the last call."""
+        await anyio.sleep(0.01)
+        heard, self._heard = self._heard, []
+        return heard
+
+
+async def find(devices: Devices, device_id: str) -> Device:
+    await anyio.sleep(0.001)
+    (device,) = [one for one in await devices.find() if one.id == device_id]
+    return device
+
+
+@BOTH_WAYS
+async def test_a_listener_hears_its_devices_in_order_and_nobody_else(
+    gateway_on: RunGateway, directory_on: RunDirectory, delivery: str
+) -> None:
+    """Also what they said since it came into being, but not what they said before."""
+    graph = Graph()
+    async with gateway_on(graph, delivery=delivery) as gateway, directory_on(graph):
+        await gateway.says("lights/a", "before")
+        await anyio.sleep(1)
+        async with Node(graph, "app") as node:
+            devices, ear = Devices(node), Ear()
+            await gateway.says("lights/a", "missed")
+            await devices.listen(await find(devices, "lights/a"), ear)
+            await gateway.says("lights/a", "live")
+            await gateway.says("lights/b", "not asked for")
+            assert await ear.heard() == ["lights/a missed", "lights/a live"]
+
+
+@BOTH_WAYS
+async def test_listening_again_replaces_the_handler_and_brings_nothing_twice(
+    gateway_on: RunGateway, directory_on: RunDirectory, delivery: str
+) -> None:
+    """An app that listens at every change of a device must not answer old messages anew."""
+    graph = Graph()
+    async with (
+        gateway_on(graph, delivery=delivery) as gateway,
+        directory_on(graph),
+        Node(graph, "app") as node,
+    ):
+        devices, first, second = Devices(node), Ear(), Ear()
+        await gateway.says("lights/a", "one")
+        lamp = await find(devices, "lights/a")
+        await devices.listen(lamp, first)
+        assert await first.heard() == ["lights/a one"]
+        await devices.listen(lamp, second)
+        await gateway.says("lights/a", "two")
+        assert await first.heard() == []
+        assert await second.heard() == ["lights/a two"]
+
+
+@BOTH_WAYS
+async def test_a_device_that_was_removed_and_is_back_is_heard_once(
+    gateway_on: RunGateway, directory_on: RunDirectory, delivery: str
+) -> None:
+    """Its first word after the return comes live; listening again does not repeat it."""
+    graph = Graph()
+    async with (
+        gateway_on(graph, delivery=delivery) as gateway,
+        directory_on(graph),
+        Node(graph, "app") as node,
+    ):
+        devices, ear = Devices(node), Ear()
+        await gateway.says("lights/a", "one")
+        await devices.listen(await find(devices, "lights/a"), ear)
+        gateway.removes("lights/a")
+        await anyio.sleep(1)
+        await gateway.says("lights/a", "back")
+        await devices.listen(await find(devices, "lights/a"), ear)
+        assert await ear.heard() == ["lights/a one", "lights/a back"]
+
+
+@BOTH_WAYS
+async def test_a_restarted_gateway_is_asked_again(
+    gateway_on: RunGateway, directory_on: RunDirectory, delivery: str
+) -> None:
+    """It has forgotten who listens; what it heard before it was asked is not lost."""
+    graph = Graph()
+    async with directory_on(graph), Node(graph, "app") as node:
+        devices, ear = Devices(node), Ear()
+        async with gateway_on(graph, delivery=delivery) as gateway:
+            for key in ("lights/a", "lights/b"):
+                await gateway.says(key, "one")
+                await devices.listen(await find(devices, key), ear)
+            assert await ear.heard() == ["lights/a one", "lights/b one"]
+        async with gateway_on(graph, delivery=delivery) as gateway:
+            await gateway.says("lights/a", "two")
+            assert await ear.heard() == ["lights/a two"]
+            await gateway.says("lights/b", "three")
+            assert await ear.heard() == ["lights/b three"]
+
+
+async def test_a_gateway_that_is_away_is_asked_when_it_comes(
+    gateway_on: RunGateway, directory_on: RunDirectory
+) -> None:
+    """The wish to listen stands."""
+    graph = Graph()
+    async with directory_on(graph), Node(graph, "app") as node:
+        devices, ear = Devices(node), Ear()
+        async with gateway_on(graph) as gateway:
+            gateway.sees("lights/a")
+            lamp = await find(devices, "lights/a")
+        await devices.listen(lamp, ear)
+        async with gateway_on(graph) as gateway:
+            await anyio.sleep(0.001)
+            await gateway.says("lights/a", "hello")
+            assert await ear.heard() == ["lights/a hello"]
+
+
+async def test_a_refusal_is_raised_and_may_be_tried_again(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
+    """With the gateway's reason."""
+    graph = Graph()
+    async with gateway_on(graph, refused=("lights/a/out",)) as gateway, directory_on(graph), Node(graph, "app") as node:
+        gateway.sees("lights/a")
+        devices = Devices(node)
+        lamp = await find(devices, "lights/a")
+        for _ in range(2):
+            with pytest.raises(RefusedError, match="lights/a/out was refused: the test refuses it"):
+                await devices.listen(lamp, Ear())
+
+
+async def test_a_restarted_gateway_that_now_refuses_is_told_and_ends_nothing(
+    gateway_on: RunGateway, directory_on: RunDirectory
+) -> None:
+    """The app goes on with its other devices."""
+    graph = Graph()
+    async with directory_on(graph), Node(graph, "app") as node:
+        devices, ear = Devices(node), Ear()
+        async with gateway_on(graph) as gateway:
+            for key in ("lights/a", "lights/b"):
+                gateway.sees(key)
+                await devices.listen(await find(devices, key), ear)
+        with capture_logs() as lines:
+            async with gateway_on(graph, refused=("lights/a/out",)) as gateway:
+                await anyio.sleep(0.001)
+                await gateway.says("lights/b", "hello")
+                assert await ear.heard() == ["lights/b hello"]
+        told = [line["message"] for line in lines if line["event"] == "devices.not_heard"]
+        assert told == [
+            "lights/a/out is not heard any more: listening to lights/a/out was refused: the test refuses it"
+        ]
+
+
+async def test_a_gateway_that_fails_to_answer_is_an_error() -> None:
+    """Other than one that is away."""
+    graph = Graph()
+
+    def fail(_request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
+        raise RuntimeError("ouch")
+
+    async with Node(graph, "broken", namespace="/gateway") as gateway, Node(graph, "app") as node:
+        gateway.create_service(SubscribeToTopic, "~/subscribe_to_topic", fail)
+        with pytest.raises(ServiceFailedError, match="ouch"):
+            await Devices(node).listen(_device("broken"), Ear())
+
+
+async def test_a_gateway_that_flickers_is_asked_at_its_next_start(
+    gateway_on: RunGateway, directory_on: RunDirectory
+) -> None:
+    """It is gone again before it could be asked."""
+    graph = Graph()
+    async with directory_on(graph), Node(graph, "app") as node:
+        devices, ear = Devices(node), Ear()
+        async with gateway_on(graph) as gateway:
+            gateway.sees("lights/a")
+            await devices.listen(await find(devices, "lights/a"), ear)
+        FakeGateway(flicker := Node(graph, "fake", namespace="/gateway"))
+        flicker.close()
+        await anyio.sleep(0.01)
+        async with gateway_on(graph) as gateway:
+            await anyio.sleep(0.01)
+            await gateway.says("lights/a", "hello")
+            assert await ear.heard() == ["lights/a hello"]
+
+
+async def test_a_command_reaches_the_device_through_its_gateway(
+    gateway_on: RunGateway, directory_on: RunDirectory
+) -> None:
+    """On the address where it listens."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+        gateway.sees("lights/a")
+        devices = Devices(node)
+        await devices.tell(await find(devices, "lights/a"), "off")
+        await anyio.sleep(0.001)
+        assert gateway.told == [("lights/a/in", "off")]
+
+
+async def test_a_device_that_takes_no_commands_refuses_them(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
+    """A sensor, for one."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+        gateway.sees("sensors/t", takes_commands=False)
+        devices = Devices(node)
+        with pytest.raises(RefusedError, match="a command to sensors/t was refused: it takes none"):
+            await devices.tell(await find(devices, "sensors/t"), "off")
+
+
+async def test_a_command_for_a_gateway_that_is_away_is_not_lost_in_silence() -> None:
+    """It is an error that may pass."""
+    async with Node(Graph(), "app") as node:
+        with pytest.raises(LinkError, match="lights/x was not told 'off': its gateway fake is not running"):
+            await Devices(node).tell(_device("fake"), "off")
+
+
+async def test_a_command_that_waits_for_a_gateway_that_goes_away_is_not_lost_in_silence() -> None:
+    """The queue was full, and then nobody was there to read it."""
+    graph = Graph()
+    async with Node(graph, "app") as node:
+        gateway = Node(graph, "fake", namespace="/gateway")
+        gateway.create_subscription(RawCommand, "~/out", qos_profile=1)
+        devices = Devices(node)
+        await devices.tell(_device("fake"), "on")
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(_close_soon, gateway)
+            with pytest.raises(LinkError):
+                await devices.tell(_device("fake"), "off")
+
+
+async def _close_soon(node: Node) -> None:
+    await anyio.sleep(1)
+    node.close()
+
+
+async def test_without_a_directory_nobody_is_found() -> None:
+    """That is an error, not an empty house."""
+    async with Node(Graph(), "app") as node:
+        with pytest.raises(ServiceUnavailableError, match="/discovery/find_devices"):
+            await Devices(node).find("lights")
+
+
+def test_a_payload_that_is_no_text_is_told_with_its_address() -> None:
+    """And with its first bytes."""
+    message = RawMessage(
+        gateway="g", key="k", address="a/b", payload=b"\xff", retained=False, received_at=Time(sec=0, nanosec=0)
+    )
+    with pytest.raises(WireError, match=r"the payload on a/b is not text \(frame: ff\)"):
+        message.text()
+
+
+def _device(gateway: str) -> Device:
+    now = Time(sec=0, nanosec=0)
+    endpoint = Endpoint(gateway=gateway, key="lights/x", address="lights/x/out", command_address="lights/x/in")
+    return Device(
+        id="lights/x",
+        name="x",
+        service_type="lights",
+        endpoints=(endpoint,),
+        metadata=(),
+        first_seen=now,
+        last_seen=now,
+        expires=now,
+        freshness="fresh",
+    )

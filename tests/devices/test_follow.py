@@ -1,0 +1,233 @@
+"""The live query: a snapshot and then what happens, without a gap and nothing twice; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+
+from homebot.devices import FIND_DEVICES, FindDevices, Follow
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
+from homebot.discovery import Directory
+from homebot.graph import Graph, Node
+from homebot.messages import String
+from homebot.testing import FakeGateway
+
+pytestmark = pytest.mark.virtual_time
+
+RunGateway = Callable[..., AbstractAsyncContextManager[FakeGateway]]
+RunDirectory = Callable[[Graph], AbstractAsyncContextManager[Directory]]
+
+
+async def next_of(query: Follow) -> tuple[str, str]:
+    change = await anext(query)
+    return change.kind, change.device.id
+
+
+async def nothing_of(query: Follow) -> bool:
+    """Whether nothing comes for a while."""
+    with anyio.move_on_after(1):
+        await anext(query)
+        return False
+    return True
+
+
+async def test_what_is_there_comes_first_and_then_what_happens(
+    gateway_on: RunGateway, directory_on: RunDirectory
+) -> None:
+    """Each device once, of the wanted type alone."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+        for key in ("lights/a", "lights/b", "windows/w"):
+            gateway.sees(key)
+        await anyio.sleep(0.001)
+        query = Follow(node, "lights")
+        assert [await next_of(query), await next_of(query)] == [("appeared", "lights/a"), ("appeared", "lights/b")]
+        gateway.sees("windows/x")
+        gateway.sees("lights/c")
+        gateway.removes("lights/a")
+        assert [await next_of(query), await next_of(query)] == [("appeared", "lights/c"), ("removed", "lights/a")]
+        assert await nothing_of(query)
+
+
+async def test_what_happens_while_the_snapshot_is_read_is_neither_lost_nor_doubled(
+    gateway_on: RunGateway, directory_on: RunDirectory
+) -> None:
+    """A change that the snapshot holds already waits in the queue as well, and is passed over."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+        gateway.sees("lights/a")
+        gateway.sees("lights/b")
+        await anyio.sleep(0.001)
+        query = Follow(node, "lights")
+        assert await next_of(query) == ("appeared", "lights/a")
+        gateway.removes("lights/b")
+        gateway.sees("lights/c")
+        await anyio.sleep(0.001)
+        rest = [await next_of(query) for _ in range(3)]
+        assert rest == [("appeared", "lights/b"), ("removed", "lights/b"), ("appeared", "lights/c")]
+        assert await nothing_of(query)
+
+
+async def test_a_directory_that_is_not_there_yet_is_waited_for(
+    gateway_on: RunGateway, directory_on: RunDirectory
+) -> None:
+    """However long."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, Node(graph, "app") as node:
+        gateway.sees("lights/a")
+        query = Follow(node)
+        assert await nothing_of(query)
+        async with directory_on(graph):
+            assert await next_of(query) == ("appeared", "lights/a")
+
+
+async def test_a_restarted_directory_is_followed_on_and_only_differences_are_told(
+    gateway_on: RunGateway, directory_on: RunDirectory
+) -> None:
+    """Who went, who came and who is called otherwise while it was away; and then it is live again."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, Node(graph, "app") as node:
+        query = Follow(node, "lights")
+        async with directory_on(graph):
+            for key in ("lights/a", "lights/b", "lights/c"):
+                gateway.sees(key)
+            await anyio.sleep(0.001)
+            for _ in range(3):
+                await anext(query)
+        gateway.removes("lights/a")
+        gateway.sees("lights/b", name="reading lamp")
+        gateway.sees("lights/d")
+        async with directory_on(graph):
+            told = [await next_of(query) for _ in range(3)]
+            assert told == [("removed", "lights/a"), ("changed", "lights/b"), ("appeared", "lights/d")]
+            assert await nothing_of(query)
+            gateway.removes("lights/c")
+            assert await next_of(query) == ("removed", "lights/c")
+
+
+async def test_a_restart_is_noticed_in_any_crowd(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
+    """More changes of the graph at once than a watcher can remember."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, Node(graph, "app") as node:
+        query = Follow(node)
+        async with directory_on(graph):
+            gateway.sees("lights/a")
+            assert await next_of(query) == ("appeared", "lights/a")
+        gateway.removes("lights/a")
+        async with directory_on(graph):
+            for number in range(10_001):
+                node.create_publisher(String, f"noise_{number}").close()
+            assert await next_of(query) == ("removed", "lights/a")
+
+
+async def test_a_slow_reader_gets_the_last_change_of_each_device(
+    gateway_on: RunGateway, directory_on: RunDirectory
+) -> None:
+    """A thousand changes of one device do not push out the one of another."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+        query = Follow(node, "lights")
+        assert await nothing_of(query)
+        gateway.sees("lights/quiet")
+        await anyio.sleep(0.001)
+        for number in range(1000):
+            gateway.sees("lights/noisy", name=f"name {number}")
+            await anyio.sleep(0.001)
+        gateway.sees("lights/brief")
+        await anyio.sleep(0.001)
+        gateway.removes("lights/brief")
+        await anyio.sleep(0.001)
+
+        first, second = await anext(query), await anext(query)
+        assert (first.kind, first.device.id) == ("appeared", "lights/quiet")
+        assert (second.kind, second.device.name) == ("appeared", "name 999")
+        assert await nothing_of(query)
+
+
+async def test_a_reader_that_never_waits_lets_others_run(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
+    """Every hundred changes at least."""
+    graph = Graph()
+    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+        for number in range(1000):
+            gateway.sees(f"lights/{number}")
+        await anyio.sleep(0.001)
+        turns = 0
+
+        async def other() -> None:
+            nonlocal turns
+            while True:
+                await anyio.lowlevel.checkpoint()
+                turns += 1
+
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(other)
+            query = Follow(node)
+            for _ in range(1000):
+                await anext(query)
+            tasks.cancel_scope.cancel()
+        assert turns >= 9
+
+
+async def test_a_directory_that_fails_to_answer_is_asked_again_and_told_once() -> None:
+    """A service that raises is not the end of the query."""
+    graph = Graph()
+    asked = 0
+
+    def find(_request: FindDevicesRequest) -> FindDevicesResponse:
+        nonlocal asked
+        asked += 1
+        if asked < 4:
+            raise RuntimeError("not now")
+        return FindDevicesResponse(devices=(), sequence=1)
+
+    async with Node(graph, "discovery") as directory, Node(graph, "app") as node:
+        directory.create_service(FindDevices, FIND_DEVICES, find)
+        with capture_logs() as lines:
+            assert not await nothing_of_within(Follow(node), 5)
+        assert asked == 4
+        assert [line["event"] for line in lines] == ["devices.no_answer"]
+
+
+async def nothing_of_within(query: Follow, seconds: float) -> bool:
+    with anyio.move_on_after(seconds):
+        await anext(query)
+        return True
+    return False
+
+
+@pytest.mark.parametrize("closes", ["query", "node"])
+async def test_a_query_ends_when_it_or_its_node_is_closed(
+    gateway_on: RunGateway, directory_on: RunDirectory, closes: str
+) -> None:
+    """For the reader the loop is over, whatever it waits for; nothing of it is left on the graph."""
+    graph = Graph()
+    async with gateway_on(graph), directory_on(graph):
+        node = Node(graph, "app")
+        query = Follow(node)
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(_read_all, query)
+            await anyio.sleep(1)
+            (query if closes == "query" else node).close()
+        query.close()
+        assert [change async for change in query] == []
+        node.close()
+        assert graph.get_endpoints(node="/app") == ()
+
+
+async def test_a_query_whose_node_closes_while_the_directory_is_away_ends() -> None:
+    """It does not wait for ever."""
+    graph = Graph()
+    node = Node(graph, "app")
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(_read_all, Follow(node))
+        await anyio.sleep(1)
+        node.close()
+
+
+async def _read_all(query: Follow) -> None:
+    async for _ in query:
+        pass
