@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -40,6 +41,10 @@ async def _started(clock: Clock) -> Broker:
         try:
             await broker.start()
         except PortTakenError:
+            continue
+        except OSError as exc:  # two programs that begin at once may both bind a port; only one may listen on it
+            if exc.errno != errno.EADDRINUSE:
+                raise LinkError(f"the embedded broker cannot listen: {exc.strerror}") from exc
             continue
         return broker
     raise LinkError("no TCP port is free for the embedded broker")

@@ -44,7 +44,7 @@ def configuration(options: argparse.Namespace) -> tuple[Config, bool]:
     """
     base, with_house = _base(options)
     tables = base.model_dump()
-    is_changed = bool(options.mqtt or options.root or options.act or options.app or options.door)
+    is_changed = bool(options.mqtt or options.root or options.act or options.app)
     mqtt = tables["gateways"].setdefault("mqtt", {}) if options.mqtt or options.root or options.act else {}
     if options.mqtt:
         mqtt["url"] = options.mqtt

@@ -152,13 +152,14 @@ class MqttGateway(Gateway):
                 self.report("active")
                 self.node.log.info(CONNECTED, message=self._greeting(connection.url), broker=connection.url)
             elif state.phase in {LinkPhase.WAITING, LinkPhase.REFUSED}:
-                self.report("unavailable", state.reason)
+                reason = state.reason.removeprefix(f"{connection.url}: ")
+                self.report("unavailable", reason)
                 if self._limit.allows(UNAVAILABLE) is not None:
                     self.node.log.warning(
                         UNAVAILABLE,
-                        message=f"no link to {connection.url}: {state.reason}; trying again",
+                        message=f"no link to {connection.url}: {reason}; trying again",
                         broker=connection.url,
-                        reason=state.reason,
+                        reason=reason,
                     )
             if state.phase is not LinkPhase.CONNECTING:
                 tried.set()

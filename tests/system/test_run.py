@@ -1,0 +1,281 @@
+"""``homebot run`` as a process of its own: how it starts, what it says, and how it stops."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+STOPS_WITHIN = 5.0
+
+SETTINGS = {name: value for name, value in os.environ.items() if not name.startswith("HOMEBOT_")}
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+class Run:
+    """A ``homebot run`` whose log is read line by line."""
+
+    def __init__(self, folder: Path, *arguments: str, **settings: str) -> None:
+        self.port = free_port()
+        door = () if "--door" in arguments else ("--door", f"127.0.0.1:{self.port}")
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "homebot", "run", *door, *arguments],
+            stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            text=True,
+            cwd=folder,
+            env={**SETTINGS, **settings},
+        )
+        self.log: list[str] = []
+
+    def until(self, words: str) -> str:
+        """Read the log up to the line that holds *words* and return it."""
+        assert self.process.stderr is not None
+        guard = threading.Timer(20, self.process.kill)
+        guard.start()
+        for line in self.process.stderr:
+            self.log.append(line)
+            if words in line:
+                guard.cancel()
+                return line
+        pytest.fail(f"{words!r} did not come:\n{''.join(self.log)}")
+
+    def stop(self, number: signal.Signals = signal.SIGTERM) -> int:
+        """Send a signal, read the rest of the log, and return the exit code; it must come in time."""
+        self.process.send_signal(number)
+        started = time.monotonic()
+        code = self.end()
+        assert time.monotonic() - started < STOPS_WITHIN
+        return code
+
+    def end(self) -> int:
+        _, rest = self.process.communicate(timeout=20)
+        self.log += rest.splitlines(keepends=True)
+        return self.process.returncode
+
+    @property
+    def text(self) -> str:
+        return "".join(self.log)
+
+
+Start = Callable[..., Run]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Start]:
+    runs: list[Run] = []
+
+    def make(*arguments: str, **settings: str) -> Run:
+        runs.append(Run(tmp_path, *arguments, **settings))
+        return runs[-1]
+
+    yield make
+    for run in runs:
+        run.process.kill()
+        run.process.wait()
+        if run.process.stderr is not None:
+            run.process.stderr.close()
+
+
+def is_free(port: int) -> bool:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        return probe.connect_ex(("127.0.0.1", port)) != 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> None:
+    """Exit code 0, no traceback, and both ports are free again."""
+    run = start()
+    broker = re.search(r"mqtt://127\.0\.0\.1:(\d+)", run.until("embedded MQTT broker"))
+    run.until("roomlights405 is off")
+    assert broker is not None
+    assert not is_free(run.port)
+
+    assert run.stop(number) == 0
+    assert "Traceback" not in run.text
+    assert is_free(run.port)
+    assert is_free(int(broker[1]))
+
+
+def test_the_json_log_is_json_line_by_line_and_for_ends_the_run(start: Start) -> None:
+    """To the very last line."""
+    run = start("--log-format", "json", "--for", "1.5")
+    assert run.end() == 0
+    events = [json.loads(line)["event"] for line in run.log]
+    assert events[0] == "runtime.broker_started"
+    assert events[-1] == "runtime.stopping"
+    assert "light_service.told_off" in events
+
+
+def test_a_gateway_without_an_address_has_the_embedded_broker(start: Start, tmp_path: Path) -> None:
+    """And acts on it, because only our own devices are there; no house is simulated in a home of your own."""
+    (tmp_path / "homebot.toml").write_text('[gateways.mqtt]\nroot = "villa"\n[apps.light_service]\n')
+    run = start()
+    broker = re.search(r"mqtt://\S+:\d+", run.until("embedded MQTT broker"))
+    run.until("connected to mqtt://")
+    assert "(observing only)" not in run.text
+    run.until("is running")
+    assert broker is not None
+    assert run.stop() == 0
+    assert "found" not in run.text
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("[gatewys]\n", "{file}: gatewys: is unknown; known are home, gateways, apps, door, discovery"),
+        ("[gateways.mqtt]\nact = 1\n", "{file}: gateways.mqtt.act: input should be a valid boolean, got 1"),
+        ("[apps.nosuch]\n", "{file}: apps.nosuch: plug-in 'nosuch': is not installed"),
+        ('[apps.a]\nclass = "nosuch:App"\n', "{file}: apps.a.class: plug-in 'nosuch:App': the module 'nosuch' cannot"),
+        ("[door]\nmax_clients = 0\n", "{file}: door.max_clients: input should be greater than or equal to 1, got 0"),
+        ("[door\n", "{file}: is no TOML: "),
+    ],
+)
+def test_a_mistake_in_the_file_is_one_clear_sentence(start: Start, tmp_path: Path, text: str, problem: str) -> None:
+    """On standard error, with exit code 1, before anything is started."""
+    file = tmp_path / "villa.toml"
+    file.write_text(text)
+    run = start("--config", str(file))
+    assert run.end() == 1
+    (line,) = run.log
+    assert line.startswith(f"homebot: {problem.format(file=file)}")
+
+
+def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, tmp_path: Path) -> None:
+    """And it can be stopped as ever."""
+    program = shutil.which("mosquitto", path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
+    if program is None:
+        pytest.skip("mosquitto is not installed")
+    port = free_port()
+    (tmp_path / "mosquitto.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous false\n")
+    (tmp_path / "secret").write_text("hunter2\n")
+    (tmp_path / "homebot.toml").write_text(
+        f'[gateways.mqtt]\nurl = "mqtt://127.0.0.1:{port}"\nuser = "robot"\npassword_file = "secret"\n'
+    )
+    with subprocess.Popen([program, "-c", str(tmp_path / "mosquitto.conf")], stderr=subprocess.DEVNULL) as broker:
+        while is_free(port) and broker.poll() is None:
+            time.sleep(0.01)
+        run = start()
+        line = run.until("no link to")
+        assert run.stop() == 0
+        broker.terminate()
+    assert f"no link to mqtt://127.0.0.1:{port}: the login at mqtt://127.0.0.1:{port} was refused: " in line
+    assert "trying again" in line
+    assert "hunter2" not in run.text
+    assert "Traceback" not in run.text
+
+
+def test_an_absent_broker_is_told_and_does_not_delay_the_stop(start: Start) -> None:
+    """The one who ends it has waited long enough."""
+    port = free_port()
+    run = start("--mqtt", f"mqtt://127.0.0.1:{port}", "--app", "light_service")
+    line = run.until("no link to")
+    assert line.count(f"mqtt://127.0.0.1:{port}") == 1
+    started = time.monotonic()
+    assert run.stop(signal.SIGINT) == 0
+    assert time.monotonic() - started < 1.5
+    assert "Traceback" not in run.text
+
+
+@pytest.mark.parametrize("moment", ["while it starts", "while it runs"])
+def test_a_broker_that_takes_the_connection_and_says_nothing_does_not_delay_the_stop(start: Start, moment: str) -> None:
+    """It hangs; we do not."""
+    with socket.create_server(("127.0.0.1", 0)) as broker:
+        run = start("--mqtt", f"mqtt://127.0.0.1:{broker.getsockname()[1]}")
+        if moment == "while it runs":
+            run.until("is running")
+        connection, _ = broker.accept()
+        with connection:
+            assert run.stop() == 0
+    assert "Traceback" not in run.text
+
+
+def test_a_door_that_is_taken_is_a_clear_error_and_everything_stops_again(start: Start) -> None:
+    """The broker was up already."""
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        address = f"127.0.0.1:{taken.getsockname()[1]}"
+        run = start("--door", address)
+        assert run.end() == 1
+    assert run.log[-1].startswith(f"homebot: door: {address} is taken, maybe by another homebot")
+    broker = re.search(r"mqtt://127\.0\.0\.1:(\d+)", run.text)
+    assert broker is not None
+    assert is_free(int(broker[1]))
+
+
+def test_a_door_for_everybody_needs_a_token_and_takes_it_from_the_environment(start: Start) -> None:
+    """The token itself is shown nowhere."""
+    address = f"0.0.0.0:{free_port()}"
+    closed = start("--door", address)
+    assert closed.end() == 1
+    assert "door.host: 0.0.0.0 can be reached by others, so it needs a token" in closed.text
+
+    run = start("--door", address, HOMEBOT_DOOR_TOKEN="hunter2")
+    run.until("is running")
+    assert run.stop() == 0
+    assert "hunter2" not in run.text
+
+
+CRASHING_APP = """
+from homebot.apps import App
+
+
+class Crashing(App):
+    async def run(self) -> None:
+        raise RuntimeError("ouch")
+"""
+
+BLOCKING_APP = """
+import time
+from homebot.apps import App
+
+
+class Blocking(App):
+    async def run(self) -> None:
+        self.node.log.info("app.blocks", message="blocks now")
+        time.sleep(60)
+"""
+
+
+def test_an_app_that_keeps_crashing_is_given_up_and_the_exit_code_says_so(start: Start, tmp_path: Path) -> None:
+    """The light service is not disturbed."""
+    (tmp_path / "my_app.py").write_text(CRASHING_APP)
+    run = start("--app", "my_app:Crashing", "--app", "light_service")
+    run.until("roomlights405 is off")
+    run.until("crashing crashed 5 times within a minute and is given up: RuntimeError: ouch")
+    assert run.stop() == 1
+
+
+def test_a_blocked_event_loop_is_left_behind(start: Start, tmp_path: Path) -> None:
+    """It hears no signal, so somebody else has to."""
+    (tmp_path / "my_app.py").write_text(BLOCKING_APP)
+    run = start("--app", "my_app:Blocking")
+    run.until("blocks now")
+    assert run.stop() == 1
+    assert "not everything stopped in time; it is left behind" in run.log[-1]
+
+
+def test_a_reader_of_the_log_that_leaves_does_not_end_it(start: Start) -> None:
+    """As with ``homebot run 2>&1 | head -1``."""
+    run = start("--for", "1")
+    run.until("embedded MQTT broker")
+    assert run.process.stderr is not None
+    run.process.stderr.close()
+    assert run.process.wait(20) == 0
