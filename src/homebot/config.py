@@ -168,8 +168,10 @@ def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseM
 
 def _reason(model: type[BaseModel], kind: str, message: str) -> str:
     if kind == "extra_forbidden":
-        return f"is unknown; known are {', '.join(name for name in model.model_fields if name != 'source')}"
+        known = ", ".join(name for name in model.model_fields if name != "source")
+        return f"is unknown; known are {known or 'none'}"
     if kind == "missing":
         return "is missing"
     message = message.removeprefix("Value error, ")
-    return f"{message[:1].lower()}{message[1:]}"
+    is_word = message[1:2].islower()  # and not MQTT
+    return f"{message[:1].lower()}{message[1:]}" if is_word else message

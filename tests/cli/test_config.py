@@ -1,0 +1,134 @@
+"""``homebot config check``: what it prints of a good file, and what it finds in a bad one before anything runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from homebot.cli import main
+
+Text = pytest.CaptureFixture[str]
+
+VILLA = """
+[home]
+name = "villa"
+
+[gateways.mqtt]
+url = "mqtt://broker.example"
+user = "robot"
+password_file = "password"
+
+[gateways.garage]
+class = "mqtt"
+root = "garage"
+
+[apps.light_service]
+
+[door]
+host = "0.0.0.0"
+port = 9191
+token_file = "token"
+"""
+
+GOLDEN = """\
+homebot.toml is fine: home villa
+  gateways: mqtt, garage
+  apps:     light_service
+  door:     0.0.0.0:9191 (asks for a token)
+"""
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("HOMEBOT_DOOR_TOKEN", raising=False)
+    Path("password").write_text("s3cret\n")
+    Path("token").write_text("hunter2\n")
+
+
+def test_a_good_file_is_told_in_four_lines(capsys: Text) -> None:
+    Path("homebot.toml").write_text(VILLA)
+    assert main(["config", "check"]) == 0
+    assert capsys.readouterr().out == GOLDEN
+
+
+def test_an_empty_file_is_a_home_with_nothing_in_it(capsys: Text) -> None:
+    Path("empty.toml").write_text("")
+    assert main(["config", "check", "--config", "empty.toml"]) == 0
+    assert capsys.readouterr().out == (
+        "empty.toml is fine: home home\n  gateways: none\n  apps:     none\n  door:     127.0.0.1:9090\n"
+    )
+
+
+def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("homebot.toml").write_text('[door]\nhost = "0.0.0.0"\n')
+    assert main(["config", "check"]) == 1
+    assert "homebot.toml: door.host: 0.0.0.0 can be reached by others" in capsys.readouterr().err
+    monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", "hunter2")
+    assert main(["config", "check"]) == 0
+    out = capsys.readouterr().out
+    assert "asks for a token" in out
+    assert "hunter2" not in out
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ('[gateways.mqtt]\nrooot = "x"\n', "gateways.mqtt.rooot: is unknown; known are url, root, delivery, act, user"),
+        ('[gateways.mqtt]\nact = "yes"\n', "gateways.mqtt.act: input should be a valid boolean, got 'yes'"),
+        ("[gateways.mqtt]\nstale_after = inf\n", "gateways.mqtt.stale_after: input should be a finite number, got inf"),
+        (
+            "[gateways.mqtt]\nclass = 5\n",
+            "gateways.mqtt.class: must be a text, module:Class or a plug-in's name, got 5",
+        ),
+        ("[gateways.zigbee]\n", "gateways.zigbee: plug-in 'zigbee': is not installed (installed: mqtt); a class of"),
+        (
+            '[gateways.m]\nclass = "json:JSONDecoder"\n',
+            "gateways.m.class: json:JSONDecoder is not a Gateway; derive it",
+        ),
+        (
+            '[gateways.mqtt]\nconventions = ["homie"]\n',
+            "gateways.mqtt: plug-in 'homie': is not installed (installed: t",
+        ),
+        (
+            '[gateways.mqtt]\nurl = "mqtt://b"\nuser = "a"\npassword_file = "none"\n',
+            "gateways.mqtt: password_file: none cannot be read: No such file or directory",
+        ),
+        (
+            '[gateways.mqtt]\nurl = "mqtts://b"\nca_file = "none.pem"\n',
+            "gateways.mqtt: ca_file: none.pem cannot be read: No such file or directory",
+        ),
+        ('[gateways.mqtt]\nurl = "mqtt://b"\nca_file = "token"\n', "gateways.mqtt: MQTT options: CA file and client"),
+        ("[apps.discovery]\n", "apps.discovery: is the name of a node of homebot's own; call the app something else"),
+        ('[apps.mine]\nclass = "homebot.apps:App"\n', "apps.mine.class: homebot.apps:App lacks run()"),
+        ('[apps.mine]\nclass = "my_odd_app:Odd"\n', "apps.mine.class: my_odd_app:Odd.Settings is not a pydantic model"),
+        ("[apps.light_service]\ncolour = 1\n", "apps.light_service.colour: is unknown; known are none"),
+        ("[discovery]\nforget_after = 0\n", "discovery.forget_after: input should be greater than 0, got 0"),
+        ('[door]\ntoken = "a"\ntoken_file = "token"\n', "door: give token or token_file, not both"),
+        ('[door]\ntoken_file = "none"\n', "door.token_file: none cannot be read: No such file or directory"),
+        ('[door]\ntoken_file = "empty"\n', "door.token_file: the first line of empty is empty"),
+        ('[door]\ntoken_file = "binary"\n', "door.token_file: binary cannot be read: it is not UTF-8 text"),
+        ('[door]\ntoken = ""\n', "door.token: value should have at least 1 item after validation, not 0"),
+        ("[door]\nport = -1\n", "door.port: input should be greater than or equal to 0, got -1"),
+    ],
+)
+def test_a_mistake_is_told_with_file_key_and_reason(capsys: Text, text: str, problem: str) -> None:
+    Path("empty").write_text("\n")
+    Path("binary").write_bytes(b"\xff")
+    Path("my_odd_app.py").write_text(
+        "from homebot.apps import App\n\nclass Odd(App):\n    Settings = dict\n    async def run(self): ...\n"
+    )
+    Path("homebot.toml").write_text(text)
+    assert main(["config", "check"]) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith(f"homebot: homebot.toml: {problem}")
+    assert captured.err.count("\n") == 1
+
+
+def test_a_byte_order_mark_is_no_mistake(capsys: Text) -> None:
+    """Some editors write one."""
+    Path("homebot.toml").write_bytes(b'\xef\xbb\xbf[home]\nname = "villa"\n')
+    assert main(["config", "check"]) == 0
+    assert "home villa" in capsys.readouterr().out

@@ -1,0 +1,151 @@
+"""What ``homebot run`` makes of its options and of the configuration, without running it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from homebot.cli import main
+from homebot.cli.commands.run import configuration
+from homebot.cli.main import make_parser
+from homebot.cli.watchdog import Watchdog
+from homebot.config import Config
+from homebot.errors import ConfigError
+
+
+@pytest.fixture(autouse=True)
+def _empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("HOMEBOT_DOOR", raising=False)
+    monkeypatch.delenv("HOMEBOT_DOOR_TOKEN", raising=False)
+
+
+def config_of(*arguments: str) -> Config:
+    return configuration(make_parser().parse_args(["run", *arguments]))[0]
+
+
+def has_house(*arguments: str) -> bool:
+    return configuration(make_parser().parse_args(["run", *arguments]))[1]
+
+
+def test_without_anything_it_is_the_thesis_house() -> None:
+    config = config_of()
+    assert config.home.name == "home425"
+    assert config.gateways == {"mqtt": {"root": "home425"}}
+    assert config.apps == {"light_service": {}}
+    assert has_house()
+
+
+def test_a_broker_of_your_own_is_no_simulated_house() -> None:
+    config = config_of("--mqtt", "mqtt://broker", "--root", "villa", "--act")
+    assert config.gateways == {"mqtt": {"url": "mqtt://broker", "root": "villa", "act": True}}
+    assert config.apps == {"light_service": {}}
+    assert not has_house("--mqtt", "mqtt://broker")
+
+
+def test_apps_replace_the_default_and_keep_the_house() -> None:
+    config = config_of("--app", "my_app:WindowLight", "--app", "light_service")
+    assert config.apps == {"window_light": {"class": "my_app:WindowLight"}, "light_service": {}}
+    assert has_house("--app", "my_app:WindowLight")
+
+
+def test_two_classes_of_one_name_are_two_apps_and_one_given_twice_is_one() -> None:
+    config = config_of("--app", "a:MyApp", "--app", "b:MyApp", "--app", "a:MyApp")
+    assert config.apps == {"my_app": {"class": "a:MyApp"}, "my_app_2": {"class": "b:MyApp"}}
+
+
+def test_a_file_in_the_folder_is_used_and_options_add_to_it() -> None:
+    Path("homebot.toml").write_text(
+        '[gateways.mqtt]\nurl = "mqtt://broker"\nstale_after = 5.0\n'
+        '[apps.mine]\nclass = "my_app:Mine"\ncolour = "red"\n'
+    )
+    config = config_of("--act", "--app", "my_app:Mine", "--app", "light_service")
+    assert config.gateways == {"mqtt": {"url": "mqtt://broker", "stale_after": 5.0, "act": True}}
+    assert config.apps == {"mine": {"class": "my_app:Mine", "colour": "red"}, "light_service": {}}
+    assert config.source == "homebot.toml and command line"
+    assert config_of().source == "homebot.toml"
+    assert not has_house()
+
+
+def test_an_app_of_the_file_keeps_its_settings_when_it_is_named_again() -> None:
+    Path("homebot.toml").write_text('[apps.light_service]\ncolour = "red"\n')
+    assert config_of("--app", "light_service").apps == {"light_service": {"colour": "red"}}
+
+
+def test_the_door_is_where_the_option_says() -> None:
+    assert config_of("--door", "127.0.0.1:7").door == {"host": "127.0.0.1", "port": 7}
+    assert config_of("--door", "[::1]:7").door == {"host": "::1", "port": 7}
+
+
+def test_the_token_of_the_environment_counts_where_the_file_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", "hunter2")
+    assert config_of().door == {"token": "hunter2"}
+    Path("homebot.toml").write_text('[door]\ntoken_file = "token"\n')
+    assert config_of().door == {"token_file": "token"}
+    Path("homebot.toml").write_text('[door]\ntoken = "other"\n')
+    assert config_of().door == {"token": "other"}
+    monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", "")
+    Path("homebot.toml").write_text("")
+    assert config_of().door == {}
+
+
+def test_an_app_whose_class_makes_no_legal_node_name_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"command line: apps\.küche: "):
+        config_of("--app", "my_app:Küche")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (["--config", "missing.toml"], "homebot: missing.toml: cannot be read: No such file or directory\n"),
+        (["--config", "."], "homebot: .: cannot be read: Is a directory\n"),
+        (["--app", "nosuch"], "homebot: command line: apps.nosuch: plug-in 'nosuch': is not installed (installed: "),
+        (["--app", "json:JSONDecoder"], "apps.jsondecoder.class: json:JSONDecoder is not an App; derive it from"),
+        (["--app", "json:Nope"], "apps.nope.class: plug-in 'json:Nope': the module 'json' has no 'Nope'\n"),
+        (["--app", "nosuch:App"], "apps.app.class: plug-in 'nosuch:App': the module 'nosuch' cannot be imported: Mod"),
+        (["--mqtt", "http://broker"], "homebot: command line: gateways.mqtt.url: MQTT address: it must start with m"),
+        (["--root", "a/+"], "homebot: command line: gateways.mqtt.root: "),
+        (["--door", "192.0.2.1:7"], "door.host: 192.0.2.1 can be reached by others, so it needs a token: give token_f"),
+    ],
+)
+def test_what_cannot_be_run_is_one_clear_sentence(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], problem: str
+) -> None:
+    assert main(["run", *arguments]) == 1
+    err = capsys.readouterr().err
+    assert problem in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (["--app", "my_app:"], "an app is a plug-in's name or module:Class, got 'my_app:'"),
+        (["--app", "my-app:App"], "got 'my-app:App'"),
+        (["--app", ""], "got ''"),
+        (["--for", "0"], "a positive number is expected, got '0'"),
+        (["--for", "soon"], "a positive number is expected, got 'soon'"),
+        (["--door", "9090"], "an address is HOST:PORT, got '9090'"),
+        (["--log-format", "xml"], "invalid choice: 'xml'"),
+    ],
+)
+def test_a_wrong_option_is_a_matter_of_usage(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], problem: str
+) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["run", *arguments])
+    assert caught.value.code == 2
+    assert problem in capsys.readouterr().err
+
+
+def test_a_watchdog_that_was_not_needed_leaves_no_thread() -> None:
+    """Started twice, as by two signals."""
+    with Watchdog() as watchdog:
+        watchdog.start()
+        watchdog.start()
+    for timer in watchdog._timers:
+        timer.join(5)
+        assert not timer.is_alive()
+    with Watchdog():
+        pass
