@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import anyio
 import pytest
 from anyio.abc import TaskStatus
@@ -122,3 +124,73 @@ async def test_entering_waits_until_the_component_is_ready() -> None:
 
     async with Supervisor(LoopClock()).running("slow", slow):
         assert anyio.current_time() == 3
+
+
+async def test_crashes_far_apart_do_not_make_the_next_start_slow() -> None:
+    """Only those of the last minute count for the delay."""
+    fragile = Fragile(crashes=99, after=100)
+    async with Supervisor(LoopClock()).running("fragile", fragile.work):
+        await anyio.sleep(1000)
+    assert [later - earlier for earlier, later in pairwise(fragile.starts)] == [100.5] * 9
+
+
+async def test_a_component_that_never_says_it_is_ready_is_not_waited_for_without_end() -> None:
+    """Ten seconds, and a word about it."""
+
+    async def silent(*, task_status: TaskStatus[None]) -> None:
+        await anyio.sleep_forever()
+
+    with capture_logs() as lines:
+        async with Supervisor(LoopClock()).running("silent", silent):
+            assert anyio.current_time() == 10
+    assert [line["message"] for line in lines] == [
+        "silent is not ready after 10 s; homebot goes on without waiting for it"
+    ]
+
+
+async def test_who_hurries_waits_for_nobody() -> None:
+    """Neither for the one that is starting nor for the next."""
+
+    async def silent(*, task_status: TaskStatus[None]) -> None:
+        await anyio.sleep_forever()
+
+    supervisor = Supervisor(LoopClock())
+    async with anyio.create_task_group() as tasks:
+
+        async def hurry() -> None:
+            await anyio.sleep(1)
+            supervisor.hurry()
+
+        tasks.start_soon(hurry)
+        async with supervisor.running("first", silent), supervisor.running("second", silent):
+            assert anyio.current_time() == 1
+
+
+async def test_a_component_that_crashes_while_it_stops_is_told_and_not_started_anew() -> None:
+    """Its error must not keep the others from stopping."""
+
+    async def sore(*, task_status: TaskStatus[None]) -> None:
+        task_status.started()
+        try:
+            await anyio.sleep_forever()
+        finally:
+            raise RuntimeError("ouch")
+
+    supervisor = Supervisor(LoopClock())
+    with capture_logs() as lines:
+        async with supervisor.running("sore", sore):
+            pass
+    assert [line["message"] for line in lines] == ["sore crashed (RuntimeError: ouch) while it stopped"]
+    assert supervisor.restarts == {}
+
+
+async def test_the_first_of_several_errors_is_told() -> None:
+    """A node that crashed in two places is one crash."""
+
+    async def twice(*, task_status: TaskStatus[None]) -> None:
+        raise ExceptionGroup("", [ExceptionGroup("", [ValueError("first")]), RuntimeError("second")])
+
+    with capture_logs() as lines:
+        async with Supervisor(LoopClock()).running("twice", twice):
+            pass
+    assert lines[0]["message"] == "twice crashed (ValueError: first); it is started anew in 0.5 s"

@@ -39,28 +39,32 @@ class TestHouse:
         """Let a device publish *payload* on *topic*; returns when the broker has it."""
         await self._field.publish(topic, payload.encode(), qos=1)
 
-    async def hears(self, topic: str) -> str:
+    async def hears(self, topic: str, within: float = PATIENCE) -> str:
         """Return the next payload that homebot sends to *topic*.
 
+        Args:
+            topic: The MQTT topic.
+            within: Seconds to wait for it.
+
         Raises:
-            TimeoutError: Nothing came within 5 s; says what came elsewhere, and which apps crashed.
+            TimeoutError: Nothing came; says what came elsewhere, and which apps crashed.
         """
-        with anyio.move_on_after(PATIENCE):
+        with anyio.move_on_after(within):
             while not self._heard[topic]:
                 messages = await self._field.receive()
                 for message in messages:
                     self._heard[message.topic].append(message.payload.decode(errors="replace"))
                 self._field.ack(messages)
         if not self._heard[topic]:
-            raise TimeoutError(self._silence(topic))
+            raise TimeoutError(self._silence(topic, within))
         return self._heard[topic].popleft()
 
-    def _silence(self, topic: str) -> str:
+    def _silence(self, topic: str, within: float) -> str:
         elsewhere = {name: list(payloads) for name, payloads in self._heard.items() if payloads}
         supervisor = self.runtime.supervisor
         crashed = sorted({*supervisor.restarts, *supervisor.given_up})
         return (
-            f"nothing came on {topic} within {PATIENCE:g} s; "
+            f"nothing came on {topic} within {within:g} s; "
             f"came elsewhere: {elsewhere or 'nothing'}; crashed: {', '.join(crashed) or 'nothing'}"
         )
 

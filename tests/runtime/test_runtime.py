@@ -1,0 +1,310 @@
+"""The whole of homebot in one process: its order, its failures and its end."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import sys
+from pathlib import Path
+
+import anyio
+import pytest
+import structlog
+from anyio.abc import TaskStatus
+from pydantic import BaseModel
+from structlog.testing import capture_logs
+
+from homebot.apps import App
+from homebot.config import Config, parse_config
+from homebot.devices import DEVICE_CHANGES, DeviceChange
+from homebot.errors import ConfigError
+from homebot.graph import Node
+from homebot.messages import Log
+from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.options import MqttOptions
+from homebot.runtime import Runtime
+
+
+class Journal:
+    """What the apps under test write down, to be waited for."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self._changed = anyio.Event()
+
+    def write(self, line: str) -> None:
+        self.lines.append(line)
+        self._changed.set()
+
+    async def wait_for(self, line: str, times: int = 1) -> None:
+        with anyio.fail_after(5):
+            while self.lines.count(line) < times:
+                self._changed = anyio.Event()
+                await self._changed.wait()
+
+
+JOURNAL = Journal()
+
+
+@pytest.fixture(autouse=True)
+def _empty_journal() -> None:
+    JOURNAL.lines.clear()
+
+
+class Steady(App):
+    """Writes down when it starts and when it ends."""
+
+    async def run(self) -> None:
+        JOURNAL.write(f"{self.node.name} starts")
+        try:
+            await anyio.sleep_forever()
+        finally:
+            JOURNAL.write(f"{self.node.name} ends")
+
+
+class Crashing(App):
+    """Crashes at once, every time."""
+
+    async def run(self) -> None:
+        JOURNAL.write(f"{self.node.name} starts")
+        raise RuntimeError("ouch")
+
+
+class Impossible(App):
+    """Cannot be made as it is configured."""
+
+    def __init__(self, node: Node, settings: BaseModel) -> None:
+        super().__init__(node, settings)
+        raise ConfigError("test", "apps.impossible", "is impossible")
+
+    async def run(self) -> None:
+        """Never comes to this."""
+
+
+class NeverReady(App):
+    """Forgets to say that it is ready."""
+
+    async def run(self) -> None:
+        """Not used."""
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:  # noqa: ARG002  # forgotten
+        JOURNAL.write("never ready")
+        await anyio.sleep_forever()
+
+
+def config(**tables: object) -> Config:
+    return parse_config({"door": {"port": 0}, **tables}, "test")
+
+
+def app(kind: type[App]) -> dict[str, object]:
+    return {"class": f"{__name__}:{kind.__name__}"}
+
+
+@pytest.fixture(autouse=True)
+def _importable(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As ``module:Class`` is looked up: by the name of the module."""
+    monkeypatch.setitem(sys.modules, __name__, sys.modules[__name__])
+
+
+async def test_parts_start_in_order_and_stop_in_reverse() -> None:
+    """Gateways, directory, apps, door: the graph shows it."""
+    runtime = Runtime(config(gateways={"mqtt": {}}, apps={"first": app(Steady), "second": app(Steady)}))
+    with runtime.graph.watch() as changes:
+        async with runtime:
+            assert runtime.broker_url is not None
+        nodes: dict[str, list[str]] = {"added": [], "removed": []}
+        while (change := changes.take()) is not None:
+            if change.entity.kind.value == "node":
+                nodes[change.change].append(change.entity.name)
+    assert nodes["added"] == [
+        "/homebot",
+        "/gateway/mqtt",
+        "/discovery",
+        "/first",
+        "/second",
+        "/rosapi",
+        "/rosbridge_websocket",
+    ]
+    assert nodes["removed"] == nodes["added"][::-1]
+    assert JOURNAL.lines == ["first starts", "second starts", "second ends", "first ends"]
+
+
+async def test_the_simulated_house_is_discovered_and_acted_on() -> None:
+    """The main job, in one process: three devices, and the lamp that is on goes off."""
+    runtime = Runtime(config(gateways={"mqtt": {"root": "home425"}}, apps={"light_service": {}}), with_house=True)
+    found: set[str] = set()
+    async with runtime, Node(runtime.graph, "watcher") as watcher:
+        changes = watcher.create_subscription(DeviceChange, DEVICE_CHANGES, qos_profile=10)
+        log = watcher.create_subscription(Log, "/rosout", qos_profile=100)
+        with anyio.fail_after(5):
+            while len(found) < 3:
+                found.add((await changes.receive()).device.id)
+            while (await log.receive()).msg != "lights/roomlights405 is off":
+                pass
+    assert found == {"lights/roomlights405", "lights/roomlights406", "windows/windowmotor405"}
+
+
+async def test_a_crashing_app_disturbs_nobody_and_is_started_anew() -> None:
+    """Its neighbours do not notice."""
+    async with Runtime(config(apps={"crashing": app(Crashing), "steady": app(Steady)})) as runtime:
+        await JOURNAL.wait_for("crashing starts", times=2)
+        assert runtime.supervisor.restarts == {"crashing": 1}
+        assert runtime.supervisor.given_up == []
+    assert JOURNAL.lines.count("steady starts") == 1
+
+
+async def test_what_cannot_be_started_ends_the_start_and_everything_stops_again() -> None:
+    """With its own error, in no group."""
+    runtime = Runtime(config(gateways={"mqtt": {}}, apps={"steady": app(Steady), "impossible": app(Impossible)}))
+    with pytest.raises(ConfigError, match=r"test: apps\.impossible: is impossible"):
+        async with runtime:
+            pytest.fail("it must not start")
+    assert runtime.graph.get_node_names() == ()
+    assert JOURNAL.lines == ["steady starts", "steady ends"]
+    assert runtime.broker_url is not None
+    assert not await listens(runtime.broker_url)
+
+
+async def test_a_door_that_is_taken_ends_the_start() -> None:
+    """And leaves nothing behind."""
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        runtime = Runtime(parse_config({"door": {"port": port}}, "test"))
+        with pytest.raises(ConfigError, match=f"127.0.0.1:{port} is taken, maybe by another homebot"):
+            async with runtime:
+                pytest.fail("it must not start")
+    assert runtime.graph.get_node_names() == ()
+
+
+async def test_a_start_can_be_cut_short() -> None:
+    """Somebody wants to stop before everything is there: nothing more is waited for, and what runs is stopped."""
+    runtime = Runtime(config(apps={"never": app(NeverReady), "steady": app(Steady)}))
+
+    async def cut() -> None:
+        await JOURNAL.wait_for("never ready")
+        runtime.cut_start_short()
+
+    with anyio.fail_after(2):
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(cut)
+            async with runtime:
+                assert runtime.door is None
+    assert JOURNAL.lines == ["never ready"]
+    assert runtime.graph.get_node_names() == ()
+
+
+async def test_a_start_that_is_cancelled_stops_what_it_started() -> None:
+    """As under somebody's time limit."""
+    runtime = Runtime(config(gateways={"mqtt": {}}, apps={"steady": app(Steady), "never": app(NeverReady)}))
+    with anyio.move_on_after(0.2):
+        async with runtime:
+            pytest.fail("it cannot be ready")
+    assert runtime.graph.get_node_names() == ()
+    assert JOURNAL.lines == ["steady starts", "never ready", "steady ends"]
+
+
+async def test_an_error_of_the_program_passes_as_it_is() -> None:
+    """Not wrapped in groups."""
+    with pytest.raises(KeyError, match="mine"):
+        async with Runtime(config(apps={"steady": app(Steady)})):
+            raise KeyError("mine")
+    assert JOURNAL.lines == ["steady starts", "steady ends"]
+
+
+async def test_the_log_is_on_rosout_too_while_it_runs() -> None:
+    """And the logging is afterwards what it was before."""
+    before = structlog.get_config()["processors"]
+    async with Runtime(config()) as runtime, Node(runtime.graph, "watcher") as watcher:
+        lines = watcher.create_subscription(Log, "/rosout", qos_profile=10)
+        structlog.get_logger(node="/somebody").warning("a.b", message="hear me")
+        with anyio.fail_after(1):
+            line = await lines.receive()
+        assert (line.name, line.msg, line.level) == ("somebody", "hear me", 30)
+    assert structlog.get_config()["processors"] == before
+
+
+@pytest.mark.parametrize(("host", "shown"), [("127.0.0.1", "127.0.0.1:"), ("::1", "[::1]:")])
+async def test_the_greeting_says_where_tools_come_in(host: str, shown: str) -> None:
+    """In the spelling of --door."""
+    with capture_logs() as lines:
+        async with Runtime(config(home={"name": "villa"}, door={"host": host, "port": 0})):
+            pass
+    (greeting,) = [line["message"] for line in lines if line["event"] == "runtime.running"]
+    assert greeting.startswith(f"villa is running; tools come in on {shown}")
+
+
+async def test_a_client_that_floods_does_not_delay_the_stop() -> None:
+    """Ten thousand messages on their way when the end comes."""
+    async with anyio.create_task_group() as tasks:
+        async with Runtime(config(gateways={"mqtt": {"root": "h"}}, apps={"light_service": {}})) as runtime:
+            assert runtime.broker_url is not None
+            ready = anyio.Event()
+            tasks.start_soon(_flood, runtime.broker_url, ready)
+            await ready.wait()
+            started = anyio.current_time()
+        assert anyio.current_time() - started < 3
+        tasks.cancel_scope.cancel()
+
+
+async def _flood(url: str, ready: anyio.Event) -> None:
+    async with MqttConnection(MqttOptions.from_url(url), AiomqttClient, status_topic=None) as field:
+        await field.wait_connected()
+        async with anyio.create_task_group() as tasks:
+            for number in range(50):
+                tasks.start_soon(_say_on_and_on, field, f"h/lights/{number}/out", ready)
+
+
+async def _say_on_and_on(field: MqttConnection, topic: str, ready: anyio.Event) -> None:
+    for number in range(1000):
+        await field.publish(topic, b"on", qos=number % 2)
+        if number == 20:
+            ready.set()
+
+
+async def test_a_broker_that_hangs_does_not_delay_the_stop() -> None:
+    """It takes the connection and says nothing, before the start is through."""
+    accepted: list[asyncio.StreamWriter] = []
+
+    async def hang(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        accepted.append(writer)
+
+    async with await asyncio.start_server(hang, "127.0.0.1", 0) as server:
+        url = f"mqtt://127.0.0.1:{server.sockets[0].getsockname()[1]}"
+        async with Runtime(config(gateways={"mqtt": {"url": url}})):
+            assert accepted
+            started = anyio.current_time()
+        assert anyio.current_time() - started < 3
+        for writer in accepted:
+            writer.close()
+
+
+async def test_two_embedded_brokers_take_two_ports_and_the_second_says_so() -> None:
+    """The next free one."""
+    with capture_logs() as lines:
+        async with Runtime(config(gateways={"mqtt": {}})) as first, Runtime(config(gateways={"mqtt": {}})) as second:
+            assert first.broker_url is not None
+            assert second.broker_url is not None
+            assert first.broker_url != second.broker_url
+    told = [line["message"] for line in lines if line["event"] == "runtime.broker_started"]
+    assert told[1] == f"embedded MQTT broker on {second.broker_url} (port 1883 was taken)"
+
+
+async def test_the_token_of_the_door_comes_from_its_file(tmp_path: Path) -> None:
+    """Its first line, without the line break."""
+    file = tmp_path / "token"
+    file.write_text("hunter2\r\nsecond line\n")
+    runtime = Runtime(config(door={"port": 0, "token_file": str(file)}))
+    token = runtime._plan.door.token
+    assert token is not None
+    assert token.get_secret_value() == "hunter2"
+
+
+async def listens(url: str) -> bool:
+    options = MqttOptions.from_url(url)
+    try:
+        stream = await anyio.connect_tcp(options.host, options.port)
+    except OSError:
+        return False
+    await stream.aclose()
+    return True

@@ -1,0 +1,33 @@
+"""A house in a test: the devices' side of the wire, and a clear word when nothing comes."""
+
+from __future__ import annotations
+
+import pytest
+
+from homebot.testing import TestHouse, house_of
+
+
+async def test_an_app_in_a_house_hears_devices_and_is_heard() -> None:
+    """Each topic has its own line of payloads."""
+    async with house_of("light_service", root="villa") as house:
+        await house.says("villa/lights/a/out", "on")
+        await house.says("villa/lights/b/out", "on")
+        assert await house.hears("villa/lights/b/in") == "off"
+        assert await house.hears("villa/lights/a/in") == "off"
+
+
+async def test_what_does_not_come_is_told_with_what_came_instead() -> None:
+    """And with the apps that crashed; here none."""
+    async with house_of("light_service") as house:
+        await house.says("home425/lights/a/out", "on")
+        with pytest.raises(TimeoutError) as caught:
+            await house.hears("home425/lights/b/in", within=0.3)
+    assert str(caught.value) == (
+        "nothing came on home425/lights/b/in within 0.3 s; "
+        "came elsewhere: {'home425/lights/a/in': ['off']}; crashed: nothing"
+    )
+
+
+def test_pytest_does_not_take_the_house_for_a_test() -> None:
+    """Its name begins with Test."""
+    assert not TestHouse.__test__
