@@ -356,3 +356,55 @@ async def test_a_restarted_broker_loses_no_acknowledged_message_and_the_gateway_
         with anyio.fail_after(5):
             while not acknowledged <= received:
                 received.add((await inbox.receive()).payload)
+
+
+async def test_a_ghost_that_speaks_is_confirmed_at_once(embedded_broker_url: str) -> None:
+    """Not only a second later: it may be silent for an hour then."""
+    async with MqttConnection(MqttOptions.from_url(embedded_broker_url), AiomqttClient) as past:
+        await past.wait_connected()
+        await past.publish("home425/lights/lamp/out", b"on", qos=1, retain=True)
+    async with gateway_on(embedded_broker_url) as house:
+        assert not (await house.next_sighting()).confirmed
+        await house.say("home425/lights/lamp/out", b"on")
+        await house.say("home425/lights/lamp/out", b"on")
+        await house.say("home425/lights/other/out", b"on")
+        lamp, other = await house.next_sighting(), await house.next_sighting()
+    assert (lamp.key, lamp.kind, lamp.confirmed) == ("lights/lamp", "updated", True)
+    assert other.key == "lights/other"
+
+
+async def test_clearing_a_topic_that_this_gateway_never_heard_removes_the_device_too(embedded_broker_url: str) -> None:
+    """The directory may know it from before the gateway's restart."""
+    async with gateway_on(embedded_broker_url) as house:
+        await house.say("home425/lights/lamp/out", b"", retain=True)
+        sighting = await house.next_sighting()
+    assert (sighting.key, sighting.kind) == ("lights/lamp", "removed")
+
+
+async def test_devices_that_come_and_go_leave_nothing_behind(embedded_broker_url: str) -> None:
+    """However many names somebody invents."""
+    async with gateway_on(embedded_broker_url) as house:
+        for number in range(50):
+            await house.say(f"home425/lights/{number}/out", b"on")
+            await house.say(f"home425/lights/{number}/out", b"")
+        for _ in range(100):
+            await house.next_sighting()
+        assert house.gateway._listeners._by_address == {}
+
+
+async def test_asking_twice_brings_what_was_missed_once(embedded_broker_url: str) -> None:
+    """The second time nothing was missed."""
+    async with gateway_on(embedded_broker_url) as house:
+        await house.say("home425/lights/lamp/out", b"on")
+        await house.next_sighting()
+        beginning = Time(sec=0, nanosec=0)
+        first = await house.listen("home425/lights/lamp/out", listener="/watcher", since=beginning)
+        second = await house.listen("home425/lights/lamp/out", listener="/watcher", since=beginning)
+        assert [len(first.missed), len(second.missed)] == [1, 0]
+
+
+async def test_a_device_that_never_becomes_stale_has_the_last_time_there_is(embedded_broker_url: str) -> None:
+    """A time of ROS ends in 2038; a larger number must not crash the gateway with every message."""
+    async with gateway_on(embedded_broker_url, stale_after=1e12) as house:
+        await house.say("home425/lights/lamp/out")
+        assert (await house.next_sighting()).expires_at == NEVER

@@ -1,0 +1,171 @@
+"""Who gets raw messages: full inboxes, nodes that come and go, and what is forgotten; in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+
+from homebot.devices import GatewayNames, RawMessage
+from homebot.errors import InvalidNameError, RefusedError
+from homebot.gateways.listeners import Listeners
+from homebot.graph import Graph, Node, Publisher, Subscription
+from homebot.messages import Time
+
+pytestmark = pytest.mark.virtual_time
+
+DEPTH = 3
+
+
+def message(payload: int) -> RawMessage:
+    return RawMessage(
+        gateway="fake",
+        key="lights/a",
+        address="a",
+        payload=str(payload).encode(),
+        retained=False,
+        received_at=Time(sec=0, nanosec=0),
+    )
+
+
+class House:
+    """A gateway's listeners, and nodes that listen."""
+
+    def __init__(self, *, inboxes: bool = True) -> None:
+        self.graph = Graph()
+        self.gateway = Node(self.graph, "fake", namespace="/gateway")
+        self.listeners = Listeners(self.gateway, GatewayNames("fake"), inboxes=inboxes)
+
+    def listen(self, name: str, address: str = "a") -> tuple[Node, Publisher[RawMessage], Subscription[RawMessage]]:
+        node = self.graph.get_node(f"/{name}") or Node(self.graph, name)
+        publisher = self.listeners.add(address, f"lights/{address}", address, f"/{name}")
+        return node, publisher, node.create_subscription(RawMessage, publisher.topic_name, qos_profile=DEPTH)
+
+
+def payloads(inbox: Subscription[RawMessage]) -> list[int]:
+    found = []
+    while (one := inbox.take()) is not None:
+        found.append(int(one.payload))
+    return found
+
+
+async def test_a_full_inbox_holds_the_gateway_up_until_it_is_read() -> None:
+    """That is how a burst of QoS 1 loses nothing."""
+    house = House()
+    _, publisher, inbox = house.listen("app")
+
+    async def deliver() -> None:
+        for number in range(10):
+            await house.listeners.deliver(publisher, message(number), patient=True)
+
+    found: list[int] = []
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(deliver)
+        while len(found) < 10:
+            await anyio.sleep(1)
+            found += payloads(inbox)
+    assert found == list(range(10))
+
+
+async def test_an_inbox_that_is_never_read_costs_five_seconds_a_minute() -> None:
+    """Its oldest messages are lost, which is told; the others wait no longer than that."""
+    house = House()
+    _, publisher, inbox = house.listen("hanging")
+    with capture_logs() as lines:
+        for number in range(100):
+            await house.listeners.deliver(publisher, message(number), patient=True)
+    assert anyio.current_time() == 5
+    assert payloads(inbox) == [97, 98, 99]
+    assert [line["message"] for line in lines] == ["/hanging/inbox is full and not read: its oldest messages are lost"]
+    await anyio.sleep(60)
+    for number in range(DEPTH + 1):
+        await house.listeners.deliver(publisher, message(number), patient=True)
+    assert anyio.current_time() == 70
+
+
+async def test_a_delivery_without_patience_never_waits() -> None:
+    """QoS 0."""
+    house = House()
+    _, publisher, inbox = house.listen("app")
+    for number in range(10):
+        await house.listeners.deliver(publisher, message(number), patient=False)
+    assert anyio.current_time() == 0
+    assert payloads(inbox) == [7, 8, 9]
+
+
+async def test_a_listener_that_leaves_while_it_is_waited_for_ends_the_wait() -> None:
+    """And the gateway goes on."""
+    house = House()
+    node, publisher, _ = house.listen("app")
+
+    async def leave() -> None:
+        await anyio.sleep(1)
+        node.close()
+        assert house.listeners.drop_nodes_that_left() == ("a",)
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(leave)
+        for number in range(DEPTH + 1):
+            await house.listeners.deliver(publisher, message(number), patient=True)
+        assert anyio.current_time() == 1
+    await house.listeners.deliver(publisher, message(0), patient=True)
+
+
+async def test_who_left_is_forgotten_and_who_stayed_is_not() -> None:
+    """Also where both listened to one address."""
+    house = House()
+    gone, _, _ = house.listen("gone")
+    house.listen("gone", "b")
+    _, stays, _ = house.listen("stays")
+    gone.close()
+    assert house.listeners.drop_nodes_that_left() == ("b",)
+    assert house.listeners.of("a") == [stays]
+    assert house.listeners.of("b") == []
+    assert not house.listeners.has("a", "/gone")
+    assert house.listeners.has("a", "/stays")
+
+
+async def test_a_node_that_comes_back_at_once_is_a_new_one() -> None:
+    """The news of its end may come after it asked again."""
+    house = House()
+    node, old, _ = house.listen("app")
+    node.close()
+    assert not house.listeners.has("a", "/app")
+    _, new, inbox = house.listen("app")
+    assert house.listeners.drop_nodes_that_left() == ()
+    assert house.listeners.of("a") == [new] != [old]
+    await house.listeners.deliver(new, message(1), patient=True)
+    assert payloads(inbox) == [1]
+
+
+async def test_an_address_that_nobody_listens_to_can_be_forgotten() -> None:
+    """One that somebody listens to cannot."""
+    house = House()
+    house.listen("app")
+    for address in ("a", "b"):
+        house.listeners.of(address)
+        house.listeners.tidy(address)
+    assert set(house.listeners._by_address) == {"a"}
+    house.listeners.tidy("never heard of")
+
+
+async def test_in_mirror_mode_askers_share_the_topic_of_the_device() -> None:
+    """It stays when one of them leaves."""
+    house = House(inboxes=False)
+    node, first, _ = house.listen("first")
+    _, second, inbox = house.listen("second")
+    assert first is second
+    assert first.topic_name == "/gateway/fake/received_data/a"
+    node.close()
+    assert house.listeners.drop_nodes_that_left() == ()
+    await house.listeners.deliver(first, message(1), patient=True)
+    assert payloads(inbox) == [1]
+
+
+async def test_what_cannot_be_a_listener_is_refused() -> None:
+    """A node that is not there; a device whose name makes too long a topic name."""
+    house = House()
+    with pytest.raises(RefusedError, match="an inbox for /nobody was refused: no such node is on the graph"):
+        house.listeners.add("a", "lights/a", "a", "/nobody")
+    with pytest.raises(InvalidNameError):
+        house.listeners.add("a", "lights/a", "a" * 1000, "")
