@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import logging
+import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -149,3 +152,43 @@ def test_a_watchdog_that_was_not_needed_leaves_no_thread() -> None:
         assert not timer.is_alive()
     with Watchdog():
         pass
+
+
+SIGNALLING_APP = """
+import os
+import signal
+from homebot.apps import App
+
+
+class Signalling(App):
+    async def run(self) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+"""
+
+
+@pytest.fixture
+def _logging_as_before() -> Iterator[None]:
+    root = logging.getLogger()
+    handlers = list(root.handlers)
+    yield
+    root.handlers[:] = handlers
+    logging.captureWarnings(capture=False)
+
+
+@pytest.mark.usefixtures("_logging_as_before")
+def test_it_runs_for_the_time_it_is_given(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "--for", "0.2", "--door", "127.0.0.1:0"]) == 0
+    assert "home425 is running" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("_logging_as_before")
+def test_a_signal_that_comes_during_the_start_stops_it_at_once_and_the_handlers_are_as_before(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    Path("my_signalling_app.py").write_text(SIGNALLING_APP)
+    assert main(["run", "--app", "my_signalling_app:Signalling", "--door", "127.0.0.1:0"]) == 0
+    err = capsys.readouterr().err
+    assert "stopping" in err
+    assert "Traceback" not in err
+    assert signal.getsignal(signal.SIGTERM) is before
