@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import socket
 import sys
 from pathlib import Path
@@ -260,23 +259,6 @@ async def _say_on_and_on(field: MqttConnection, topic: str, ready: anyio.Event) 
         await field.publish(topic, b"on", qos=number % 2)
         if number == 20:
             ready.set()
-
-
-async def test_a_broker_that_hangs_does_not_delay_the_stop() -> None:
-    """It takes the connection and says nothing, before the start is through."""
-    accepted: list[asyncio.StreamWriter] = []
-
-    async def hang(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        accepted.append(writer)
-
-    async with await asyncio.start_server(hang, "127.0.0.1", 0) as server:
-        url = f"mqtt://127.0.0.1:{server.sockets[0].getsockname()[1]}"
-        async with Runtime(config(gateways={"mqtt": {"url": url}})):
-            assert accepted
-            started = anyio.current_time()
-        assert anyio.current_time() - started < 3
-        for writer in accepted:
-            writer.close()
 
 
 async def test_two_embedded_brokers_take_two_ports_and_the_second_says_so() -> None:
