@@ -248,32 +248,59 @@ async def test_the_first_link_of_a_process_subscribes_even_into_an_old_session()
     assert client.said == ["subscribe a"]
 
 
-async def test_a_refused_subscription_is_raised_and_forgotten_and_the_others_stand() -> None:
+async def test_a_refused_subscription_is_raised_and_the_others_stand() -> None:
     client = FakeClient(FRESH)
     client.refused_filters = {"secret/#"}
     async with supervise(client) as connection:
         await connection.wait_connected()
         with pytest.raises(RefusedError, match="'secret/#' was refused: not authorized"):
             await connection.subscribe(Subscription("secret/#"), Subscription("open/#"))
+        assert connection.refused == {"secret/#": "not authorized"}
         client.lose()
         await wait_all_tasks_blocked()
         await connection.wait_connected()
     assert client.said == ["subscribe open/#"] * 2
 
 
-async def test_a_subscription_refused_on_a_later_link_is_logged_and_asked_for_again() -> None:
+async def test_refused_subscriptions_of_a_new_link_are_there_to_be_read_in_one_quiet_line() -> None:
     client = FakeClient(FRESH)
-    client.refused_filters = {"a"}
+    client.refused_filters = {"a", "b"}
     with capture_logs() as lines:
         async with supervise(client) as connection:
-            await connection.subscribe(Subscription("a"))
+            await connection.subscribe(Subscription("a"), Subscription("b"), Subscription("c"))
             await connection.wait_connected()
-            client.refused_filters.clear()
-            client.lose()
-            await wait_all_tasks_blocked()
-            await connection.wait_connected()
-    assert [line["filter"] for line in lines if line["event"] == "mqtt.subscription_refused"] == ["a"]
-    assert client.said == ["subscribe a"]
+            assert connection.refused == {"a": "not authorized", "b": "not authorized"}
+    (line,) = [line for line in lines if line["event"] == "mqtt.subscriptions_refused"]
+    assert (line["log_level"], line["filters"]) == ("debug", ["a", "b"])
+    assert client.said == ["subscribe c"]
+
+
+@pytest.mark.parametrize("session", [FRESH, RESUMED])
+async def test_a_refused_subscription_is_asked_for_again_on_the_next_link(session: Session) -> None:
+    client = FakeClient(FRESH, ABSENT, session)
+    client.refused_filters = {"early", "late"}
+    async with supervise(client) as connection:
+        await connection.subscribe(Subscription("early"))
+        await connection.wait_connected()
+        with pytest.raises(RefusedError):
+            await connection.subscribe(Subscription("late"))
+        client.refused_filters.clear()
+        client.lose()
+        await until(connection, LinkPhase.WAITING)
+        assert connection.refused == {}
+        await connection.wait_connected()
+        assert connection.refused == {}
+    assert client.said == ["subscribe early", "subscribe late"]
+
+
+async def test_who_gives_a_refused_subscription_up_hears_no_more_of_it() -> None:
+    client = FakeClient(FRESH)
+    client.refused_filters = {"a"}
+    async with supervise(client) as connection:
+        await connection.subscribe(Subscription("a"))
+        await connection.wait_connected()
+        await connection.unsubscribe("a")
+        assert connection.refused == {}
 
 
 async def test_a_filter_that_is_none_is_refused_even_while_the_link_is_down() -> None:

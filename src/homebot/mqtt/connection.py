@@ -8,7 +8,7 @@ command that fires minutes late is worse than one that fails.
 from __future__ import annotations
 
 import enum
-from collections.abc import AsyncIterator, Callable, Iterable
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from random import Random
 from types import TracebackType
@@ -113,6 +113,7 @@ class MqttConnection:
         self._refused_backoff = refused_backoff
         self._wanted: dict[str, Subscription] = {}
         self._made: set[str] = set()
+        self._refused: dict[str, str] = {}
         self._unwanted: set[str] = set()
         self._state = ConnectionState(LinkPhase.CLOSED)
         self._changed = anyio.Event()
@@ -134,6 +135,15 @@ class MqttConnection:
     def state(self) -> ConnectionState:
         """What is going on now."""
         return self._state
+
+    @property
+    def refused(self) -> Mapping[str, str]:
+        """The subscriptions that the broker refuses on the current link: why, in words, by their filters.
+
+        Complete when the phase becomes CONNECTED. The next link asks for them again; it is for the owner to say
+        whether the connection is of use without them. A copy.
+        """
+        return dict(self._refused)
 
     @property
     def counters(self) -> MqttCounters:
@@ -185,12 +195,12 @@ class MqttConnection:
     async def subscribe(self, *subscriptions: Subscription) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
 
-        While the link is down they are only remembered. What a broker refuses on a later link is logged, and asked for
-        again on the one after.
+        While the link is down they are only remembered. What the broker refuses stands in `refused`, and is asked for
+        again on every later link, until `unsubscribe`.
 
         Raises:
             InvalidNameError: A filter is not a topic filter; nothing is remembered.
-            RefusedError: At least one was refused; the text names them. They are forgotten, the others stand.
+            RefusedError: At least one was refused; the text names them. The others stand.
         """
         for subscription in subscriptions:
             validate_filter(subscription.filter)
@@ -203,8 +213,6 @@ class MqttConnection:
             refused = await self._make(names)
         except LinkError:
             return
-        for name in refused:
-            self._wanted.pop(name, None)
         if refused:
             raise _join(refused)
 
@@ -213,6 +221,7 @@ class MqttConnection:
         for name in filters:
             self._wanted.pop(name, None)
             self._made.discard(name)
+            self._refused.pop(name, None)
         self._unwanted.update(filters)
         try:
             await self._client.unsubscribe(*filters)
@@ -300,13 +309,12 @@ class MqttConnection:
     async def _prepare(self, session: Session) -> None:
         if not session.resumed:
             self._made.clear()
-        for name, error in (await self._make([name for name in self._wanted if name not in self._made])).items():
-            _log.error(
-                "mqtt.subscription_refused",
-                message=f"{self._url} refuses the subscription to {name!r}: {error.reason}",
+        if refused := await self._make([name for name in self._wanted if name not in self._made]):
+            _log.debug(
+                "mqtt.subscriptions_refused",
+                message=f"{self._url}: {_join(refused)}",
                 broker=self._url,
-                filter=name,
-                reason=error.reason,
+                filters=list(refused),
             )
         if self._unwanted:
             await self._client.unsubscribe(*self._unwanted)
@@ -323,8 +331,10 @@ class MqttConnection:
                 await self._client.subscribe(subscription)
             except RefusedError as error:
                 refused[name] = error
+                self._refused[name] = error.reason
             else:
                 self._made.add(name)
+                self._refused.pop(name, None)
         return refused
 
     async def _announce(self, payload: bytes) -> None:
@@ -375,6 +385,8 @@ class MqttConnection:
         )
 
     def _enter(self, phase: LinkPhase, reason: str = "", retry_in: float | None = None) -> None:
+        if phase is not LinkPhase.CONNECTED:
+            self._refused.clear()
         self._state = ConnectionState(phase, reason, retry_in)
         self._changed.set()
         self._changed = anyio.Event()
