@@ -226,3 +226,21 @@ def test_a_reader_of_the_log_that_goes_away_disturbs_nobody() -> None:
     configure_logging(stream=closed)
     closed.close()
     structlog.get_logger().info("a.b")
+
+
+def test_a_very_long_line_is_cut_and_tells_its_length() -> None:
+    """A device may have a name of 40,000 characters."""
+    out = io.StringIO()
+    configure_logging(stream=out)
+    structlog.get_logger().info("event", message="x" * 40_000)
+    line = out.getvalue()
+    assert len(line) < 1100
+    assert "… (40,000 characters)" in line
+
+
+def test_characters_that_turn_the_direction_of_text_are_shown_and_not_obeyed() -> None:
+    """A device name may hold U+202E."""
+    out = io.StringIO()
+    configure_logging(stream=out)
+    structlog.get_logger().info("event", message="lamp \u202e gnp")
+    assert "lamp \\u202e gnp" in out.getvalue()

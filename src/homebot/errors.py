@@ -16,6 +16,7 @@
     │   ├── WireError               bytes that do not follow their protocol
     │   └── RefusedError            a login, subscription, publish or command was answered with no
     ├── LinkError                   the way to somebody outside is not there: try again later
+    ├── ExitError                   a part of the program called sys.exit(): it counts as a crash of that part
     └── ServiceError                a service call brought no response
         ├── ServiceUnavailableError no server has this name, or its line is full
         ├── ServiceFailedError      the server raised
@@ -29,6 +30,7 @@ __all__ = [
     "ClosedError",
     "ConfigError",
     "DuplicateNameError",
+    "ExitError",
     "HomebotError",
     "InvalidNameError",
     "LinkError",
@@ -156,6 +158,13 @@ class RefusedError(PeerError):
 
 class LinkError(HomebotError):
     """The link to a peer is absent, broke, or timed out; it may work later."""
+
+
+class ExitError(HomebotError):
+    """A part of the program called ``sys.exit()``, which would have ended all the others."""
+
+    def __init__(self, who: str, exit_: SystemExit) -> None:
+        super().__init__(f"{who} called sys.exit({exit_.code!r}); to end it, let it return")
 
 
 class ServiceError(HomebotError):

@@ -41,7 +41,9 @@ _SECRETS = (
         re.IGNORECASE | re.VERBOSE,
     ),
 )
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+# Control characters, line and paragraph separators, and those that turn the direction of text.
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+_LONGEST = 1000
 _NOT_FACTS = {"event", "level", "node", "timestamp", "message", "exception"}
 
 
@@ -228,4 +230,5 @@ class _Console:
 
 
 def _harmless(text: str) -> str:
-    return _CONTROL.sub(lambda found: repr(found[0])[1:-1], text)
+    shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(text):,} characters)"
+    return _CONTROL.sub(lambda found: ascii(found[0])[1:-1], shown)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import anyio
 import pytest
 
-from homebot.errors import ClosedError, InvalidNameError, ServiceGoneError, UsageError
+from homebot.errors import ClosedError, ExitError, InvalidNameError, ServiceGoneError, UsageError
 from homebot.graph import Graph, Node
 from homebot.messages import String, Trigger
 from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
@@ -108,19 +108,40 @@ async def test_a_task_of_the_node_ends_with_it_and_may_publish_a_last_word(graph
     assert last.take() == String(data="bye")
 
 
-async def test_closing_a_running_node_ends_its_block(graph: Graph) -> None:
-    async with anyio.create_task_group() as tasks:
+async def test_closing_a_running_node_ends_its_tasks_but_not_the_block_around_it(graph: Graph) -> None:
+    ended = anyio.Event()
 
-        async def run() -> None:
-            async with node:
-                await anyio.sleep_forever()
+    async def work() -> None:
+        try:
+            await anyio.sleep_forever()
+        finally:
+            ended.set()
 
-        node = Node(graph, "node")
-        tasks.start_soon(run)
+    async with Node(graph, "node") as node:
+        node.create_task(work)
         await anyio.wait_all_tasks_blocked()
         node.close()
         node.close()
-    assert graph.get_node_names() == ()
+        with anyio.fail_after(1):
+            await ended.wait()
+        assert graph.get_node_names() == ()
+
+
+@pytest.mark.parametrize("concurrent", [False, True])
+async def test_a_callback_that_exits_is_a_crash_of_its_node_and_not_the_end_of_the_process(
+    graph: Graph, *, concurrent: bool
+) -> None:
+    def leave(message: String) -> None:
+        raise SystemExit(message.data)
+
+    async def run() -> None:
+        async with Node(graph, "node") as node:
+            node.create_subscription(String, "topic", leave, concurrent=concurrent)
+            node.create_publisher(String, "topic").publish(String(data="now"))
+            await anyio.sleep_forever()
+
+    with pytest.raises(ExitError, match=r"/node called sys.exit\('now'\); to end it, let it return"):
+        await run()
 
 
 @pytest.mark.parametrize(

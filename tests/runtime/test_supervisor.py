@@ -194,3 +194,18 @@ async def test_the_first_of_several_errors_is_told() -> None:
         async with Supervisor(LoopClock()).running("twice", twice):
             pass
     assert lines[0]["message"] == "twice crashed (ValueError: first); it is started anew in 0.5 s"
+
+
+async def test_a_component_that_exits_has_crashed_and_nobody_else_is_disturbed() -> None:
+    """``sys.exit()`` in an app is not the end of the house."""
+
+    async def leaves(*, task_status: TaskStatus[None]) -> None:
+        task_status.started()
+        raise SystemExit(3)
+
+    supervisor = Supervisor(LoopClock())
+    with capture_logs() as lines:
+        async with supervisor.running("app", leaves):
+            await anyio.sleep(60)
+    assert supervisor.given_up == ["app"]
+    assert "app called sys.exit(3); to end it, let it return" in lines[0]["message"]

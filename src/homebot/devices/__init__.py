@@ -3,6 +3,7 @@
 from homebot.devices.device import Device, DeviceChange, Endpoint, Freshness, KeyValue
 from homebot.devices.devices import Devices
 from homebot.devices.follow import Follow
+from homebot.devices.gateway_state import GatewayState
 from homebot.devices.names import DEVICE_CHANGES, FIND_DEVICES, GET_INDEX_DATA, GatewayNames
 from homebot.devices.raw import RawCommand, RawMessage
 from homebot.devices.services import FindDevices, GetIndexData, SubscribeToTopic
@@ -20,6 +21,7 @@ __all__ = [
     "Follow",
     "Freshness",
     "GatewayNames",
+    "GatewayState",
     "GetIndexData",
     "KeyValue",
     "RawCommand",

@@ -9,6 +9,7 @@ import anyio.lowlevel
 
 from homebot.devices.device import Device
 from homebot.devices.follow import Follow
+from homebot.devices.gateway_state import ONLY_OBSERVES, GatewayState
 from homebot.devices.names import FIND_DEVICES, GatewayNames
 from homebot.devices.raw import RawCommand, RawMessage
 from homebot.devices.service_starts import service_starts
@@ -20,7 +21,7 @@ from homebot.devices.services import (
     SubscribeToTopicResponse,
 )
 from homebot.errors import ClosedError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
-from homebot.graph import Client, Node, Publisher, Subscription
+from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
 from homebot.log import LogLimit
 from homebot.messages import Time
 
@@ -30,7 +31,7 @@ MessageHandler: TypeAlias = Callable[[RawMessage], Awaitable[None] | None]
 
 NOT_HEARD = "devices.not_heard"
 
-_INBOX_DEPTH = 1000
+_INBOX_DEPTH = 10_000
 _COMMANDS_DEPTH = 1000
 
 
@@ -50,6 +51,8 @@ class Devices:
         self._subscriptions: dict[str, Subscription[RawMessage]] = {}
         self._gateways: dict[str, Client[SubscribeToTopicRequest, SubscribeToTopicResponse]] = {}
         self._commands: dict[str, Publisher[RawCommand]] = {}
+        self._states: dict[str, Subscription[GatewayState]] = {}
+        self._acting: dict[str, bool] = {}
         self._limit = LogLimit(node.graph.clock)
 
     async def find(self, service_type: str = "") -> tuple[Device, ...]:
@@ -86,7 +89,7 @@ class Devices:
         It returns when the gateway has the command in its queue; that the device obeyed is not proven by it.
 
         Raises:
-            RefusedError: The device takes no commands.
+            RefusedError: The device takes no commands, or its gateway only observes.
             LinkError: No gateway of it is there now; nothing was sent.
         """
         endpoints = [endpoint for endpoint in device.endpoints if endpoint.command_address]
@@ -94,6 +97,8 @@ class Devices:
             raise RefusedError(f"a command to {device.id}", "it takes none")
         for endpoint in endpoints:
             out = self._out(endpoint.gateway)
+            if not self._acts(endpoint.gateway):
+                raise RefusedError(f"a command to {device.id}", ONLY_OBSERVES)
             if out.subscription_count:
                 await out.send(RawCommand(address=endpoint.command_address, payload=payload))
                 if out.subscription_count:  # else the gateway went while its queue was full
@@ -149,6 +154,16 @@ class Devices:
                 RawCommand, GatewayNames(gateway).out, _COMMANDS_DEPTH
             )
         return self._commands[gateway]
+
+    def _acts(self, gateway: str) -> bool:
+        """Whether *gateway* sends commands, by its last word; one that has not spoken yet is trusted."""
+        if gateway not in self._states:
+            self._states[gateway] = self._node.create_subscription(
+                GatewayState, GatewayNames(gateway).state, qos_profile=qos_profile_latched
+            )
+        if (state := self._states[gateway].take()) is not None:
+            self._acting[gateway] = state.acts
+        return self._acting.get(gateway, True)
 
     def _subscribe(self, topic: str, missed: tuple[RawMessage, ...]) -> None:
         """No other task runs between the gateway's answer and this, so nothing is lost and nothing comes twice."""

@@ -17,6 +17,7 @@ class GatewayNames:
     Attributes:
         received_topics: Topic of its sightings.
         out: Topic of the commands for its devices.
+        state: Topic of its own state.
         subscribe: Service that starts the mirroring of raw messages.
     """
 
@@ -24,6 +25,7 @@ class GatewayNames:
         base = f"/gateway/{gateway}"
         self.received_topics = f"{base}/received_topics"
         self.out = f"{base}/out"
+        self.state = f"{base}/state"
         self.subscribe = f"{base}/subscribe_to_topic"
         self._received_data = f"{base}/received_data"
 

@@ -1,5 +1,5 @@
 """The proxy layer: one gateway per protocol."""
 
-from homebot.gateways.base import Gateway, GatewayState
+from homebot.gateways.base import Gateway
 
-__all__ = ["Gateway", "GatewayState"]
+__all__ = ["Gateway"]

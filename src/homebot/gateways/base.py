@@ -9,25 +9,12 @@ import anyio
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.devices import GatewayNames, Sighting
+from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, qos_profile_latched
-from homebot.messages import Message
 
-__all__ = ["Gateway", "GatewayState"]
+__all__ = ["Gateway"]
 
 _SIGHTINGS_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-class GatewayState(Message):
-    """Whether a gateway reaches its protocol's world.
-
-    Attributes:
-        state: ``active`` or ``unavailable``.
-        reason: Why it is unavailable, in words.
-    """
-
-    state: Literal["active", "unavailable"]
-    reason: str
 
 
 class Gateway(ABC):
@@ -44,15 +31,17 @@ class Gateway(ABC):
         Settings: The model of its table.
         node: That node.
         names: Its names on the graph.
+        acts: Whether it sends commands to devices; a gateway that only observes says no to all of them.
     """
 
     Settings: ClassVar[type[BaseModel]]
+    acts: bool = True
 
     def __init__(self, node: Node, settings: BaseModel) -> None:  # noqa: ARG002  # what every gateway is given
         self.node = node
         self.names = GatewayNames(node.name)
         self._sightings = node.create_publisher(Sighting, self.names.received_topics, _SIGHTINGS_QOS)
-        self._states = node.create_publisher(GatewayState, "~/state", qos_profile_latched)
+        self._states = node.create_publisher(GatewayState, self.names.state, qos_profile_latched)
 
     @classmethod  # noqa: B027  # no duty: most gateways have nothing to look for
     def check(cls, settings: BaseModel) -> None:
@@ -77,4 +66,4 @@ class Gateway(ABC):
 
     def report(self, state: Literal["active", "unavailable"], reason: str = "") -> None:
         """Tell the graph how the gateway is."""
-        self._states.publish(GatewayState(state=state, reason=reason))
+        self._states.publish(GatewayState(state=state, reason=reason, acts=self.acts))

@@ -16,15 +16,18 @@ __all__ = ["Listeners"]
 
 SLOW_LISTENER = "gateway.slow_listener"
 
-PATIENCE = 5.0
-"""Seconds for which a full inbox holds up the gateway (and, through it, the broker) before it loses its oldest."""
+PATIENCE = 0.2
+"""Seconds for which a full inbox holds up the gateway before it loses its oldest.
+
+Short, because meanwhile the broker queues for everybody: a default Mosquitto drops what is over 1,000 messages.
+"""
 
 NO_PATIENCE = 60.0
 """Seconds for which a listener is not waited for again after it let that time pass."""
 
 MAX_ADDRESSES = 100_000
 
-_RAW_QOS = QoSProfile(depth=1000)
+_RAW_QOS = QoSProfile(depth=10_000)
 
 
 class Listeners:
@@ -99,9 +102,9 @@ class Listeners:
             del self._by_address[address]
 
     async def deliver(self, publisher: Publisher[RawMessage], message: RawMessage, *, patient: bool) -> None:
-        """Hand *message* over; a *patient* delivery waits up to 5 s for a full inbox rather than losing its oldest.
+        """Hand *message* over; a *patient* delivery waits a moment for a full inbox rather than losing its oldest.
 
-        A listener that let these 5 s pass gets no more patience for a minute: one that hangs must not hold up the
+        A listener that let it pass gets no more patience for a minute: one that hangs must not hold up the
         others for long.
         """
         try:

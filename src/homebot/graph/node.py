@@ -25,7 +25,7 @@ import anyio
 import structlog
 from anyio.abc import TaskGroup
 
-from homebot.errors import ClosedError, DuplicateNameError, UsageError
+from homebot.errors import ClosedError, DuplicateNameError, ExitError, UsageError
 from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo
 from homebot.graph.graph import Graph
@@ -88,6 +88,7 @@ class Node:
         self.namespace = self.full_name.removesuffix(f"/{name}") or "/"
         self.log: structlog.typing.FilteringBoundLogger = structlog.get_logger(node=self.full_name)
         self._tasks: TaskGroup | None = None
+        self._scopes: set[anyio.CancelScope] = set()
         self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
         self._entities: dict[int, _Entity] = {}
         self._closed = False
@@ -245,15 +246,18 @@ class Node:
         return self._closed
 
     def close(self) -> None:
-        """Leave the graph with everything the node made. Twice is fine."""
+        """Leave the graph with everything the node made, and end its tasks.
+
+        The body of an ``async with node`` around it goes on. Twice is fine.
+        """
         if self._closed:
             return
         self._closed = True
         for entity in reversed(list(self._entities.values())):
             entity.close()
         self.graph.remove_node(self)
-        if self._tasks is not None:
-            self._tasks.cancel_scope.cancel()
+        for scope in tuple(self._scopes):
+            scope.cancel()
 
     async def __aenter__(self) -> Self:
         self._check_open()
@@ -263,7 +267,7 @@ class Node:
         await self._tasks.__aenter__()
         waiting, self._waiting = self._waiting, []
         for function in waiting:
-            self._tasks.start_soon(function)
+            self._tasks.start_soon(self._run, function)
         return self
 
     async def __aexit__(
@@ -289,7 +293,18 @@ class Node:
         if self._tasks is None:
             self._waiting.append(function)
         else:
-            self._tasks.start_soon(function)
+            self._tasks.start_soon(self._run, function)
+
+    async def _run(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
+        """Run one of the node's tasks in a scope of its own: closing the node ends its tasks, not who runs the node."""
+        with anyio.CancelScope() as scope:
+            self._scopes.add(scope)
+            try:
+                await function()
+            except SystemExit as exc:
+                raise ExitError(self.full_name, exc) from exc
+            finally:
+                self._scopes.discard(scope)
 
     def _show(self, entity: _Entity) -> None:
         self._entities[id(entity)] = entity

@@ -11,7 +11,7 @@ import anyio
 import anyio.lowlevel
 
 from homebot.clock import Clock
-from homebot.errors import ClosedError
+from homebot.errors import ClosedError, ExitError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.mailbox import TURN, Mailbox
 from homebot.graph.qos import QoSProfile
@@ -164,6 +164,8 @@ class Subscription(Generic[MessageT]):
                 result = callback(message)
                 if result is not None:
                     await result
+            except SystemExit as exc:
+                raise ExitError(self.info.node, exc) from exc
             finally:
                 limit.release()
 

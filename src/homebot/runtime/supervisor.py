@@ -17,7 +17,7 @@ import structlog
 from anyio.abc import TaskStatus
 
 from homebot.clock import Clock
-from homebot.errors import UsageError
+from homebot.errors import ExitError, UsageError
 
 __all__ = ["Supervisor", "Work"]
 
@@ -104,8 +104,8 @@ class Supervisor:
         while True:
             try:
                 await work(task_status=start)
-            except Exception as exc:  # noqa: BLE001  # a supervisor is there for whatever comes
-                cause = _first_cause(exc)
+            except (Exception, SystemExit) as exc:  # noqa: BLE001  # a supervisor is there for whatever comes
+                cause = ExitError(name, exc) if isinstance(exc, SystemExit) else _first_cause(exc)
                 if isinstance(cause, UsageError) and not start.over.is_set():
                     start.mistake = cause
                     start.started()

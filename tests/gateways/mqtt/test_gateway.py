@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import platform
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -13,17 +14,16 @@ import anyio.lowlevel
 import pytest
 from structlog.testing import capture_logs
 
-from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices import Device, Devices, Endpoint, GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.services import NEVER, SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.errors import LinkError
-from homebot.gateways import GatewayState
+from homebot.errors import LinkError, RefusedError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription, qos_profile_latched
 from homebot.messages import Time
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import Subscription as MqttSubscription
-from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.names import escape_token
 
@@ -408,3 +408,55 @@ async def test_a_device_that_never_becomes_stale_has_the_last_time_there_is(embe
     async with gateway_on(embedded_broker_url, stale_after=1e12) as house:
         await house.say("home425/lights/lamp/out")
         assert (await house.next_sighting()).expires_at == NEVER
+
+
+async def test_an_app_is_told_that_a_gateway_only_observes(embedded_broker_url: str) -> None:
+    """So that it does not claim to have done what was not done."""
+    async with gateway_on(embedded_broker_url, act=False) as house:
+        await house.say("home425/lights/lamp/out")
+        seen = await house.next_sighting()
+        endpoint = Endpoint(gateway="mqtt", key=seen.key, address=seen.address, command_address=seen.command_address)
+        lamp = Device(
+            id=seen.key,
+            name=seen.name,
+            service_type=seen.service_type,
+            endpoints=(endpoint,),
+            metadata=(),
+            first_seen=seen.seen_at,
+            last_seen=seen.seen_at,
+            expires=seen.expires_at,
+            freshness="fresh",
+        )
+        with pytest.raises(RefusedError, match="only observes; start with --act"):
+            await Devices(house.watcher).tell(lamp, "off")
+
+
+async def test_one_status_topic_is_all_that_runs_leave_at_the_broker(embedded_broker_url: str) -> None:
+    """Its name does not change from run to run."""
+    for _ in range(3):
+        async with gateway_on(embedded_broker_url):
+            pass
+    async with MqttConnection(MqttOptions.from_url(embedded_broker_url), AiomqttClient, status_topic=None) as late:
+        await late.subscribe(MqttSubscription("homebot/#", qos=1))
+        await late.wait_connected()
+        with anyio.fail_after(5):
+            (status,) = await late.receive()
+    assert status.topic == f"homebot/{platform.node()}/mqtt/status"
+    assert status.payload == b"offline"
+
+
+async def test_each_lost_link_is_told_and_the_waiting_for_the_next_is_not_repeated() -> None:
+    """Two outages within seconds are two lines."""
+    with capture_logs() as lines:
+        async with Broker() as broker, gateway_on(broker.url) as house:
+            for _ in range(2):
+                await broker.stop()
+                with anyio.fail_after(5):
+                    async for state in house.gateway._connection.states():
+                        if state.phase is LinkPhase.WAITING:
+                            break
+                await broker.start()
+                with anyio.fail_after(5):
+                    await house.gateway._connection.wait_connected()
+                await anyio.wait_all_tasks_blocked()
+    assert sum(line["event"] == "gateway.link_lost" for line in lines) == 2

@@ -6,6 +6,8 @@ it in its queue; until then it is the broker's, which sends it again should this
 
 from __future__ import annotations
 
+import platform
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -16,27 +18,27 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices.gateway_state import ONLY_OBSERVES
 from homebot.devices.services import NEVER, SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
 from homebot.gateways.mqtt.channels import Channel, Channels
 from homebot.gateways.mqtt.convention import Announcement, Convention
+from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import EntityKind, Node
 from homebot.log import LogLimit
 from homebot.messages import Time
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import Subscription
-from homebot.mqtt.connection import LinkPhase, MqttConnection
+from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.topics import validate_topic
 from homebot.plugins import load_plugin
 
 __all__ = ["GatewayCounters", "MqttGateway"]
 
-CONNECTED = "gateway.connected"
-UNAVAILABLE = "gateway.unavailable"
 REJECTED = "gateway.message_rejected"
 GHOST = "gateway.retained_only"
 COMMAND_REFUSED = "gateway.command_refused"
@@ -49,9 +51,6 @@ REFRESH = 1.0
 
 MAX_WARNINGS = 20
 """Lines of one kind in ten seconds, each about another culprit."""
-
-START_PATIENCE = 2.0
-"""Seconds for which the start of homebot waits for a broker that does not answer; the gateway goes on trying."""
 
 _OUT_DEPTH = 1000
 
@@ -96,6 +95,7 @@ class MqttGateway(Gateway):
             PluginError: A convention cannot be loaded.
         """
         super().__init__(node, settings)
+        self.acts = bool(settings.act)
         self.counters = GatewayCounters()
         self._settings = settings
         self._clock = node.graph.clock
@@ -104,7 +104,11 @@ class MqttGateway(Gateway):
         self._conventions = [_convention(name, settings.root) for name in settings.conventions]
         self._channels = Channels(self._conventions)
         self._listeners = Listeners(node, self.names, inboxes=settings.delivery == "inbox")
-        self._connection = MqttConnection(settings.options(), AiomqttClient, clock=self._clock)
+        # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
+        status_topic = f"homebot/{_topic_level(platform.node())}/{node.name}/status"
+        self._connection = MqttConnection(
+            settings.options(), AiomqttClient, status_topic=status_topic, clock=self._clock
+        )
         node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
         if node.name == "mqtt":
@@ -129,12 +133,11 @@ class MqttGateway(Gateway):
         filters = [one for convention in self._conventions for one in convention.filters()]
         async with self._connection as connection, anyio.create_task_group() as tasks:
             await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in filters))
-            tried = anyio.Event()
-            tasks.start_soon(self._watch_link, connection, tried)
+            report = LinkReport(self, connection, self._listening_to())
+            tasks.start_soon(report.watch)
             tasks.start_soon(self._watch_nodes)
             tasks.start_soon(self._receive, connection)
-            with anyio.move_on_after(START_PATIENCE):
-                await tried.wait()
+            await report.wait_for_first_try()
             task_status.started()
 
     async def _receive(self, connection: MqttConnection) -> None:
@@ -146,27 +149,8 @@ class MqttGateway(Gateway):
             await self._handle(batch)
             connection.ack(batch)
 
-    async def _watch_link(self, connection: MqttConnection, tried: anyio.Event) -> None:
-        async for state in connection.states():
-            if state.phase is LinkPhase.CONNECTED:
-                self.report("active")
-                self.node.log.info(CONNECTED, message=self._greeting(connection.url), broker=connection.url)
-            elif state.phase in {LinkPhase.WAITING, LinkPhase.REFUSED}:
-                reason = state.reason.removeprefix(f"{connection.url}: ")
-                self.report("unavailable", reason)
-                if self._limit.allows(UNAVAILABLE) is not None:
-                    self.node.log.warning(
-                        UNAVAILABLE,
-                        message=f"no link to {connection.url}: {reason}; trying again",
-                        broker=connection.url,
-                        reason=reason,
-                    )
-            if state.phase is not LinkPhase.CONNECTING:
-                tried.set()
-
-    def _greeting(self, url: str) -> str:
-        home = f"home {self._settings.root}" if self._settings.root else "every home"
-        return f"connected to {url}, listening to {home}{'' if self._settings.act else ' (observing only)'}"
+    def _listening_to(self) -> str:
+        return f"home {self._settings.root}" if self._settings.root else "every home"
 
     async def _watch_nodes(self) -> None:
         with self.node.graph.watch() as changes:
@@ -286,8 +270,8 @@ class MqttGateway(Gateway):
     async def _send(self, command: RawCommand) -> None:
         try:
             validate_topic(command.address)
-            if not self._settings.act:
-                raise RefusedError("the command", "this gateway only observes; start with --act, or set act = true")
+            if not self.acts:
+                raise RefusedError("the command", ONLY_OBSERVES)
             await self._connection.publish(
                 command.address, command.payload.encode(), qos=command.qos, retain=command.retain
             )
@@ -307,6 +291,10 @@ class MqttGateway(Gateway):
         held_back = repeated + unheard
         more = f" (and {held_back} more like this)" if held_back else ""
         self.node.log.warning(event, message=f"{words}{more}", topic=topic, held_back=held_back)
+
+
+def _topic_level(text: str) -> str:
+    return re.sub(r"[+#/\0]", "_", text) or "unknown"
 
 
 def _convention(name: str, root: str) -> Convention:

@@ -1,0 +1,84 @@
+"""Tells people and the graph how the link to the broker is."""
+
+from __future__ import annotations
+
+import anyio
+
+from homebot.gateways.base import Gateway
+from homebot.log import LogLimit
+from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
+
+__all__ = ["LinkReport"]
+
+CONNECTED = "gateway.connected"
+LOST = "gateway.link_lost"
+UNAVAILABLE = "gateway.unavailable"
+NOT_HEARD = "gateway.subscription_refused"
+NO_ANSWER = "gateway.no_answer"
+
+PATIENCE = 2.0
+"""Seconds for which the start of homebot waits for a broker that does not answer; the gateway goes on trying."""
+
+MAX_LOSSES = 5
+"""Lines about a lost link in ten seconds."""
+
+
+class LinkReport:
+    """Follows the states of a connection.
+
+    Args:
+        gateway: In whose name it speaks.
+        connection: The connection.
+        listening_to: What is listened to, in words.
+    """
+
+    def __init__(self, gateway: Gateway, connection: MqttConnection, listening_to: str) -> None:
+        self._gateway = gateway
+        self._connection = connection
+        self._listening_to = listening_to
+        self._tried = anyio.Event()
+        self._was_up = False
+        clock = gateway.node.graph.clock
+        self._tries = LogLimit(clock)
+        self._losses = LogLimit(clock, burst=MAX_LOSSES)
+
+    async def wait_for_first_try(self) -> None:
+        """Wait until the first try to connect has ended, for 2 s at most."""
+        with anyio.move_on_after(PATIENCE):
+            await self._tried.wait()
+            return
+        self._gateway.node.log.warning(
+            NO_ANSWER,
+            message=f"{self._connection.url} has not answered yet; waiting for it",
+            broker=self._connection.url,
+        )
+
+    async def watch(self) -> None:
+        """Report every state until the connection is closed."""
+        async for state in self._connection.states():
+            if state.phase is LinkPhase.CONNECTED:
+                self._connected()
+            elif state.phase in {LinkPhase.WAITING, LinkPhase.REFUSED}:
+                self._down(state)
+            if state.phase is not LinkPhase.CONNECTING:
+                self._was_up = state.phase is LinkPhase.CONNECTED
+                self._tried.set()
+
+    def _connected(self) -> None:
+        url = self._connection.url
+        observing = "" if self._gateway.acts else " (observing only)"
+        self._gateway.report("active")
+        self._gateway.node.log.info(
+            CONNECTED, message=f"connected to {url}, listening to {self._listening_to}{observing}", broker=url
+        )
+
+    def _down(self, state: ConnectionState) -> None:
+        url = self._connection.url
+        reason = state.reason.removeprefix(f"{url}: ")
+        self._gateway.report("unavailable", reason)
+        event, limit = (LOST, self._losses) if self._was_up else (UNAVAILABLE, self._tries)
+        if limit.allows(event) is None:
+            return
+        what = f"lost the link to {url}" if self._was_up else f"no link to {url}"
+        soon = "trying again" if not state.retry_in or state.retry_in < 2 else f"trying again in {state.retry_in:.0f} s"
+        self._gateway.node.log.warning(event, message=f"{what}: {reason}; {soon}", broker=url, reason=reason)
