@@ -74,8 +74,10 @@ def _base(options: argparse.Namespace) -> tuple[Config, bool]:
         return load_config(path), False
     apps: dict[str, object] = {} if options.app else {name: {} for name in DEFAULT_APPS}
     if options.mqtt:
-        return parse_config({"gateways": {"mqtt": {}}, "apps": apps}, COMMAND_LINE), False
-    tables = {"home": {"name": THESIS_ROOT}, "gateways": {"mqtt": {"root": THESIS_ROOT}}, "apps": apps}
+        home = {"name": options.root} if options.root else {}
+        return parse_config({"home": home, "gateways": {"mqtt": {}}, "apps": apps}, COMMAND_LINE), False
+    root = options.root or THESIS_ROOT
+    tables = {"home": {"name": root}, "gateways": {"mqtt": {"root": root}}, "apps": apps}
     return parse_config(tables, COMMAND_LINE), True
 
 

@@ -20,6 +20,10 @@ __all__ = ["EMBEDDED", "Delivery", "MqttGatewaySettings"]
 
 EMBEDDED = "embedded"
 
+RECEIVE_MAXIMUM = 2048
+"""Messages that may wait for our acknowledgement: as many, and the 1,000 that a default Mosquitto queues, can be retained
+on the broker without the first subscription losing any."""
+
 Delivery = Literal["inbox", "mirror"]
 
 
@@ -107,6 +111,7 @@ class MqttGatewaySettings(BaseModel):
             protocol=self.protocol,
             maximum_packet_size=self.max_payload,
             session_expiry=self.session_expiry,
+            receive_maximum=RECEIVE_MAXIMUM,
             session_ends_on_close="client_id" not in self.model_fields_set,
             **{name: value for name, value in given.items() if value is not None},
         )
