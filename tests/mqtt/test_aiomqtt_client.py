@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import anyio
 import pytest
 from anyio.abc import SocketAttribute, SocketStream
+from structlog.testing import capture_logs
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.aiomqtt_client import AiomqttClient
@@ -512,11 +513,37 @@ async def test_a_broker_that_does_not_speak_5_is_asked_with_3_1_1(refusal: bytes
         assert (await peer.login()).version is ProtocolVersion.V311
         await peer.expect(Disconnect)
 
-    async with broker(deaf, old, old) as port:
-        client = make(port)
-        for _ in range(2):  # the second time without asking for 5
-            async with client.connected() as session:
-                assert session.protocol == "3.1.1"
+    with capture_logs() as lines:
+        async with broker(deaf, old, old) as port:
+            client = make(port)
+            for _ in range(2):  # the second time without asking for 5
+                async with client.connected() as session:
+                    assert session.protocol == "3.1.1"
+    said = [line["message"] for line in lines if line["event"] == "mqtt.fell_back"]
+    assert said == [f"mqtt://127.0.0.1:{port} speaks MQTT 3.1.1, not 5"]
+
+
+@pytest.mark.parametrize(
+    ("nonsense", "problem"),
+    [
+        (b"", r"the broker closed the connection instead of answering; is this a port for TLS \(mqtts://\)\?"),
+        (b"\x15\x03\x01\x00\x02\x02\x46", "what answers there speaks TLS; is the address mqtts://"),
+        (b"HTTP/1.1 400 Bad Request\r\n\r\n" + bytes(100), "what answers there speaks no MQTT"),
+        (b"\xff" * 20, "what answers there speaks no MQTT"),
+    ],
+)
+async def test_who_speaks_no_version_at_all_is_not_called_old(nonsense: bytes, problem: str) -> None:
+    async def strange(peer: Peer) -> None:
+        await peer.expect(Connect)
+        if nonsense:
+            await peer.send_raw(nonsense)
+
+    with capture_logs() as lines:
+        async with broker(strange, strange) as port:
+            with pytest.raises(LinkError, match=problem):
+                async with make(port).connected():
+                    pass
+    assert [line for line in lines if line["event"] == "mqtt.fell_back"] == []
 
 
 async def test_a_broker_that_spoke_5_before_is_not_asked_with_3_1_1_because_it_closed_once() -> None:
@@ -559,7 +586,7 @@ async def test_a_login_is_refused_or_put_off_and_no_secret_is_told(code: ReasonC
 
 
 async def test_an_absent_broker_is_a_link_error(unused_tcp_port: int) -> None:
-    with pytest.raises(LinkError, match=f"mqtt://127.0.0.1:{unused_tcp_port}"):
+    with pytest.raises(LinkError, match="nobody listens there"):
         async with make(unused_tcp_port).connected():
             pass
 

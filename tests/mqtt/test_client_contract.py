@@ -185,7 +185,7 @@ async def test_a_refused_subscription_is_an_error(make: Make, options: MqttOptio
 
 async def test_a_wrong_password_is_refused(make: Make, options: MqttOptions, broker: Broker) -> None:
     wrong = MqttOptions.from_url(f"mqtt://anna:wr0ng@{broker.host}:{broker.port}", protocol=options.protocol)
-    with pytest.raises(RefusedError, match=r"login at mqtt://.* was refused") as caught:
+    with pytest.raises(RefusedError, match="the login was refused") as caught:
         async with make(wrong).connected():
             pass
     assert "wr0ng" not in str(caught.value)

@@ -39,7 +39,7 @@ from paho.mqtt.subscribeoptions import SubscribeOptions
 from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
 from homebot.mqtt.client import MqttCounters, PublishResult, Session, Subscription
-from homebot.mqtt.dial import dial, make_tls_context, socket_error
+from homebot.mqtt.dial import dial
 from homebot.mqtt.incoming import Frame, FrameReader
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
@@ -48,6 +48,8 @@ from homebot.mqtt.packets.reason import ProtocolVersion, ReasonCode
 from homebot.mqtt.receiver import Receiver
 from homebot.mqtt.refusals import check_granted, farewell_error, login_error, reason_words
 from homebot.mqtt.session_end import end_session
+from homebot.mqtt.socket_error import socket_error
+from homebot.mqtt.tls import make_tls_context
 from homebot.mqtt.topics import validate_filter, validate_topic
 
 __all__ = ["AiomqttClient"]
@@ -64,6 +66,10 @@ _SEND_QUEUE = 256
 _TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linux has it
 _GOODBYE = 1.0
 """Seconds that a clean close may take; the broker may be gone already."""
+
+_TLS_ALERT: Final = 0x15  # RFC 8446, section 5.1
+_IN_TLS: Final = "what answers there speaks TLS; is the address mqtts://?"
+_NO_MQTT: Final = "what answers there speaks no MQTT"
 
 # The libraries log what a peer makes them log, without a limit; the facts are in our errors and events.
 _SILENCE: Final = logging.getLogger("homebot.mqtt.silence")
@@ -172,13 +178,15 @@ class AiomqttClient:
         except (RefusedError, _ClosedEarlyError) as error:
             if not self._falls_back(error):
                 raise
-            _log.info(
-                "mqtt.fell_back",
-                message=f"{self._options.url} does not take MQTT 5; trying 3.1.1",
-                broker=self._options.url,
-                reason=str(error),
-            )
-        return await self._open_as("3.1.1", tls)
+            reason = str(error)
+        opened = await self._open_as("3.1.1", tls)  # from now on the first version too, so this is said once
+        _log.info(
+            "mqtt.fell_back",
+            message=f"{self._options.url} speaks MQTT 3.1.1, not 5",
+            broker=self._options.url,
+            reason=reason,
+        )
+        return opened
 
     async def _open_as(self, version: _Version, tls: ssl.SSLContext | None) -> tuple[_Link, Session]:
         # The same object on every link: a new one counts packet identifiers from the start again, and a broker
@@ -271,10 +279,10 @@ class _Link(aiomqtt.Client):
             with anyio.fail_after(self.timeout):
                 return await self._greeting
         except TimeoutError as error:
-            self._break(self._trouble(f"no answer to CONNECT within {self.timeout:g} s"))
-            raise self._trouble(f"no answer to CONNECT within {self.timeout:g} s") from error
+            self._break(LinkError(f"no answer to CONNECT within {self.timeout:g} s"))
+            raise LinkError(f"no answer to CONNECT within {self.timeout:g} s") from error
         except BaseException:
-            self._break(self._trouble("the connect was given up"))
+            self._break(LinkError("the connect was given up"))
             raise
 
     async def close(self) -> None:
@@ -283,7 +291,7 @@ class _Link(aiomqtt.Client):
             if self._client.disconnect() == paho.MQTT_ERR_SUCCESS:
                 await self._gone.wait()
         self._abort()
-        self._lose(self._trouble("closed"))
+        self._lose(LinkError("closed"))
 
     @property
     def is_alive(self) -> bool:
@@ -291,7 +299,7 @@ class _Link(aiomqtt.Client):
 
     async def wait_lost(self) -> LinkError | RefusedError:
         await self._gone.wait()
-        return self._lost or self._trouble("closed")
+        return self._lost or LinkError("closed")
 
     async def send(
         self, topic: str, payload: bytes, qos: int, *, retain: bool, properties: MessageProperties
@@ -347,7 +355,7 @@ class _Link(aiomqtt.Client):
             except (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
                 sent = 0
             except OSError as error:
-                self._break(socket_error(self._options.url, error))
+                self._break(socket_error(error))
                 return
         if sent < len(data):
             # paho passes packets of this type on as they are; it does not look into them.
@@ -370,7 +378,7 @@ class _Link(aiomqtt.Client):
         try:
             reason = await answer
         except TimeoutError as error:
-            raise self._trouble(f"no answer to a publish within {self.timeout:g} s") from error
+            raise LinkError(f"no answer to a publish within {self.timeout:g} s") from error
         finally:
             overdue.cancel()
             del self._answers[packet_id]
@@ -414,11 +422,8 @@ class _Link(aiomqtt.Client):
 
     def _lost_error(self, what: str) -> LinkError:
         if self._lost is None:
-            return self._trouble(f"no answer to {what} within {self.timeout:g} s")
+            return LinkError(f"no answer to {what} within {self.timeout:g} s")
         return LinkError(f"{what} failed, the link is lost: {self._lost}")
-
-    def _trouble(self, problem: str) -> LinkError:
-        return LinkError(f"{self._options.url}: {problem}")
 
     def _wish(self, subscription: Subscription) -> Any:
         if self.version != "5":
@@ -492,7 +497,7 @@ class _Link(aiomqtt.Client):
             except (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
                 return
             except OSError as error:  # also where TLS 1.3 tells that it does not like our certificate
-                self._break(socket_error(self._options.url, error))
+                self._break(socket_error(error))
                 return
             self._take_in(data)
             _acknowledge_at_once(sock)
@@ -500,13 +505,13 @@ class _Link(aiomqtt.Client):
 
     def _take_in(self, data: bytes) -> None:
         if not data:
-            self._break(self._trouble("the broker closed the connection"))
+            self._break(LinkError(self._closed_words()))
             return
         self._client._last_bytes_received = paho.time_func()  # or paho takes the link for dead
         try:
             packets = self._packets.feed(data)
         except WireError as error:
-            self._break(self._trouble(str(error)))
+            self._break(LinkError(_NO_MQTT if self._granted is None else str(error)))
             return
         answers = bytearray()
         publish = self._receiver.publish
@@ -520,10 +525,20 @@ class _Link(aiomqtt.Client):
         if answers:
             self.put(bytes(answers))
 
+    def _closed_words(self) -> str:
+        if self._granted is not None:
+            return "the broker closed the connection"
+        hint = "is this a port for TLS (mqtts://)?"
+        if self._options.tls:
+            hint = "does it want a client certificate (cert_file)?"
+        return f"the broker closed the connection instead of answering; {hint}"
+
     def _handle(self, packet: Frame) -> bytes:
         kind = packet.first & 0xF0
-        if packet.oversize or (self._granted is None and kind != paho.CONNACK):
-            self._break(self._trouble(f"the broker sent a packet of type {kind >> 4} where it must not"))
+        if self._granted is None and kind != paho.CONNACK:
+            self._break(LinkError(_IN_TLS if packet.first == _TLS_ALERT and not self._options.tls else _NO_MQTT))
+        elif packet.oversize:
+            self._break(LinkError(f"the broker sent a packet of type {kind >> 4} where it must not"))
         elif kind == paho.PUBREL:
             return self._receiver.release(packet)
         elif kind in {paho.PUBACK, paho.PUBCOMP} or (
@@ -543,10 +558,10 @@ class _Link(aiomqtt.Client):
         try:
             code = client._packet_handle()
         except MQTTException as error:
-            self._break(self._trouble(f"the broker sent something unreadable: {error}"))
+            self._break(LinkError(f"the broker sent something unreadable: {error}"))
             return
         if code != paho.MQTT_ERR_SUCCESS:
-            self._break(self._trouble(f"the broker sent something out of place: {paho.error_string(code)}"))
+            self._break(LinkError(f"the broker sent something out of place: {paho.error_string(code)}"))
 
     # -- the life of a link -------------------------------------------------------------------------------
 
@@ -562,7 +577,7 @@ class _Link(aiomqtt.Client):
             return
         code = reason_code.value
         if code >= 0x80:
-            error = login_error(self._options.url, code)
+            error = login_error(code)
             self._greeting.set_exception(error)
             self._lose(error)  # paho closes the socket; here it holds the lock for that
             return
@@ -587,11 +602,11 @@ class _Link(aiomqtt.Client):
         properties: Properties | None = None,
     ) -> None:
         if flags.is_disconnect_packet_from_server:
-            self._lose(farewell_error(self._options.url, reason_code.value))
+            self._lose(farewell_error(reason_code.value))
         elif self._write_error is not None:
-            self._lose(socket_error(self._options.url, self._write_error))
+            self._lose(socket_error(self._write_error))
         else:
-            self._lose(self._trouble(reason_words(reason_code.value) if reason_code.is_failure else "closed"))
+            self._lose(LinkError(reason_words(reason_code.value) if reason_code.is_failure else "closed"))
 
     def _break(self, reason: LinkError | RefusedError) -> None:
         self._lose(reason)

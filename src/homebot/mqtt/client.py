@@ -92,7 +92,7 @@ class MqttClient(Protocol):
     acknowledged; without that they come again on the next link of a resumed session. Those of QoS 1 may therefore come
     twice. Those of QoS 0 are dropped, oldest first and counted, when the inbox is full.
 
-    One task reads (`receive`); any number publish.
+    One task reads (`receive`); any number publish. Errors of the link do not name the broker: who reports them does.
     """
 
     @property

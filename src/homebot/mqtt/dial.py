@@ -5,15 +5,17 @@ from __future__ import annotations
 import asyncio
 import socket
 import ssl
-from pathlib import Path
+from typing import Final
 
 import anyio
-import anyio.to_thread
 
-from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.socket_error import socket_error
 
-__all__ = ["dial", "make_tls_context", "socket_error"]
+__all__ = ["dial"]
+
+_CUT: Final = (ssl.SSLEOFError, ssl.SSLZeroReturnError, ConnectionResetError, BrokenPipeError)
 
 
 async def dial(options: MqttOptions, context: ssl.SSLContext | None) -> socket.socket:
@@ -32,27 +34,11 @@ async def dial(options: MqttOptions, context: ssl.SSLContext | None) -> socket.s
             sock = await _connect(options)
             return sock if context is None else await _encrypt(sock, options, context)
     except TimeoutError as error:
-        raise LinkError(f"{options.url}: no answer within {options.timeout:g} s") from error
+        raise LinkError(f"no answer within {options.timeout:g} s") from error
     except ssl.SSLCertVerificationError as error:
-        raise RefusedError(f"the certificate of {options.url}", error.verify_message) from error
+        raise RefusedError("the broker's certificate", error.verify_message) from error
     except OSError as error:
-        raise socket_error(options.url, error) from error
-
-
-def socket_error(url: str, error: OSError) -> LinkError | RefusedError:
-    """What a failure of a socket means: a no of the TLS hand-shake is a no, all else is the link."""
-    if isinstance(error, ssl.SSLError) and not isinstance(error, ssl.SSLEOFError | ssl.SSLZeroReturnError):
-        return RefusedError(f"TLS with {url}", (error.reason or "hand-shake failed").lower().replace("_", " "))
-    return LinkError(f"{url}: {error.strerror or error}")
-
-
-async def make_tls_context(options: MqttOptions) -> ssl.SSLContext:
-    """Read the certificate files.
-
-    Raises:
-        UsageError: A file cannot be read or does not hold what it should; names the file.
-    """
-    return await anyio.to_thread.run_sync(_load_context, options)
+        raise socket_error(error) from error
 
 
 async def _connect(options: MqttOptions) -> socket.socket:
@@ -92,29 +78,12 @@ async def _encrypt(raw: socket.socket, options: MqttOptions, context: ssl.SSLCon
                 await anyio.wait_writable(sock)
             else:
                 return sock
+    except _CUT as error:
+        sock.close()
+        raise LinkError(
+            "the broker closed the connection during the TLS hand-shake; is this its port for TLS, "
+            "and does it want a client certificate (cert_file)?"
+        ) from error
     except BaseException:
         sock.close()
         raise
-
-
-def _load_context(options: MqttOptions) -> ssl.SSLContext:
-    try:
-        context = ssl.create_default_context(cafile=options.ca_file)
-    except (OSError, ssl.SSLError) as error:
-        raise UsageError(f"MQTT options: CA file {options.ca_file}: {_say(error)}") from error
-    if options.cert_file is not None:
-        _load_client_certificate(context, options.cert_file, options.key_file)
-    return context
-
-
-def _load_client_certificate(context: ssl.SSLContext, cert_file: Path, key_file: Path | None) -> None:
-    try:
-        context.load_cert_chain(cert_file, key_file)
-    except (OSError, ssl.SSLError) as error:
-        raise UsageError(
-            f"MQTT options: client certificate {cert_file} with key {key_file or cert_file}: {_say(error)}"
-        ) from error
-
-
-def _say(error: OSError) -> str:
-    return (error.reason or "not usable") if isinstance(error, ssl.SSLError) else (error.strerror or str(error))

@@ -30,23 +30,25 @@ _OVERHEAD = 12
 def reason_words(code: int) -> str:
     """A reason code in words, such as ``not authorized``."""
     try:
-        return ReasonCode(code).name.lower().replace("_", " ")
+        return ReasonCode(code).words
     except ValueError:
         return f"reason 0x{code:02x}"
 
 
-def login_error(url: str, code: int) -> LinkError | RefusedError:
+def login_error(code: int) -> LinkError | RefusedError:
     """What a CONNACK with *code* (0x80 or more) means."""
     if code in _TRY_LATER:
-        return LinkError(f"{url}: the broker said: {reason_words(code)}")
-    return RefusedError(f"the login at {url}", reason_words(code), code)
+        return LinkError(f"the broker said: {reason_words(code)}")
+    return RefusedError("the login", reason_words(code), code)
 
 
-def farewell_error(url: str, code: int) -> LinkError | RefusedError:
+def farewell_error(code: int) -> LinkError | RefusedError:
     """What a DISCONNECT with *code* from the broker means."""
+    if code == ReasonCode.SESSION_TAKEN_OVER:
+        return RefusedError("the connection", "session taken over, another client uses this client id", code)
     if code in _THROWN_OUT:
-        return RefusedError(f"the connection to {url}", reason_words(code), code)
-    return LinkError(f"{url}: the broker said good-bye: {reason_words(code) if code else 'no reason given'}")
+        return RefusedError("the connection", reason_words(code), code)
+    return LinkError(f"the broker said good-bye: {reason_words(code) if code else 'no reason given'}")
 
 
 def check_granted(session: Session, topic: str, size: int, qos: int, *, retain: bool) -> None:

@@ -35,7 +35,7 @@ async def end_session(options: MqttOptions, version: Literal["5", "3.1.1"], sock
         await _answer(sock)
         sock.send(encode(Disconnect(), codec))
     except OSError as error:
-        raise LinkError(f"{options.url}: the session could not be ended: {error.strerror}") from error
+        raise LinkError(f"the session could not be ended: {error.strerror}") from error
     finally:
         sock.close()
 

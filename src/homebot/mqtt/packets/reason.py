@@ -75,6 +75,11 @@ class ReasonCode(IntEnum):
         """Whether the code says no."""
         return self >= 0x80
 
+    @property
+    def words(self) -> str:
+        """The code for people, such as ``not authorized``."""
+        return self.name.lower().replace("_", " ")
+
 
 class PacketError(WireError):
     """A peer sent a packet that cannot be parsed or that MQTT does not allow.

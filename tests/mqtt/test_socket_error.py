@@ -1,0 +1,58 @@
+"""The words for what went wrong on a socket."""
+
+from __future__ import annotations
+
+import errno
+import socket
+import ssl
+
+import pytest
+
+from homebot.errors import LinkError, RefusedError
+from homebot.mqtt.socket_error import socket_error
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (
+            ConnectionRefusedError(errno.ECONNREFUSED, "Connect call failed ('127.0.0.1', 19511)"),
+            "nobody listens there (connection refused)",
+        ),
+        (OSError(errno.EHOSTUNREACH, "Connect call failed ('10.0.0.9', 1883)"), "no route to that host"),
+        (OSError(errno.ENETUNREACH, "Connect call failed ('::2', 1883, 0, 0)"), "no route to that network"),
+        (ConnectionResetError(errno.ECONNRESET, "Connection reset by peer"), "the broker cut the connection"),
+        (PermissionError(errno.EACCES, "Connect call failed ('10.0.0.9', 1883)"), "Permission denied"),
+        (socket.gaierror(socket.EAI_NONAME, "Name or service not known"), "the name is not known"),
+        (
+            socket.gaierror(socket.EAI_AGAIN, "Temporary failure in name resolution"),
+            "the name cannot be looked up now (Temporary failure in name resolution)",
+        ),
+        (OSError("the name has no address"), "the name has no address"),
+        (
+            ssl.SSLEOFError(8, "EOF occurred in violation of protocol (_ssl.c:2427)"),
+            "the broker closed the connection",
+        ),
+    ],
+)
+def test_the_link_is_to_blame_in_plain_words(error: OSError, words: str) -> None:
+    found = socket_error(error)
+    assert isinstance(found, LinkError)
+    assert str(found) == words
+
+
+@pytest.mark.parametrize(
+    ("reason", "words"),
+    [
+        ("TLSV13_ALERT_CERTIFICATE_REQUIRED", "client certificate required; set cert_file and key_file"),
+        ("WRONG_VERSION_NUMBER", "what answers there speaks no TLS; is it the port for mqtt://?"),
+        ("SSLV3_ALERT_HANDSHAKE_FAILURE", "hand-shake failure; does the broker want a client certificate (cert_file)?"),
+        ("TLSV1_ALERT_PROTOCOL_VERSION", "tlsv1 alert protocol version"),
+    ],
+)
+def test_a_no_of_tls_is_a_no_with_a_hint(reason: str, words: str) -> None:
+    error = ssl.SSLError(1, f"[SSL: {reason}] (_ssl.c:1006)")
+    error.reason = reason
+    found = socket_error(error)
+    assert isinstance(found, RefusedError)
+    assert found.reason == words
