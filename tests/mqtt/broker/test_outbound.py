@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from structlog.testing import capture_logs
+
 from homebot.mqtt.packets import Properties, Publish
 
 if TYPE_CHECKING:
@@ -35,14 +37,19 @@ def test_a_message_sent_again_on_a_new_connection_has_its_topic(join: Join) -> N
     assert client.messages() == [Publish("a", b"1", 1, dup=True, packet_id=1)]
 
 
-def test_a_message_too_large_for_the_client_is_left_out_and_counted(join: Join) -> None:
+def test_a_message_too_large_for_the_client_is_left_out_counted_and_told(join: Join) -> None:
     client, other = join(maximum_packet_size=64, topic_alias_maximum=1, receive_maximum=1), join("b")
     client.subscribe("t")
-    for size in (64, 57, 30):
-        other.publish("t", bytes(size), 1, 1)
+    with capture_logs() as lines:
+        for size in (64, 57, 30):
+            other.publish("t", bytes(size), 1, 1)
     (message,) = client.messages()
     assert (message.topic, len(message.payload)) == ("t", 30)
     assert client.hub.stats.dropped_too_large == 2
+    assert [line["message"] for line in lines] == [
+        f"client 'a' (memory) missed a message on 't': it has {size} bytes, the client takes at most 64"
+        for size in (75, 68)
+    ]
 
 
 def test_the_largest_message_that_fits_is_sent(join: Join) -> None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import pytest
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker import Hub
 from homebot.mqtt.broker.policy import RefusedFilters
 from homebot.mqtt.packets import (
     Auth,
@@ -257,15 +256,6 @@ def test_a_suback_comes_before_the_retained_messages(join: Join) -> None:
     client.publish("t", retain=True)
     client.send(Subscribe(5, (FilterRequest("t"),)))
     assert [type(packet) for packet in client.take()] == [Suback, Publish]
-
-
-def test_lines_that_outsiders_cause_are_limited(
-    hub: Hub, stranger: Stranger, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for _ in range(50):
-        stranger().send_bytes(b"\xff\xff\xff\xff\xff")
-    assert hub.stats.connections_failed == 50
-    assert capsys.readouterr().out.count("broker.connection_failed") <= 1
 
 
 def test_the_words_of_a_reason_are_short_however_long_the_culprit(join: Join) -> None:

@@ -58,13 +58,13 @@ class Connection(asyncio.BufferedProtocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """The socket is open."""
         self._transport = transport = cast("asyncio.Transport", transport)
+        address = transport.get_extra_info("peername")
+        if isinstance(address, tuple):
+            self.address = f"{address[0]}:{address[1]}"
         if not self._admit(self):
             self.abort()
             return
         transport.set_write_buffer_limits(high=self._hub.limits.write_buffer)
-        address = transport.get_extra_info("peername")
-        if isinstance(address, tuple):
-            self.address = f"{address[0]}:{address[1]}"
         sock = transport.get_extra_info("socket")
         if sock is not None and sock.family in (socket.AF_INET, socket.AF_INET6):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -79,7 +79,13 @@ class Connection(asyncio.BufferedProtocol):
             self.peer.receive(bytes(self._view[:nbytes]))
         except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
             self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
-            self._hub.warn("broker.internal_error", address=self.address, error=repr(error), exc_info=True)
+            self._hub.warn(
+                "broker.internal_error",
+                f"the broker itself failed over what {self.peer.words} sent, and cut it off: {error!r}",
+                address=self.address,
+                error=repr(error),
+                exc_info=True,
+            )
 
     def eof_received(self) -> bool:
         """The far side sends no more."""

@@ -14,6 +14,7 @@ from homebot.mqtt.broker.deadlines import Deadline
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.words import short
 from homebot.mqtt.packets import Packet, Publish
 
 __all__ = ["Holding"]
@@ -97,7 +98,13 @@ class Holding:
     def _give_up(self) -> None:
         for session in self._slow:
             session.overrun = True
-            self._hub.warn("broker.client_too_slow", client_id=session.client_id, queued=session.queued)
+            self._hub.warn(
+                "broker.client_too_slow",
+                f"client {short(session.client_id)!r} is too slow: {session.queued} messages wait for it; "
+                "what does not fit any more is dropped",
+                client_id=session.client_id,
+                queued=session.queued,
+            )
         self.stop()
         self._go_on()
 

@@ -18,12 +18,14 @@ from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.policy import Policy, RefusedFilters
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
+from homebot.mqtt.broker.words import short
 
 if TYPE_CHECKING:
     from homebot.mqtt.broker.peer import Peer
 
 __all__ = ["Hub"]
 
+_WARNINGS = 20  # of one event in ten seconds: enough to tell a few clients apart
 _log = structlog.get_logger()
 
 
@@ -59,7 +61,7 @@ class Hub:
         self.counters = Counters()
         self.deadlines = Deadlines()
         self.peers: dict[str, Peer] = {}
-        self._log_limit = LogLimit(clock)
+        self._log_limit = LogLimit(clock, burst=_WARNINGS)
         self._clear()
 
     @property
@@ -80,11 +82,20 @@ class Hub:
         self.sessions.end_all()
         self._clear()
 
-    def warn(self, event: str, **facts: object) -> None:
-        """Log something an outsider caused: one line per event in ten seconds, the others counted."""
+    def warn(self, event: str, message: str, **facts: object) -> None:
+        """Log something an outsider caused: 20 lines per event in ten seconds, the others counted.
+
+        Args:
+            event: The constant name.
+            message: The same in plain words.
+            facts: What is known; texts are cut to 100 characters.
+        """
         held_back = self._log_limit.allows(event)
-        if held_back is not None:
-            _log.warning(event, held_back=held_back, **facts)
+        if held_back is None:
+            return
+        more = f" (and {held_back} more like this)" if held_back else ""
+        known = {key: short(fact) if isinstance(fact, str) else fact for key, fact in facts.items()}
+        _log.warning(event, message=f"{message}{more}", held_back=held_back, **known)
 
     def _clear(self) -> None:
         self.exchange = Exchange(self.clock, self.limits, self.counters)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import final
 
@@ -24,11 +25,21 @@ class Outbound:
         clock: For the rest of a message's expiry interval.
         counters: Counts what is sent and what is too large.
         version: What the client speaks.
+        on_too_large: Told the topic and size of a message that the client does not take, and the client's limit.
         max_packet_size: The largest packet the client takes, in bytes.
         alias_maximum: How many topic aliases the client accepts; 0 is none.
     """
 
-    __slots__ = ("_alias_maximum", "_aliases", "_clock", "_counters", "link", "max_packet_size", "version")
+    __slots__ = (
+        "_alias_maximum",
+        "_aliases",
+        "_clock",
+        "_counters",
+        "_on_too_large",
+        "link",
+        "max_packet_size",
+        "version",
+    )
 
     def __init__(
         self,
@@ -36,6 +47,7 @@ class Outbound:
         clock: Clock,
         counters: Counters,
         version: ProtocolVersion,
+        on_too_large: Callable[[str, int, int], None],
         max_packet_size: int = MAX_PACKET_SIZE,
         alias_maximum: int = 0,
     ) -> None:
@@ -45,6 +57,7 @@ class Outbound:
         self._clock = clock
         self._counters = counters
         self._alias_maximum = alias_maximum
+        self._on_too_large = on_too_large
         self._aliases: dict[str, int] = {}
 
     def send(self, packet: Packet) -> None:
@@ -52,7 +65,7 @@ class Outbound:
         self.link.write(encode(packet, self.version))
 
     def publish(self, parcel: Parcel, packet_id: int = 0, *, dup: bool = False) -> bool:
-        """Write a message; False, and counted, where the client does not take packets of its size.
+        """Write a message; False, counted and told, where the client does not take packets of its size.
 
         Args:
             parcel: What to send.
@@ -71,6 +84,7 @@ class Outbound:
         data = b"".join((head, packet_id.to_bytes(2, "big"), tail)) if qos else head
         if len(data) > self.max_packet_size:
             self._counters.dropped_too_large += 1
+            self._on_too_large(message.topic, len(data), self.max_packet_size)
             return False
         if alias:
             self._aliases[message.topic] = alias

@@ -18,6 +18,7 @@ from homebot.mqtt.broker.inbound import Inbound
 from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.words import client_words, short
 from homebot.mqtt.packets import (
     Auth,
     Connack,
@@ -73,6 +74,11 @@ class Peer:
     def client_id(self) -> str | None:
         """Who it is, once logged in."""
         return None if self._client is None else self._client.session.client_id
+
+    @property
+    def words(self) -> str:
+        """How the log calls it."""
+        return client_words(self.client_id, self._link.address)
 
     def receive(self, data: bytes) -> None:
         """Bytes came from the client."""
@@ -145,7 +151,7 @@ class Peer:
         verdict = login.refusal(packet, hub)
         if verdict.failed:
             hub.counters.connections_refused += 1
-            hub.warn("broker.login_refused", address=self._link.address, reason=verdict.name.lower())
+            self._warn_of_login(packet.client_id, verdict)
             self._shut(encode(Connack(reason=verdict), packet.version))
             return
         self._reader.max_packet_size = hub.limits.max_packet_size
@@ -160,6 +166,7 @@ class Peer:
             hub.clock,
             hub.counters,
             packet.version,
+            self._warn_of_size,
             wanted.max_packet_size,
             wanted.alias_maximum,
         )
@@ -244,17 +251,41 @@ class Peer:
     def _fail(self, error: PacketError) -> None:
         hub = self._hub
         hub.counters.connections_failed += 1
-        hub.warn(
+        self._warn_of_failure(error)
+        if self._client is None:
+            self._shut(unread_connect_answer(error))
+        else:
+            self._close(error.code, error.problem, publish_will=True)
+
+    def _warn_of_failure(self, error: PacketError) -> None:
+        self._hub.warn(
             "broker.connection_failed",
+            f"the broker cut off {self.words}: {short(error.problem)}",
             address=self._link.address,
             client_id=self.client_id,
             code=error.code.name.lower(),
             problem=error.problem,
         )
-        if self._client is None:
-            self._shut(unread_connect_answer(error))
-        else:
-            self._close(error.code, error.problem, publish_will=True)
+
+    def _warn_of_login(self, client_id: str, reason: ReasonCode) -> None:
+        self._hub.warn(
+            "broker.login_refused",
+            f"the broker did not let {client_words(client_id, self._link.address)} in: {reason.words}",
+            address=self._link.address,
+            client_id=client_id,
+            reason=reason.name.lower(),
+        )
+
+    def _warn_of_size(self, topic: str, size: int, limit: int) -> None:
+        self._hub.warn(
+            "broker.message_too_large",
+            f"{self.words} missed a message on {short(topic)!r}: it has {size} bytes, the client takes at most {limit}",
+            address=self._link.address,
+            client_id=self.client_id,
+            topic=topic,
+            size=size,
+            limit=limit,
+        )
 
     def _close(self, reason: ReasonCode, words: str, *, publish_will: bool) -> None:
         client = self._client
@@ -289,7 +320,7 @@ class Peer:
                 if isinstance(packet, Publish):
                     client.inbound.publish(packet)
         except PacketError as error:
-            self._hub.warn("broker.connection_failed", client_id=self.client_id, problem=error.problem)
+            self._warn_of_failure(error)
         self._holding.packets.clear()
 
     _HANDLERS: ClassVar[dict[type, Callable[..., None]]] = {

@@ -259,7 +259,12 @@ class Broker:
         if hub is None or self._server is None:
             return False
         if len(self._connections) >= _SOCKETS_PER_CLIENT * self._limits.max_connections:
-            hub.warn("broker.too_many_sockets", sockets=len(self._connections))
+            hub.warn(
+                "broker.too_many_sockets",
+                f"the broker turned {connection.address} away: {len(self._connections)} connections are open already",
+                address=connection.address,
+                sockets=len(self._connections),
+            )
             hub.counters.connections_refused += 1
             return False
         hub.counters.connections_accepted += 1
