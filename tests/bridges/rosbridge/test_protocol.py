@@ -56,12 +56,12 @@ def test_a_number_may_be_an_identifier() -> None:
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("", "not JSON"),
-        ("{", "not JSON"),
-        ("[]", r"a frame is a JSON object, got '\[\]'"),
-        ("{}", "field 'op' is missing"),
-        ('{"op": 3}', "field 'op' must be a text, got '3'"),
-        ('{"op": "fly"}', "field 'op': 'fly' is unknown; known are action_feedback, .*unsubscribe"),
+        ("", "the frame is not JSON: Expecting value"),
+        ("{", "the frame is not JSON"),
+        ("[]", r"the frame is no JSON object but '\[\]'"),
+        ("{}", "the frame has no field 'op'"),
+        ('{"op": 3}', "the frame has no text as its field 'op' but '3'"),
+        ('{"op": "fly"}', "asks for the unknown operation 'fly'; known are action_feedback, .*unsubscribe"),
         ('{"op": "publish", "topic": "/t"}', "publish: field 'msg' is missing"),
         ('{"op": "publish", "topic": "/t", "msg": 5}', "publish: field 'msg': .*dict.*, got 5"),
         ('{"op": "publish", "topic": "", "msg": {}}', "publish: field 'topic': .*at least 1 character, got ''"),

@@ -1,5 +1,8 @@
 """The frames of rosbridge v2: JSON text in, typed operations out, and the frames that go back. No I/O.
 
+As rosbridge clients expect, a sender hears of its failures (as ``status`` frames) only after it asked for them with
+``set_level``; calls and goals are answered in any case.
+
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 1 to 3.
 """
 
@@ -45,6 +48,7 @@ Identifier: TypeAlias = "str | int | None"
 Level: TypeAlias = Literal["none", "error", "warning", "info"]
 
 MAX_NESTING = 100  # no message of a house is this deep, and code that walks a value may recurse
+_NAMES = ("service", "action", "topic")
 _ACTION_ABORTED = 6  # action_msgs/msg/GoalStatus STATUS_ABORTED
 
 Name = Annotated[str, Field(min_length=1)]
@@ -58,14 +62,16 @@ class FrameError(PeerError):
     Attributes:
         op: The operation it asks for, as far as it can be told; else empty.
         id: The identifier to answer with, if it has one.
-        target: The service or action it names, as far as it can be told; else empty.
+        target: The service, action or topic it names, as far as it can be told; else empty.
+        problem: What is wrong with the operation; without an operation, what to say after "a frame that".
     """
 
     def __init__(self, problem: str, op: str = "", identifier: Identifier = None, target: str = "") -> None:
-        super().__init__(f"{op}: {problem}" if op else problem)
+        super().__init__(f"{op}: {problem}" if op else f"the frame {problem}")
         self.op = op
         self.id = identifier
         self.target = target
+        self.problem = problem
 
 
 class Operation(BaseModel):
@@ -82,6 +88,11 @@ class Operation(BaseModel):
 
     op: str
     id: Identifier = None
+
+    @property
+    def name(self) -> str:
+        """The topic, service or action that it is about; empty where it is about none."""
+        return next((getattr(self, key) for key in _NAMES if hasattr(self, key)), "")
 
 
 class Advertise(Operation):
@@ -241,17 +252,18 @@ def parse_frame(text: str) -> Operation:
     """
     value = _load(text)
     if not isinstance(value, dict):
-        raise FrameError(f"a frame is a JSON object, got {text[:60]!r}")
+        raise FrameError(f"is no JSON object but {text[:60]!r}")
     fields = {name: item for name, item in value.items() if item is not None}
     op = fields.get("op")
     if not isinstance(op, str):
-        raise FrameError("field 'op' is missing" if op is None else f"field 'op' must be a text, got {str(op)[:60]!r}")
+        raise FrameError("has no field 'op'" if op is None else f"has no text as its field 'op' but {str(op)[:60]!r}")
     identifier = fields.get("id")
     known_id = identifier if isinstance(identifier, str | int) else None
-    target = next((item for key in ("service", "action") if isinstance(item := fields.get(key), str)), "")
+    target = next((item for key in _NAMES if isinstance(item := fields.get(key), str)), "")
     cls = _CLASSES.get(op)
     if cls is None:
-        raise FrameError(f"field 'op': {op[:60]!r} is unknown; known are {', '.join(sorted(_CLASSES))}", "", known_id)
+        problem = f"asks for the unknown operation {op[:60]!r}; known are {', '.join(sorted(_CLASSES))}"
+        raise FrameError(problem, "", known_id)
     try:
         return cls.model_validate(fields)
     except ValidationError as exc:
@@ -307,9 +319,9 @@ def _load(text: str) -> object:
     try:
         value: object = json.loads(text)
     except RecursionError:
-        raise FrameError(f"the JSON is nested more than {MAX_NESTING} deep") from None
+        raise FrameError(f"is nested more than {MAX_NESTING} deep") from None
     except ValueError as exc:
-        raise FrameError(f"not JSON: {exc}") from exc
+        raise FrameError(f"is not JSON: {exc}") from exc
     if text.count("[") + text.count("{") > MAX_NESTING:
         _check_nesting(value)
     if "\\ud" in text or "\\uD" in text:
@@ -322,7 +334,7 @@ def _check_nesting(value: object) -> None:
     while level:
         depth += 1
         if depth > MAX_NESTING:
-            raise FrameError(f"the JSON is nested more than {MAX_NESTING} deep")
+            raise FrameError(f"is nested more than {MAX_NESTING} deep")
         level = [
             item
             for parent in level
@@ -335,4 +347,4 @@ def _check_unicode(value: object) -> None:
     try:
         json.dumps(value, ensure_ascii=False).encode()
     except UnicodeEncodeError as exc:
-        raise FrameError("a text holds half a surrogate pair, which is not Unicode") from exc
+        raise FrameError("holds half a surrogate pair, which is not Unicode") from exc

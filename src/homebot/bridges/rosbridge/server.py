@@ -19,12 +19,12 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from homebot.bridges.rosbridge.admission import is_loopback, is_token, refusal, token_of
+from homebot.bridges.rosbridge.complaints import Complaints
 from homebot.bridges.rosbridge.protocol import encode_frame
 from homebot.bridges.rosbridge.session import Session
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.errors import ConfigError, LinkError
 from homebot.graph import Node
-from homebot.log import LogLimit
 from homebot.messages.json import JsonObject
 
 __all__ = ["Door"]
@@ -32,10 +32,14 @@ __all__ = ["Door"]
 _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to say goodbye
 _OPEN_TIMEOUT: Final = 2.0  # seconds that a client has to say who it is; stopping waits for it too
 _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
+_GREETING: Final = "this is homebot's door: a WebSocket that speaks rosbridge v2, not a web page\n"
 
 
 class Door:
     """Lets programs outside the process take part in the graph, by rosbridge v2.
+
+    Clients hear of what they do wrong as :mod:`homebot.bridges.rosbridge.protocol` says; the log hears of it in any
+    case.
 
     Args:
         node: The node that acts in the clients' stead; it must outlive the door.
@@ -54,7 +58,7 @@ class Door:
             )
         self._node = node
         self._settings = settings
-        self._limit = LogLimit(node.graph.clock)
+        self._complaints = Complaints(node)
         self._sessions: dict[ServerConnection, Session] = {}
         self._port = settings.port
 
@@ -95,7 +99,7 @@ class Door:
     async def _listen(self) -> Server:
         settings = self._settings
         log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this door alone; it leads into our own log
-        log.addHandler(_LibraryLog(self._node, self._limit))
+        log.addHandler(_LibraryLog(self._complaints))
         try:
             return await serve(
                 self._serve,
@@ -121,18 +125,21 @@ class Door:
             return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem)
         if not is_token(settings, token_of(request.path, headers.get_all("Authorization"))):
             return self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a token is needed, and this is not it")
+        if not any("websocket" in value.lower() for value in headers.get_all("Upgrade")):
+            response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, _GREETING)
+            response.headers["Upgrade"] = "websocket"
+            return response
         return None
 
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)
-        if (held_back := self._limit.allows(f"turned away {client.rpartition(':')[0]}")) is not None:
-            self._node.log.warning(
-                "door.turned_away",
-                message=f"{client} was turned away: {problem}",
-                client=client,
-                problem=problem,
-                held_back=held_back,
-            )
+        self._complaints.say(
+            f"turned away {client.rpartition(':')[0]}",
+            "door.turned_away",
+            f"{client} was turned away: {problem}",
+            client=client,
+            problem=problem,
+        )
         return connection.respond(status, f"{problem}\n")
 
     async def _serve(self, connection: ServerConnection) -> None:
@@ -146,7 +153,7 @@ class Door:
                 connection.transport.abort()
                 raise LinkError("the client takes no more bytes")
 
-        session = Session(self._node, self._settings, _address_of(connection), send, self._limit)
+        session = Session(self._node, self._settings, _address_of(connection), send, self._complaints)
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))
@@ -157,27 +164,20 @@ class Door:
 class _LibraryLog(logging.Handler):
     """Brings what the WebSocket library has to say into our log, limited."""
 
-    def __init__(self, node: Node, limit: LogLimit) -> None:
+    def __init__(self, complaints: Complaints) -> None:
         super().__init__()
-        self._node = node
-        self._limit = limit
+        self._complaints = complaints
 
     def emit(self, record: logging.LogRecord) -> None:
         error = record.exc_info[1] if record.exc_info else None
-        if (held_back := self._limit.allows(record.msg)) is None:
-            return
         if record.msg == "connection handler failed":
-            self._node.log.error(
-                "door.session_crashed", message="a client's session crashed", exc_info=error, held_back=held_back
+            self._complaints.say(
+                record.msg, "door.session_crashed", "a client's session crashed", level="error", error=error
             )
         else:
             problem = str(error or record.msg)
-            self._node.log.warning(
-                "door.handshake_failed",
-                message=f"somebody came to the door who speaks no WebSocket: {problem}",
-                problem=problem,
-                held_back=held_back,
-            )
+            message = f"somebody came to the door who speaks no WebSocket: {problem}"
+            self._complaints.say(record.msg, "door.handshake_failed", message, problem=problem)
 
 
 async def _texts(connection: ServerConnection) -> AsyncIterator[str]:

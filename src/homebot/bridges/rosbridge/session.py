@@ -13,6 +13,7 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.calls import call_service
+from homebot.bridges.rosbridge.complaints import Complaints, deed
 from homebot.bridges.rosbridge.protocol import (
     ActionOperation,
     Advertise,
@@ -38,9 +39,8 @@ from homebot.bridges.rosbridge.provided import ProvidedServices
 from homebot.bridges.rosbridge.publications import Publications
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
-from homebot.errors import HomebotError, LinkError, PeerError, RefusedError
+from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.graph import Node
-from homebot.log import LogLimit
 from homebot.messages.json import JsonObject
 
 __all__ = ["Session"]
@@ -57,7 +57,7 @@ class Session:
         settings: The limits.
         client: What to call the client in the log.
         send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
-        limit: Keeps the client from flooding the log.
+        complaints: Where the log hears of what the client does wrong.
 
     Attributes:
         refused: Frames and requests of the client that were refused.
@@ -69,14 +69,14 @@ class Session:
         settings: DoorSettings,
         client: str,
         send: Callable[[JsonObject], Awaitable[None]],
-        limit: LogLimit,
+        complaints: Complaints,
     ) -> None:
         self.refused = 0
         self._node = node
         self._settings = settings
         self._client = client
         self._send = send
-        self._limit = limit
+        self._complaints = complaints
         self._level: Level = "none"
         self._calls = 0
 
@@ -102,15 +102,17 @@ class Session:
         try:
             op = parse_frame(frame)
         except FrameError as exc:
-            await self._refuse(exc.op or "frame", exc.id, exc.target, str(exc))
+            said = f": {_refusal(exc.op, exc.target, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
+            self._complain(said, exc.op or "frame", exc.problem)
+            await self._answer(exc.op, exc.id, exc.target, str(exc))
             return
         try:
             await self._do(op, holdings)
         except HomebotError as exc:
             if isinstance(exc, LinkError):
                 raise
-            target = op.service if isinstance(op, CallService) else ""
-            await self._refuse(op.op, op.id, target, str(exc))
+            self._complain(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
+            await self._answer(op.op, op.id, op.name, str(exc))
 
     async def _do(self, op: Operation, holdings: _Holdings) -> None:
         match op:
@@ -152,7 +154,7 @@ class Session:
 
     def _start_call(self, op: CallService, tasks: TaskGroup) -> None:
         if self._calls >= self._settings.max_calls:
-            raise RefusedError(f"the call of {op.service}", f"{self._calls} calls of this client are under way")
+            raise PeerError(f"{self._calls} calls of this client are under way already")
         self._calls += 1
         tasks.start_soon(partial(self._call, op))
 
@@ -166,20 +168,21 @@ class Session:
 
     def _check_room(self, holdings: _Holdings) -> None:
         if len(holdings) >= self._settings.max_entities:
-            raise RefusedError("one more topic or service", f"this client uses {len(holdings)} already")
+            raise PeerError(f"this client uses {len(holdings)} topics and services already, and may use no more")
 
-    async def _refuse(self, op: str, identifier: Identifier, target: str, problem: str) -> None:
+    def _complain(self, said: str, op: str, problem: str) -> None:
         self.refused += 1
-        if (held_back := self._limit.allows(f"refused {self._client.rpartition(':')[0]}")) is not None:
-            self._node.log.warning(
-                "door.refused",
-                message=f"{self._client} asked to {op}: {problem}",
-                client=self._client,
-                op=op,
-                problem=problem,
-                refused=self.refused,
-                held_back=held_back,
-            )
+        self._complaints.say(
+            f"refused {self._client.rpartition(':')[0]}",
+            "door.refused",
+            f"{self._client}{said}",
+            client=self._client,
+            op=op,
+            problem=problem,
+            refused=self.refused,
+        )
+
+    async def _answer(self, op: str, identifier: Identifier, target: str, problem: str) -> None:
         if op == "call_service":
             await self._send(service_failure(target, identifier, problem))
         elif op == "send_action_goal":
@@ -209,3 +212,7 @@ class _Holdings:
         self.publications.close()
         self.subscriptions.close()
         self.services.close()
+
+
+def _refusal(op: str, name: str, problem: str) -> str:
+    return f"{deed(op, name)} was refused: {problem}"

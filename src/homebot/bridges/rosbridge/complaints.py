@@ -1,0 +1,76 @@
+"""What the door's log says of clients: in plain words, and not without end."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from homebot.graph import Node
+from homebot.log import LogLimit
+
+__all__ = ["Complaints", "deed"]
+
+_LINES = 20  # of one kind in ten seconds
+_LONGEST = 300  # a client may send a text of a megabyte
+_LONGEST_NAME = 100
+
+_DEEDS = {
+    "advertise": "advertising",
+    "unadvertise": "unadvertising",
+    "publish": "publishing on",
+    "subscribe": "subscribing to",
+    "unsubscribe": "unsubscribing from",
+    "call_service": "calling",
+    "service_response": "answering a call of",
+    "advertise_service": "offering",
+    "unadvertise_service": "withdrawing",
+}
+
+
+class Complaints:
+    """Logs what clients do wrong.
+
+    Args:
+        node: In whose name.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._log = node.log
+        self._limit = LogLimit(node.graph.clock, burst=_LINES)
+
+    def say(
+        self,
+        kind: str,
+        event: str,
+        message: str,
+        *,
+        level: Literal["warning", "error"] = "warning",
+        error: BaseException | None = None,
+        **facts: str | int,
+    ) -> None:
+        """Log one line, unless there were 20 of its *kind* in the last ten seconds.
+
+        Args:
+            kind: What counts together, such as one client's mistakes.
+            event: The constant name.
+            message: The same in plain words; cut, as are the texts among the facts, to 300 characters.
+            level: How bad it is.
+            error: Shown with its traceback.
+            facts: What is known.
+        """
+        if (held_back := self._limit.allows(kind)) is None:
+            return
+        more = f" (and {held_back} more like this)" if held_back else ""
+        known: dict[str, object] = {key: _short(fact) if isinstance(fact, str) else fact for key, fact in facts.items()}
+        if error is not None:
+            known["exc_info"] = error
+        write = self._log.error if level == "error" else self._log.warning
+        write(event, message=f"{_short(message)}{more}", held_back=held_back, **known)
+
+
+def deed(op: str, name: str) -> str:
+    """Return an operation in words, such as ``publishing on /t``; an operation without a name stays as it is."""
+    return f"{_DEEDS.get(op, op)} {_short(name, _LONGEST_NAME)}" if name else op
+
+
+def _short(text: str, longest: int = _LONGEST) -> str:
+    return text if len(text) <= longest else f"{text[: longest - 1]}…"
