@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from homebot.cli import main
-from homebot.graph import qos_profile_latched
+from homebot.graph import DurabilityPolicy, QoSProfile, qos_profile_latched
 from homebot.messages import String
 
 Text = pytest.CaptureFixture[str]
@@ -74,8 +74,11 @@ def test_pub_publishes_with_and_without_a_type(homebot: Any, capsys: Text, argum
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (["/hello", "{data: 5}"], "homebot: to publish was refused: not a std_msgs/msg/String: field 'data': "),
-        (["/hello", "std_msgs/Int32", "{data: 5}"], "homebot: to advertise was refused: topic /hello carries "),
+        (
+            ["/hello", "{data: 5}"],
+            "homebot: publishing on /hello was refused: not a std_msgs/msg/String: field 'data': ",
+        ),
+        (["/hello", "std_msgs/Int32", "{data: 5}"], "homebot: advertising /hello was refused: topic /hello carries "),
         (["/helo", "{data: hi}"], "homebot: there is no topic /helo; did you mean /hello?"),
         (
             ["/new", "std_msgs/Strng", "{data: hi}"],
@@ -267,6 +270,22 @@ def test_hz_measures_the_rate(homebot: Any) -> None:
         process.communicate(timeout=10)
     assert label == "average rate"
     assert 5 < float(rate) < 60
+
+
+def test_hz_leaves_out_what_was_there_before(homebot: Any) -> None:
+    def speak() -> None:
+        publisher = homebot.graph.get_node("/talker").create_publisher(
+            String, "/kept", QoSProfile(depth=500, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        )
+        for _ in range(500):
+            publisher.publish(String(data="old"))
+
+    homebot.do(speak)
+    with _process(homebot, "topic", "hz", "/kept") as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "no new messages\n"
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=10)
 
 
 def test_help_and_version_import_nothing_heavy() -> None:

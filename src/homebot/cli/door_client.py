@@ -23,6 +23,7 @@ __all__ = ["Delivery", "DoorClient", "open_door"]
 _MAX_WAITING = 10_000  # messages of topics that come while something else is awaited
 _MAX_FRAME = 64 * 1024 * 1024
 _OPEN_TIMEOUT = 5.0
+_SKIP_AT_MOST = 1.0  # seconds
 _GRACE = 2.0  # seconds by which the door's own time limit may be late
 
 
@@ -84,15 +85,15 @@ class DoorClient:
 
     async def subscribe(self, topic: str) -> None:
         """Ask for the messages of *topic*; one that does not exist yet is fine."""
-        await self._send({"op": "subscribe", "id": "subscribe", "topic": topic})
+        await self._send({"op": "subscribe", "id": f"subscribing to {topic}", "topic": topic})
 
     async def advertise(self, topic: str, ros_type: str) -> None:
         """Announce that messages of *ros_type* will come for *topic*."""
-        await self._send({"op": "advertise", "id": "advertise", "topic": topic, "type": ros_type})
+        await self._send({"op": "advertise", "id": f"advertising {topic}", "topic": topic, "type": ros_type})
 
     async def publish(self, topic: str, message: Mapping[str, object]) -> None:
         """Publish *message*; what is wrong with it shows in :meth:`settle`."""
-        await self._send({"op": "publish", "id": "publish", "topic": topic, "msg": dict(message)})
+        await self._send({"op": "publish", "id": f"publishing on {topic}", "topic": topic, "msg": dict(message)})
 
     async def settle(self) -> None:
         """Wait until everything sent before has been dealt with.
@@ -102,6 +103,22 @@ class DoorClient:
             LinkError: The connection broke.
         """
         await self.call("/rosapi/get_time")
+
+    async def skip_kept(self) -> None:
+        """Pass over what publishers keep for late joiners, which comes in one go after :meth:`subscribe`.
+
+        Live messages that come in between are passed over too.
+
+        Raises:
+            RefusedError: Something sent before was refused.
+            LinkError: The connection broke.
+        """
+        with anyio.move_on_after(_SKIP_AT_MOST):  # a topic that is busy all the time never pauses
+            while True:
+                self._waiting.clear()
+                await self.settle()
+                if not self._waiting:
+                    return
 
     async def next(self) -> Delivery:
         """Return the next message of what was subscribed to, waiting for it.
@@ -133,7 +150,8 @@ class DoorClient:
         if not isinstance(frame, dict):
             raise WireError(f"the door sent something that is no rosbridge frame: {text[:60]!r}")
         if frame.get("op") == "status":
-            raise RefusedError(f"to {frame.get('id')}", str(frame.get("msg")))
+            # Our identifiers say in words what was asked for; the door repeats them.
+            raise RefusedError(str(frame.get("id", "a frame")), str(frame.get("msg")))
         if frame.get("op") == "publish":
             lost = frame.get("lost", 0) + (len(self._waiting) == _MAX_WAITING)
             self._waiting.append(Delivery(str(frame.get("topic")), frame.get("msg") or {}, lost))

@@ -26,6 +26,7 @@ def hz(options: argparse.Namespace) -> int:
         await door.subscribe(options.topic)
         if not await topic_type(door, options.topic):
             print(f"homebot: {await no_such_topic(door, options.topic)}\n{WAITING}", file=sys.stderr)
+        await door.skip_kept()  # it says nothing about the rate
         times: deque[float] = deque(maxlen=options.window + 1)
         while True:
             seen = len(times), times[-1] if times else 0.0
