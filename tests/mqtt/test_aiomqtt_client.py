@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import gc
 import logging
+import socket
+import struct
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import Any, TypeVar
@@ -73,6 +75,12 @@ class Peer:
         granted = Properties(**properties)  # type: ignore[arg-type] # whole numbers only
         await self.send(Connack(session_present=session_present, properties=granted))
         return connect
+
+    async def reset(self) -> None:
+        """Close without good manners."""
+        raw = self._stream.extra(SocketAttribute.raw_socket)  # noqa: S610 - no database
+        raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        await self._stream.aclose()
 
     async def closed(self) -> None:
         """Wait until the client has closed the connection."""
@@ -544,6 +552,19 @@ async def test_who_speaks_no_version_at_all_is_not_called_old(nonsense: bytes, p
                 async with make(port).connected():
                     pass
     assert [line for line in lines if line["event"] == "mqtt.fell_back"] == []
+
+
+async def test_a_broker_that_cuts_the_connection_instead_of_answering_gets_a_hint() -> None:
+    """Brokers do so where TLS, or a client certificate, is missing."""
+
+    async def rude(peer: Peer) -> None:
+        await peer.expect(Connect)
+        await peer.reset()
+
+    async with broker(rude, rude) as port:
+        with pytest.raises(LinkError, match=r"cut the connection instead of answering; is this a port for TLS"):
+            async with make(port).connected():
+                pass
 
 
 async def test_a_broker_that_spoke_5_before_is_not_asked_with_3_1_1_because_it_closed_once() -> None:

@@ -355,7 +355,7 @@ class _Link(aiomqtt.Client):
             except (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
                 sent = 0
             except OSError as error:
-                self._break(socket_error(error))
+                self._break(self._cut(error))
                 return
         if sent < len(data):
             # paho passes packets of this type on as they are; it does not look into them.
@@ -497,7 +497,7 @@ class _Link(aiomqtt.Client):
             except (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
                 return
             except OSError as error:  # also where TLS 1.3 tells that it does not like our certificate
-                self._break(socket_error(error))
+                self._break(self._cut(error))
                 return
             self._take_in(data)
             _acknowledge_at_once(sock)
@@ -505,7 +505,7 @@ class _Link(aiomqtt.Client):
 
     def _take_in(self, data: bytes) -> None:
         if not data:
-            self._break(LinkError(self._closed_words()))
+            self._break(self._cut())
             return
         self._client._last_bytes_received = paho.time_func()  # or paho takes the link for dead
         try:
@@ -525,13 +525,15 @@ class _Link(aiomqtt.Client):
         if answers:
             self.put(bytes(answers))
 
-    def _closed_words(self) -> str:
-        if self._granted is not None:
-            return "the broker closed the connection"
+    def _cut(self, error: OSError | None = None) -> LinkError | RefusedError:
+        """What the end of the socket means: with *error*, or in order."""
+        reason = LinkError("the broker closed the connection") if error is None else socket_error(error)
+        if self._granted is not None or isinstance(reason, RefusedError):
+            return reason
         hint = "is this a port for TLS (mqtts://)?"
         if self._options.tls:
             hint = "does it want a client certificate (cert_file)?"
-        return f"the broker closed the connection instead of answering; {hint}"
+        return LinkError(f"{reason} instead of answering; {hint}")
 
     def _handle(self, packet: Frame) -> bytes:
         kind = packet.first & 0xF0
@@ -604,7 +606,7 @@ class _Link(aiomqtt.Client):
         if flags.is_disconnect_packet_from_server:
             self._lose(farewell_error(reason_code.value))
         elif self._write_error is not None:
-            self._lose(socket_error(self._write_error))
+            self._lose(self._cut(self._write_error))
         else:
             self._lose(LinkError(reason_words(reason_code.value) if reason_code.is_failure else "closed"))
 
