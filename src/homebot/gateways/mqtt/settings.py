@@ -21,8 +21,11 @@ __all__ = ["EMBEDDED", "Delivery", "MqttGatewaySettings"]
 EMBEDDED = "embedded"
 
 RECEIVE_MAXIMUM = 2048
-"""Messages that may wait for our acknowledgement. So many, and the 1,000 that a default Mosquitto queues, can be retained
-on the broker without the first subscription losing any."""
+"""Messages that may wait for our acknowledgement.
+
+So many, and the 1,000 that a default Mosquitto queues, can be retained on the broker without the first subscription
+losing any.
+"""
 
 Delivery = Literal["inbox", "mirror"]
 
