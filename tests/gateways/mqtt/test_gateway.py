@@ -460,3 +460,31 @@ async def test_each_lost_link_is_told_and_the_waiting_for_the_next_is_not_repeat
                     await house.gateway._connection.wait_connected()
                 await anyio.wait_all_tasks_blocked()
     assert sum(line["event"] == "gateway.link_lost" for line in lines) == 2
+
+
+@pytest.mark.parametrize(
+    ("refused", "state", "outcome"),
+    [
+        (
+            ("home425/+/+/out", "home425", "home425/+", "home425/+/+", "home425/+/+/+/+/#"),
+            "unavailable",
+            "hears nothing",
+        ),
+        (("home425",), "active", "listening to home home425"),
+    ],
+)
+async def test_a_broker_that_refuses_subscriptions_is_told_in_one_line(
+    refused: tuple[str, ...], state: str, outcome: str
+) -> None:
+    """Connected is not enough to be well."""
+    with capture_logs() as lines:
+        async with Broker(refuse_filters=refused) as broker, gateway_on(broker.url) as house:
+            states = house.watcher.create_subscription(
+                GatewayState, "/gateway/mqtt/state", qos_profile=qos_profile_latched
+            )
+            with anyio.fail_after(5):
+                now = await states.receive()
+    assert now.state == state
+    assert "refused the subscription to" in now.reason
+    (told,) = [line for line in lines if line["event"] == "gateway.subscription_refused"]
+    assert outcome in told["message"]

@@ -133,7 +133,7 @@ class MqttGateway(Gateway):
         filters = [one for convention in self._conventions for one in convention.filters()]
         async with self._connection as connection, anyio.create_task_group() as tasks:
             await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in filters))
-            report = LinkReport(self, connection, self._listening_to())
+            report = LinkReport(self, connection, self._listening_to(), len(filters))
             tasks.start_soon(report.watch)
             tasks.start_soon(self._watch_nodes)
             tasks.start_soon(self._receive, connection)

@@ -30,12 +30,14 @@ class LinkReport:
         gateway: In whose name it speaks.
         connection: The connection.
         listening_to: What is listened to, in words.
+        filter_count: How many subscriptions that takes.
     """
 
-    def __init__(self, gateway: Gateway, connection: MqttConnection, listening_to: str) -> None:
+    def __init__(self, gateway: Gateway, connection: MqttConnection, listening_to: str, filter_count: int) -> None:
         self._gateway = gateway
         self._connection = connection
         self._listening_to = listening_to
+        self._filter_count = filter_count
         self._tried = anyio.Event()
         self._was_up = False
         clock = gateway.node.graph.clock
@@ -65,12 +67,19 @@ class LinkReport:
                 self._tried.set()
 
     def _connected(self) -> None:
-        url = self._connection.url
+        url, refused = self._connection.url, self._connection.refused
         observing = "" if self._gateway.acts else " (observing only)"
-        self._gateway.report("active")
-        self._gateway.node.log.info(
-            CONNECTED, message=f"connected to {url}, listening to {self._listening_to}{observing}", broker=url
-        )
+        hears = f"listening to {self._listening_to}{observing}"
+        if not refused:
+            self._gateway.report("active")
+            self._gateway.node.log.info(CONNECTED, message=f"connected to {url}, {hears}", broker=url)
+            return
+        names = ", ".join(refused)
+        reason = f"the broker refused the subscription to {names}: {next(iter(refused.values()))}"
+        is_deaf = len(refused) == self._filter_count
+        self._gateway.report("unavailable" if is_deaf else "active", reason)
+        outcome = "it hears nothing" if is_deaf else hears
+        self._gateway.node.log.warning(NOT_HEARD, message=f"connected to {url}, but {reason}; {outcome}", broker=url)
 
     def _down(self, state: ConnectionState) -> None:
         url = self._connection.url
