@@ -64,6 +64,8 @@ _SEND_QUEUE = 256
 """Packets that may wait for the socket before a publish of QoS 0 waits too."""
 
 _TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linux has it
+_SINGLE_ACKNOWLEDGEMENT = 4  # bytes of a PUBACK or PUBREC
+_HOLD = 0.001  # seconds for which a single one waits for company
 _GOODBYE = 1.0
 """Seconds that a clean close may take; the broker may be gone already."""
 
@@ -143,7 +145,7 @@ class AiomqttClient:
         """Acknowledge; see `MqttClient.ack`."""
         data = self._receiver.settle(messages)
         if data and self._link is not None:
-            self._link.put(data)
+            self._link.acknowledge(data)
 
     @asynccontextmanager
     async def _connected(self) -> AsyncIterator[Session]:
@@ -255,6 +257,8 @@ class _Link(aiomqtt.Client):
         self._window = anyio.Semaphore(_IN_FLIGHT, fast_acquire=True)
         self._tick: asyncio.TimerHandle | None = None
         self._flush_soon: asyncio.Handle | None = None
+        self._held = b""
+        self._release_held: asyncio.TimerHandle | None = None
         self._stuck = False
         self._dialled: socket.socket | None = None
         self._write_error: OSError | None = None
@@ -287,6 +291,7 @@ class _Link(aiomqtt.Client):
 
     async def close(self) -> None:
         """Say good-bye, if there is still somebody, and drop the link."""
+        self.put(b"")  # what is held
         with anyio.CancelScope(shield=True), anyio.move_on_after(_GOODBYE):
             if self._client.disconnect() == paho.MQTT_ERR_SUCCESS:
                 await self._gone.wait()
@@ -343,10 +348,24 @@ class _Link(aiomqtt.Client):
             raise self._lost_error("unsubscribe") from error
         self._check_alive()
 
+    def acknowledge(self, data: bytes) -> None:
+        """Send acknowledgements: many at once, a single one a moment later, together with the answer it may cause."""
+        if len(data) > _SINGLE_ACKNOWLEDGEMENT:
+            self.put(data)
+            return
+        self._held += data
+        if self._release_held is None:
+            self._release_held = self._loop.call_later(_HOLD, self.put, b"")
+
     def put(self, data: bytes) -> None:
         """Send finished packets, as many as there are in *data*: at once if the socket takes them, else in turn."""
         if self._lost is not None:
             return
+        if self._held:
+            data, self._held = self._held + data, b""
+        if self._release_held is not None:
+            self._release_held.cancel()
+            self._release_held = None
         client, sent = self._client, 0
         sock = client.socket()
         if not client.want_write() and sock is not None:
@@ -621,6 +640,10 @@ class _Link(aiomqtt.Client):
         if self._lost is not None:
             return
         self._lost = reason
+        self._held = b""
+        if self._release_held is not None:
+            self._release_held.cancel()
+            self._release_held = None
         if not self._greeting.done():
             early = isinstance(reason, LinkError)
             self._greeting.set_exception(_ClosedEarlyError(str(reason)) if early else reason)
