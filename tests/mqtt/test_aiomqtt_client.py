@@ -80,7 +80,7 @@ class Peer:
         """Close without good manners."""
         raw = self._stream.extra(SocketAttribute.raw_socket)  # noqa: S610 - no database
         raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-        await self._stream.aclose()
+        await anyio.aclose_forcefully(self._stream)
 
     async def closed(self) -> None:
         """Wait until the client has closed the connection."""
