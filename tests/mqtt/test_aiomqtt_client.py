@@ -77,7 +77,7 @@ class Peer:
         return connect
 
     async def reset(self) -> None:
-        """Close without good manners."""
+        """Close without good manners; an anyio before 4.13 says good-bye all the same."""
         raw = self._stream.extra(SocketAttribute.raw_socket)  # noqa: S610 - no database
         raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
         await anyio.aclose_forcefully(self._stream)
@@ -562,7 +562,7 @@ async def test_a_broker_that_cuts_the_connection_instead_of_answering_gets_a_hin
         await peer.reset()
 
     async with broker(rude, rude) as port:
-        with pytest.raises(LinkError, match=r"cut the connection instead of answering; is this a port for TLS"):
+        with pytest.raises(LinkError, match=r"(cut|closed) the connection instead of answering; is this a port for TLS"):
             async with make(port).connected():
                 pass
 
