@@ -14,13 +14,13 @@ from collections.abc import Callable, Sequence
 from io import TextIOWrapper
 
 import homebot
-from homebot.cli import config, devices, node, run, service, topic
+from homebot.cli import broker, config, devices, node, run, service, topic
 from homebot.cli.arguments import add_global_options
 from homebot.errors import HomebotError
 
 __all__ = ["main", "make_parser"]
 
-COMMANDS = (run, config, topic, service, node, devices)
+COMMANDS = (run, config, topic, service, node, devices, broker)
 
 _EPILOG = """\
 examples:
@@ -30,8 +30,10 @@ examples:
   homebot topic echo /rosout                   watch the log live
   homebot topic pub --once /hello std_msgs/String '{data: hi}'
   homebot service call /rosapi/get_time        ask something
+  homebot broker                               an MQTT broker, and nothing else
 
-All but `run` and `config` talk to a running homebot, by default on 127.0.0.1:9090; `homebot COMMAND --help` tells more.
+All but `run`, `broker` and `config` talk to a running homebot, by default on 127.0.0.1:9090. `homebot COMMAND --help`
+tells more.
 """
 
 

@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import asyncio
 import os
 import re
-import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 
-import anyio
-
-from homebot.cli.watchdog import Watchdog
+from homebot.cli.until_told import on_an_event_loop, until_told
 from homebot.config import Config, load_config, parse_config
 from homebot.log import configure_logging
 from homebot.runtime import Runtime
@@ -31,9 +24,7 @@ def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 when a part was given up on the way."""
     config, with_house = configuration(options)
     configure_logging(options.log_format)
-    # A selector loop on every platform: the MQTT client needs its add_reader.
-    with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
-        return runner.run(_run(config, with_house=with_house, seconds=options.seconds))
+    return on_an_event_loop(_run(config, with_house=with_house, seconds=options.seconds))
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, bool]:
@@ -99,32 +90,5 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
 
 async def _run(config: Config, *, with_house: bool, seconds: float | None) -> int:
     runtime = Runtime(config, with_house=with_house)
-    told_to_stop = anyio.Event()
-
-    def stop() -> None:
-        told_to_stop.set()
-        runtime.cut_start_short()
-
-    with Watchdog() as watchdog, _at_signals(watchdog.start, stop):
-        async with runtime:
-            with anyio.move_on_after(seconds):
-                await told_to_stop.wait()
-            watchdog.start()
+    await until_told(runtime, seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0
-
-
-@contextmanager
-def _at_signals(at_once: Callable[[], None], in_the_loop: Callable[[], None]) -> Iterator[None]:
-    """Call both at SIGINT and SIGTERM, *at_once* also while the event loop is blocked."""
-    loop = asyncio.get_running_loop()
-
-    def handle(_number: int, _frame: FrameType | None) -> None:
-        at_once()
-        loop.call_soon_threadsafe(in_the_loop)
-
-    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

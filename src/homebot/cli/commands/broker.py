@@ -1,0 +1,96 @@
+"""``homebot broker``: an MQTT broker until Ctrl-C, SIGTERM or the end of its time."""
+
+from __future__ import annotations
+
+import argparse
+import ssl
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import structlog
+
+from homebot.cli.until_told import on_an_event_loop, until_told
+from homebot.config import read_secret
+from homebot.errors import InvalidNameError, UsageError
+from homebot.log import configure_logging
+from homebot.mqtt.broker import Broker
+from homebot.mqtt.broker.authentication import is_loopback
+from homebot.mqtt.certificate import load_certificate
+from homebot.mqtt.topics import validate_filter
+
+__all__ = ["broker", "make_broker"]
+
+SERVING = "broker.serving"
+ENDED = "broker.ended"
+
+_log = structlog.get_logger(node="/broker")
+
+
+def broker(options: argparse.Namespace) -> int:
+    """Run until told to stop; return 0."""
+    made = make_broker(options)
+    configure_logging(options.log_format)
+    on_an_event_loop(until_told(_running(made), options.seconds))
+    return 0
+
+
+def make_broker(options: argparse.Namespace) -> Broker:
+    """Return the broker that *options* ask for, not listening yet.
+
+    Raises:
+        UsageError: Options contradict each other, a value is wrong, or a file cannot be used.
+    """
+    host, port = options.listen
+    credentials = _credentials(options)
+    if credentials is None and not is_loopback(host):
+        raise UsageError(
+            f"{host} can be reached by others, so it needs a password: give --user and --password-file, "
+            "or listen on 127.0.0.1"
+        )
+    for name in options.refuse_filter:
+        try:
+            validate_filter(name)
+        except InvalidNameError as exc:
+            raise UsageError(f"--refuse-filter: {exc}") from exc
+    return Broker(
+        host=host,
+        port=port,
+        credentials=credentials,
+        tls=_tls(options),
+        keep_alive=options.keep_alive,
+        refuse_filters=options.refuse_filter,
+    )
+
+
+def _credentials(options: argparse.Namespace) -> dict[str, str] | None:
+    if options.user is None and options.password_file is None:
+        return None
+    if not options.user or options.password_file is None:
+        raise UsageError("give --user and --password-file together")
+    return {options.user: read_secret(options.password_file)}
+
+
+def _tls(options: argparse.Namespace) -> ssl.SSLContext | None:
+    if options.tls_cert is None:
+        if options.tls_key is not None:
+            raise UsageError("--tls-key needs --tls-cert")
+        return None
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    load_certificate(context, options.tls_cert, options.tls_key, what="certificate", key_option="--tls-key")
+    return context
+
+
+@asynccontextmanager
+async def _running(broker: Broker) -> AsyncIterator[None]:
+    async with broker:
+        _log.info(SERVING, message=f"MQTT broker on {broker.url}; Ctrl-C stops it", url=broker.url)
+        yield
+    stats = broker.stats
+    _log.info(
+        ENDED,
+        message=f"the broker stopped; it had taken {stats.messages_received} messages from "
+        f"{stats.connections_accepted} connections and sent {stats.messages_sent}",
+        connections=stats.connections_accepted,
+        messages_received=stats.messages_received,
+        messages_sent=stats.messages_sent,
+    )

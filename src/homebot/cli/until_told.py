@@ -1,0 +1,69 @@
+"""How a command that serves goes on until Ctrl-C, SIGTERM or the end of its time, and then stops in order."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+from collections.abc import Callable, Coroutine, Iterator
+from contextlib import AbstractAsyncContextManager, contextmanager
+from types import FrameType
+from typing import TypeVar
+
+import anyio
+
+from homebot.cli.watchdog import Watchdog
+
+__all__ = ["on_an_event_loop", "until_told"]
+
+Result = TypeVar("Result")
+
+
+def on_an_event_loop(main: Coroutine[object, object, Result]) -> Result:
+    """Run *main* on a selector loop, on every platform: the MQTT client needs its ``add_reader``."""
+    with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
+        return runner.run(main)
+
+
+async def until_told(
+    service: AbstractAsyncContextManager[object],
+    seconds: float | None,
+    cut_start_short: Callable[[], None] | None = None,
+) -> None:
+    """Enter *service*, wait for SIGINT, SIGTERM or the end of *seconds*, and leave it.
+
+    Leaving takes 4.8 s at most: then the process is ended with code 1, whatever hangs.
+
+    Args:
+        service: Entering means ready, leaving means gone.
+        seconds: How long it goes on; None for ever.
+        cut_start_short: Called at a signal, so that *service* does not have to finish its start first.
+    """
+    told_to_stop = anyio.Event()
+
+    def stop() -> None:
+        told_to_stop.set()
+        if cut_start_short is not None:
+            cut_start_short()
+
+    with Watchdog() as watchdog, _at_signals(watchdog.start, stop):
+        async with service:
+            with anyio.move_on_after(seconds):
+                await told_to_stop.wait()
+            watchdog.start()
+
+
+@contextmanager
+def _at_signals(at_once: Callable[[], None], in_the_loop: Callable[[], None]) -> Iterator[None]:
+    """Call both at SIGINT and SIGTERM, *at_once* also while the event loop is blocked."""
+    loop = asyncio.get_running_loop()
+
+    def handle(_number: int, _frame: FrameType | None) -> None:
+        at_once()
+        loop.call_soon_threadsafe(in_the_loop)
+
+    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,52 @@
+"""A certificate and its key for one's own side of TLS, and what can be wrong with the files."""
+
+from __future__ import annotations
+
+import ssl
+from pathlib import Path
+from typing import Final
+
+from homebot.errors import UsageError
+
+__all__ = ["load_certificate"]
+
+_NO_PASSPHRASE: Final = "-"  # noqa: S105 - no secret; given none, OpenSSL asks for one on the terminal
+
+
+def load_certificate(
+    context: ssl.SSLContext, cert_file: Path, key_file: Path | None, *, what: str, key_option: str
+) -> None:
+    """Have *context* show the certificate in *cert_file*.
+
+    Args:
+        context: Either side's.
+        cert_file: In PEM form, with the chain if there is one.
+        key_file: Its key in PEM form, without a passphrase; None where *cert_file* holds it too.
+        what: What the certificate is called in an error, such as ``client certificate``.
+        key_option: What the caller's setting for *key_file* is called.
+
+    Raises:
+        UsageError: A file cannot be read or does not hold what it should; names the file.
+    """
+    certificate = _read(what, cert_file)
+    key = certificate if key_file is None else _read(f"key of the {what}", key_file)
+    try:
+        context.load_cert_chain(cert_file, key_file, password=_NO_PASSPHRASE)
+    except (OSError, ssl.SSLError) as error:
+        where = key_file or cert_file
+        if b"-----BEGIN CERTIFICATE" not in certificate:
+            problem = f"no certificate was found in {cert_file}"
+        elif b"PRIVATE KEY-----" not in key:
+            problem = f"no key was found in {where}{f'; set {key_option}' if key_file is None else ''}"
+        elif b"ENCRYPTED" in key:
+            problem = f"the key in {where} is locked with a passphrase; homebot needs one without"
+        else:
+            problem = f"the key in {where} does not fit the certificate in {cert_file}, or cannot be read"
+        raise UsageError(f"{what}: {problem}") from error
+
+
+def _read(what: str, path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise UsageError(f"{what} {path}: {error.strerror}") from error
