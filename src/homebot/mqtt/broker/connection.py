@@ -7,7 +7,9 @@ import socket
 from collections.abc import Callable
 from typing import cast, final
 
+from homebot.mqtt.broker.endpoint import Endpoint
 from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.packets import ReasonCode
 
@@ -26,6 +28,7 @@ class Connection(asyncio.BufferedProtocol):
         loop: The running loop.
         admit: Asked when the socket is open (with TLS: when the hand-shake is done); False cuts it.
         on_lost: Told when an admitted socket is closed.
+        endpoint: Makes what understands the bytes.
 
     Attributes:
         choked: As :class:`Link` says.
@@ -39,10 +42,11 @@ class Connection(asyncio.BufferedProtocol):
         loop: asyncio.AbstractEventLoop,
         admit: Callable[[Connection], bool],
         on_lost: Callable[[Connection], None],
+        endpoint: Callable[[Hub, Link], Endpoint] = Peer,
     ) -> None:
         self.choked = False
         self.address = "?"
-        self.peer = Peer(hub, self)
+        self.peer = endpoint(hub, self)
         self._hub = hub
         self._loop = loop
         self._admit = admit

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple, final
 
 from homebot.clock import Clock
@@ -42,17 +43,27 @@ class Exchange:
         clock: For expiry.
         limits: Bounds of the retained messages and subscriptions.
         counters: Counts what is not retained.
+        on_message: Told of each message.
     """
 
-    def __init__(self, clock: Clock, limits: BrokerLimits, counters: Counters) -> None:
+    def __init__(
+        self,
+        clock: Clock,
+        limits: BrokerLimits,
+        counters: Counters,
+        on_message: Callable[[Message], None] | None = None,
+    ) -> None:
         self._clock = clock
         self._limits = limits
         self._counters = counters
+        self._on_message = on_message
         self.subscriptions = SubscriptionTree()
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
 
     def publish(self, message: Message) -> Receipt:
         """Send *message* to all who subscribe to its topic, and retain it where it asks for it."""
+        if self._on_message is not None:
+            self._on_message(message)
         retained = not message.retain or self._retain(message)
         route = self.subscriptions.route(message.topic)
         refused = False

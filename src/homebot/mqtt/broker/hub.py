@@ -5,6 +5,7 @@ Everything runs in order on one thread; no method waits.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, final
 
 import structlog
@@ -15,6 +16,7 @@ from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.deadlines import Deadlines
 from homebot.mqtt.broker.exchange import Exchange
 from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.policy import Policy, RefusedFilters
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
@@ -39,6 +41,7 @@ class Hub:
         authentication: Who may log in; by default everybody.
         policy: Who may publish and subscribe what; by default everybody everything.
         keep_alive: The longest keep-alive interval a client may have, in seconds; None leaves it to them.
+        on_message: Told of each message that is forwarded, wills included; must not raise.
 
     Attributes:
         peers: Logged-in connections by client id.
@@ -52,6 +55,7 @@ class Hub:
         authentication: Authentication | None = None,
         policy: Policy | None = None,
         keep_alive: int | None = None,
+        on_message: Callable[[Message], None] | None = None,
     ) -> None:
         self.clock = clock
         self.limits = limits
@@ -60,6 +64,7 @@ class Hub:
         self.keep_alive = keep_alive
         self.counters = Counters()
         self.deadlines = Deadlines()
+        self._on_message = on_message
         self.peers: dict[str, Peer] = {}
         self._log_limit = LogLimit(clock, burst=_WARNINGS)
         self._clear()
@@ -98,5 +103,5 @@ class Hub:
         _log.warning(event, message=f"{message}{more}", held_back=held_back, **known)
 
     def _clear(self) -> None:
-        self.exchange = Exchange(self.clock, self.limits, self.counters)
+        self.exchange = Exchange(self.clock, self.limits, self.counters, self._on_message)
         self.sessions = Sessions(self.exchange, self.clock, self.deadlines, self.limits, self.counters)

@@ -10,14 +10,18 @@ __all__ = ["Link"]
 class Link(Protocol):
     """One client's connection as the broker sees it: a socket, or a pair of queues in memory.
 
-    Attributes:
-        choked: Whether the far side takes bytes slower than they come, so that nothing more should be
-            written that can wait. The carrier calls the peer's ``writable()`` when it has become False.
-        address: The far side in words, for the log.
+    The carrier calls the peer's ``writable()`` when :attr:`choked` has become False.
     """
 
-    choked: bool
-    address: str
+    @property
+    def choked(self) -> bool:
+        """Whether the far side takes bytes slower than they come: nothing more should be written that can wait."""
+        ...
+
+    @property
+    def address(self) -> str:
+        """The far side in words, for the log."""
+        ...
 
     def write(self, data: bytes) -> None:
         """Send *data* in order, sooner or later; nothing after a close."""

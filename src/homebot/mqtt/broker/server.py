@@ -7,7 +7,7 @@ import errno
 import ipaddress
 import socket
 import ssl
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from types import TracebackType
 from typing import Self, final
 
@@ -18,8 +18,12 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker.authentication import Authentication, is_loopback
 from homebot.mqtt.broker.connection import Connection
+from homebot.mqtt.broker.endpoint import Endpoint
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.link import Link
+from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.policy import Policy, RefusedFilters
 from homebot.mqtt.broker.stats import BrokerStats
 from homebot.mqtt.packets import ReasonCode
@@ -63,6 +67,8 @@ class Broker:
             is replaced.
         refuse_filters: Filters whose subscription is answered with 0x80; only without *policy*.
         policy: Who may publish and subscribe what.
+        endpoint: Makes what understands the bytes of one connection; to put something around each :class:`Peer`.
+        on_message: Told of each message that is forwarded, wills included; must not raise.
 
     Raises:
         UsageError: The address is not loopback and there is no password, or an argument is out of its range.
@@ -80,6 +86,8 @@ class Broker:
         keep_alive: int | None = None,
         refuse_filters: Collection[str] = (),
         policy: Policy | None = None,
+        endpoint: Callable[[Hub, Link], Endpoint] = Peer,
+        on_message: Callable[[Message], None] | None = None,
     ) -> None:
         if not credentials and not is_loopback(host):
             raise UsageError(
@@ -99,6 +107,8 @@ class Broker:
         self._tls = tls
         self._keep_alive = keep_alive
         self._policy = policy or RefusedFilters(refuse_filters)
+        self._endpoint = endpoint
+        self._on_message = on_message
         self._hub: Hub | None = None
         self._server: asyncio.Server | None = None
         self._connections: set[Connection] = set()
@@ -136,9 +146,18 @@ class Broker:
         Raises:
             UsageError: The broker was never started.
         """
+        return self.hub.stats
+
+    @property
+    def hub(self) -> Hub:
+        """The broker's state; it stays over restarts.
+
+        Raises:
+            UsageError: The broker was never started.
+        """
         if self._hub is None:
             raise UsageError("the broker was never started")
-        return self._hub.stats
+        return self._hub
 
     async def __aenter__(self) -> Self:
         await self.start()
@@ -161,7 +180,7 @@ class Broker:
         loop = asyncio.get_running_loop()
         if self._hub is None:
             clock = self._clock or LoopClock()
-            self._hub = Hub(clock, self._limits, self._authentication, self._policy, self._keep_alive)
+            self._hub = Hub(clock, self._limits, self._authentication, self._policy, self._keep_alive, self._on_message)
         hub = self._hub
         try:
             sock = await self._bind(loop)
@@ -171,7 +190,7 @@ class Broker:
             raise LinkError(f"cannot listen on {self._host} port {self._port}: {error.strerror}") from error
         self._port = sock.getsockname()[1]
         self._server = await loop.create_server(
-            lambda: Connection(hub, loop, self._admit, self._lost),
+            lambda: Connection(hub, loop, self._admit, self._lost, self._endpoint),
             sock=sock,
             ssl=self._tls,
             backlog=_BACKLOG,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import inf
 from typing import final
@@ -40,6 +41,9 @@ class Sessions:
         self._counters = counters
         self._sessions: dict[str, Session] = {}
         self._away: dict[str, _Absence] = {}  # in the order of leaving
+
+    def __iter__(self) -> Iterator[Session]:
+        return iter(self._sessions.values())
 
     def __len__(self) -> int:
         return len(self._sessions)

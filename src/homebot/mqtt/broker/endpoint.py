@@ -1,0 +1,34 @@
+"""The port between whatever carries a client's bytes and what understands them."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from homebot.mqtt.packets import ReasonCode
+
+__all__ = ["Endpoint"]
+
+
+class Endpoint(Protocol):
+    """What a carrier tells about one connection; :class:`Peer` fills it, and so does what is put around a peer."""
+
+    @property
+    def words(self) -> str:
+        """How the log calls the client."""
+        ...
+
+    def receive(self, data: bytes) -> None:
+        """Bytes came from the client."""
+        ...
+
+    def writable(self) -> None:
+        """The link is no longer choked."""
+        ...
+
+    def lost(self) -> None:
+        """The link is gone."""
+        ...
+
+    def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
+        """Close the connection from the broker's side: MQTT 5 clients are told *reason*."""
+        ...
