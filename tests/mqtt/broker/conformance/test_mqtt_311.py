@@ -1,0 +1,139 @@
+"""The ground of the Paho suite's ten tests of MQTT 3.1.1; MQTT 3.1 behaves alike but for what its own tests say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+import pytest
+
+from homebot.mqtt.packets import Connack, Connect, ProtocolVersion, ReasonCode, Unsuback, Unsubscribe, Will
+
+if TYPE_CHECKING:
+    from tests.mqtt.broker.conformance.conftest import Meet
+    from tests.mqtt.broker.conftest import Stranger
+
+V31, V311 = ProtocolVersion.V31, ProtocolVersion.V311
+
+
+@pytest.fixture(params=[V31, V311], ids=["3.1", "3.1.1"])
+def meet(request: pytest.FixtureRequest, meet: Meet) -> Meet:
+    """Of a version before 5."""
+    return partial(meet, version=request.param)
+
+
+def test_basic_a_client_hears_itself_at_every_qos(meet: Meet) -> None:
+    meet().leave()
+    client = meet()
+    assert not client.connack.session_present
+    client.subscribe("hall")
+    client.publish_each_qos("hall")
+    client.settle()
+    assert [(message.qos, message.payload) for message in client.messages] == [(0, b"0"), (1, b"1"), (2, b"2")]
+
+
+def test_basic_a_second_connect_and_a_wrong_protocol_name_end_the_connection(meet: Meet, stranger: Stranger) -> None:
+    client = meet()
+    client.send(Connect("a", client.client.version))
+    assert client.client.link.closed
+    impostor = stranger(V311)
+    impostor.send_bytes(b"\x10\x0d\x00\x02hj\x04\x02\x00\x00\x00\x03abc")
+    assert impostor.link.closed
+    assert [connack.reason for connack in impostor.take_only(Connack)] == [ReasonCode.UNSUPPORTED_PROTOCOL_VERSION]
+
+
+def test_retained_messages_come_at_their_qos_until_they_are_cleared(meet: Meet) -> None:
+    client = meet()
+    topics = ("hall/0", "stairs/1", "hall/2")
+    for qos, topic in enumerate(topics):
+        client.publish(topic, b"kept", qos, retain=True)
+    client.subscribe("+/+")
+    assert [(each.topic, each.qos, each.retain) for each in client.messages] == [
+        ("hall/0", 0, True),
+        ("stairs/1", 1, True),
+        ("hall/2", 2, True),
+    ]
+    client.leave()
+    client = meet()
+    for qos, topic in enumerate(topics):
+        client.publish(topic, b"", qos, retain=True)
+    client.subscribe("+/+")
+    assert client.messages == []
+
+
+def test_zero_length_client_id_needs_a_clean_session(meet: Meet) -> None:
+    client = meet("", version=V311, clean=False)
+    assert client.connack.reason is ReasonCode.CLIENT_IDENTIFIER_NOT_VALID
+    assert client.client.link.closed
+    assert meet("", version=V311).connack.reason is ReasonCode.SUCCESS
+
+
+def test_offline_message_queueing_keeps_qos_1_and_2(meet: Meet) -> None:
+    client = meet("a", clean=False)
+    client.subscribe("+/+")
+    client.leave()
+    meet("b").publish_each_qos("hall/lamp")
+    client = meet("a", clean=False)
+    assert [message.qos for message in client.messages] == [1, 2]
+
+
+def test_offline_message_queueing_says_that_the_session_is_there(meet: Meet) -> None:
+    meet("a", version=V311, clean=False).leave()
+    assert meet("a", version=V311, clean=False).connack.session_present
+
+
+def test_overlapping_subscriptions_give_one_copy_at_the_highest_qos(meet: Meet) -> None:
+    client = meet()
+    client.subscribe("hall/#", qos=2)
+    client.subscribe("hall/+", qos=1)
+    client.publish("hall/lamp", b"on", 2)
+    assert [message.qos for message in client.messages] == [2]
+
+
+def test_keepalive_a_silent_client_is_cut_off_and_its_will_published(
+    meet: Meet, pass_time: Callable[[float], None]
+) -> None:
+    silent, watcher = meet("a", keep_alive=5, will=Will("gone", b"a")), meet("b")
+    watcher.subscribe("gone")
+    pass_time(7.4)
+    assert not silent.client.link.closed
+    pass_time(0.2)
+    watcher.settle()
+    assert silent.client.link.closed
+    assert watcher.payloads == [b"a"]
+
+
+def test_redelivery_on_reconnect_repeats_what_was_not_acknowledged(meet: Meet) -> None:
+    client = meet("b", clean=False)
+    client.subscribe("hall/#")
+    client.deaf = True
+    client.publish("hall/1", b"1", 1)
+    client.publish("hall/2", b"2", 2)
+    client.leave()
+    client = meet("b", clean=False)
+    assert [(each.payload, each.qos, each.dup) for each in client.messages] == [(b"1", 1, True), (b"2", 2, True)]
+
+
+def test_subscribe_failure_is_0x80(meet: Meet) -> None:
+    assert meet().subscribe("test/nosubscribe").reasons == (0x80,)
+
+
+def test_dollar_topics_are_not_matched_by_a_leading_wildcard(meet: Meet) -> None:
+    client = meet()
+    client.subscribe("+/+", "#", "/+")
+    client.publish("$hall/lamp", b"", 1)
+    client.settle()
+    assert client.messages == []
+
+
+def test_unsubscribe_ends_one_subscription_only(meet: Meet) -> None:
+    client, other = meet("b"), meet("a")
+    for topic in ("hall", "hall/lamp", "stairs"):
+        client.subscribe(topic)
+    client.send(Unsubscribe(9, ("hall",)))
+    assert isinstance(client.others[-1], Unsuback)
+    for topic in ("hall", "hall/lamp", "stairs"):
+        other.publish(topic, topic.encode(), 1)
+    client.settle()
+    assert client.payloads == [b"hall/lamp", b"stairs"]
