@@ -17,15 +17,20 @@ from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttClient, Subscription
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions, MqttProtocol, Will
 from homebot.mqtt.packets import ReasonCode
 
 Make = Callable[[MqttOptions], MqttClient]
 
-LINKS: dict[str, tuple[Make, MqttProtocol]] = {
-    "aiomqtt-5": (AiomqttClient, "5"),
-    "aiomqtt-3.1.1": (AiomqttClient, "3.1.1"),
+AnyBroker = Broker | MemoryBroker
+
+LINKS: dict[str, tuple[type[AnyBroker], MqttProtocol]] = {
+    "aiomqtt-5": (Broker, "5"),
+    "aiomqtt-3.1.1": (Broker, "3.1.1"),
+    "memory-5": (MemoryBroker, "5"),
+    "memory-3.1.1": (MemoryBroker, "3.1.1"),
 }
 
 
@@ -39,24 +44,24 @@ class NoSecrets:
         return ReasonCode.NOT_AUTHORIZED if topic.startswith("secret") else ReasonCode.SUCCESS
 
 
-@pytest.fixture
-async def broker() -> AsyncIterator[Broker]:
-    async with Broker(credentials={"anna": "right"}, policy=NoSecrets()) as broker:
-        yield broker
-
-
 @pytest.fixture(params=LINKS)
-def link(request: pytest.FixtureRequest) -> tuple[Make, MqttProtocol]:
+def link(request: pytest.FixtureRequest) -> tuple[type[AnyBroker], MqttProtocol]:
     return LINKS[request.param]
 
 
 @pytest.fixture
-def make(link: tuple[Make, MqttProtocol]) -> Make:
-    return link[0]
+async def broker(link: tuple[type[AnyBroker], MqttProtocol]) -> AsyncIterator[AnyBroker]:
+    async with link[0](credentials={"anna": "right"}, policy=NoSecrets()) as broker:
+        yield broker
 
 
 @pytest.fixture
-def options(broker: Broker, link: tuple[Make, MqttProtocol]) -> MqttOptions:
+def make(broker: AnyBroker) -> Make:
+    return broker.make_client if isinstance(broker, MemoryBroker) else AiomqttClient
+
+
+@pytest.fixture
+def options(broker: AnyBroker, link: tuple[type[AnyBroker], MqttProtocol]) -> MqttOptions:
     return MqttOptions.from_url(
         f"mqtt://anna:right@{broker.host}:{broker.port}", client_id="hub", protocol=link[1], timeout=5.0
     )
@@ -183,7 +188,7 @@ async def test_a_refused_subscription_is_an_error(make: Make, options: MqttOptio
         assert [message.topic for message in await receive(client, 1)] == ["open/door"]
 
 
-async def test_a_wrong_password_is_refused(make: Make, options: MqttOptions, broker: Broker) -> None:
+async def test_a_wrong_password_is_refused(make: Make, options: MqttOptions, broker: AnyBroker) -> None:
     wrong = MqttOptions.from_url(f"mqtt://anna:wr0ng@{broker.host}:{broker.port}", protocol=options.protocol)
     with pytest.raises(RefusedError, match="the login was refused") as caught:
         async with make(wrong).connected():
@@ -192,7 +197,7 @@ async def test_a_wrong_password_is_refused(make: Make, options: MqttOptions, bro
 
 
 async def test_a_broker_that_dies_is_a_link_error_for_everybody(
-    make: Make, options: MqttOptions, broker: Broker
+    make: Make, options: MqttOptions, broker: AnyBroker
 ) -> None:
     client = make(options)
     async with client.connected():
@@ -222,7 +227,7 @@ async def test_the_will_is_for_a_crash_and_not_for_a_good_bye(make: Make, option
 
 @pytest.mark.parametrize("abrupt", [False, True])
 async def test_a_restarted_broker_is_found_again_and_no_accepted_message_is_lost(
-    make: Make, options: MqttOptions, broker: Broker, *, abrupt: bool
+    make: Make, options: MqttOptions, broker: AnyBroker, *, abrupt: bool
 ) -> None:
     """What the broker acknowledged to the publisher arrives, over three restarts in the middle of the traffic."""
     accepted: set[bytes] = set()
@@ -275,7 +280,9 @@ async def test_a_good_close_ends_the_session_only_where_that_is_asked(
         assert session.resumed is not ends
 
 
-async def test_a_broken_link_leaves_the_session_in_any_case(broker: Broker, options: MqttOptions, make: Make) -> None:
+async def test_a_broken_link_leaves_the_session_in_any_case(
+    broker: AnyBroker, options: MqttOptions, make: Make
+) -> None:
     """What comes meanwhile must not be lost."""
     client = make(replace(options, session_expiry=60, session_ends_on_close=True))
     async with client.connected():

@@ -1,0 +1,224 @@
+"""The MQTT client port over a link in memory: real packets, no socket, no thread.
+
+It answers as :class:`homebot.mqtt.aiomqtt_client.AiomqttClient` does; one contract test runs against both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Iterable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from random import Random
+from typing import Protocol, final
+
+from homebot.clock import Clock, LoopClock
+from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.mqtt.client import MqttCounters, PublishResult, Session, Subscription
+from homebot.mqtt.memory_conversation import Conversation
+from homebot.mqtt.memory_link import LinkUser, MemorySocket
+from homebot.mqtt.memory_packets import filter_request, publish_properties
+from homebot.mqtt.memory_requests import Requests
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
+from homebot.mqtt.packets import (
+    Connect,
+    Disconnect,
+    PacketType,
+    ProtocolVersion,
+    Puback,
+    Pubcomp,
+    Publish,
+    Pubrec,
+    Suback,
+    Subscribe,
+    Unsubscribe,
+    encode,
+)
+from homebot.mqtt.packets.properties import encode_properties
+from homebot.mqtt.receiver import Receiver
+from homebot.mqtt.refusals import check_granted, reason_words
+from homebot.mqtt.topics import validate_filter, validate_topic
+
+__all__ = ["Dial", "MemoryClient"]
+
+
+class Dial(Protocol):
+    """Opens a link to a broker in memory."""
+
+    def __call__(self, host: str, port: int, user: LinkUser) -> MemorySocket:
+        """Bytes of the broker go to *user*; raises LinkError where nobody answers."""
+        ...
+
+
+@final
+class MemoryClient:
+    """The `MqttClient` port in memory; made by `MemoryBroker.make_client`, inside a running event loop.
+
+    Args:
+        options: Login and limits. "auto" speaks MQTT 5, which the broker in memory always does.
+        dial: The way to the broker.
+        clock: Paces log lines.
+        random: Chooses the first packet identifier.
+
+    Raises:
+        UsageError: The options ask for TLS.
+    """
+
+    def __init__(
+        self, options: MqttOptions, dial: Dial, *, clock: Clock | None = None, random: Random | None = None
+    ) -> None:
+        if options.tls:
+            raise UsageError("a link in memory has no TLS: write mqtt:// instead of mqtts://")
+        self._options = options
+        self._dial = dial
+        self._version = ProtocolVersion.V311 if options.protocol == "3.1.1" else ProtocolVersion.V5
+        self._receiver = Receiver(options, LoopClock() if clock is None else clock)
+        self._requests = Requests(Random() if random is None else random)  # noqa: S311 - identifiers are no secret
+        self._talk: Conversation | None = None
+        self._up = False
+
+    @property
+    def counters(self) -> MqttCounters:
+        """What happened so far."""
+        return self._receiver.counters
+
+    def connected(self) -> AbstractAsyncContextManager[Session]:
+        """Make the link; see `MqttClient.connected`."""
+        return self._connected()
+
+    async def wait_lost(self) -> LinkError | RefusedError:
+        """Wait until the link is gone and say why."""
+        return await self._need_talk().wait_lost()
+
+    async def publish(
+        self,
+        topic: str,
+        payload: bytes = b"",
+        *,
+        qos: int = 0,
+        retain: bool = False,
+        properties: MessageProperties = NO_PROPERTIES,
+    ) -> PublishResult:
+        """Publish; see `MqttClient.publish`."""
+        validate_topic(topic)
+        if qos not in {0, 1, 2}:
+            raise UsageError(f"QoS is 0, 1 or 2, not {qos}")
+        talk = self._need_talk()
+        talk.check_alive()
+        extra = publish_properties(properties) if talk.version is ProtocolVersion.V5 else NOTHING
+        if talk.granted is not None:
+            size = len(payload) + len(encode_properties(extra, PacketType.PUBLISH))
+            check_granted(talk.granted, topic, size, qos, retain=retain)
+        packet = Publish(topic, payload, qos, retain, properties=extra)
+        if qos:
+            return await self._publish_and_wait(talk, packet)
+        talk.say(packet)
+        await talk.wait_until_taken()
+        return PublishResult()
+
+    async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
+        """Subscribe; see `MqttClient.subscribe`."""
+        for subscription in subscriptions:
+            validate_filter(subscription.filter)
+        if not subscriptions:
+            return ()
+        talk = self._need_talk()
+        talk.check_alive()
+        packet_id = self._requests.new_id()
+        request = Subscribe(packet_id, tuple(filter_request(each) for each in subscriptions))
+        answer = await talk.answer_to(request, packet_id, "subscribe")
+        reasons = answer.reasons if isinstance(answer, Suback) else ()
+        refused = [(each.filter, code) for each, code in zip(subscriptions, reasons, strict=False) if code.failed]
+        if refused:
+            names = ", ".join(repr(name) for name, _ in refused)
+            raise RefusedError(f"the subscription to {names}", reason_words(refused[0][1]), refused[0][1])
+        return tuple(int(reason) for reason in reasons)
+
+    async def unsubscribe(self, *filters: str) -> None:
+        """Take back subscriptions; see `MqttClient.unsubscribe`."""
+        if not filters:
+            return
+        talk = self._need_talk()
+        talk.check_alive()
+        packet_id = self._requests.new_id()
+        await talk.answer_to(Unsubscribe(packet_id, filters), packet_id, "unsubscribe")
+
+    async def receive(self) -> list[MqttMessage]:
+        """All messages that are there; see `MqttClient.receive`."""
+        return await self._receiver.take()
+
+    def ack(self, messages: Iterable[MqttMessage]) -> None:
+        """Acknowledge; see `MqttClient.ack`."""
+        data = self._receiver.settle(messages)
+        if data and self._talk is not None:
+            self._talk.put(data)
+
+    async def _publish_and_wait(self, talk: Conversation, packet: Publish) -> PublishResult:
+        await talk.window.acquire()
+        try:
+            talk.check_alive()
+            packet_id = self._requests.new_id()
+            packet = packet._replace(packet_id=packet_id)
+            if packet.qos == 2:
+                self._requests.hold(packet)
+            answer = await talk.answer_to(packet, packet_id, "publish")
+        finally:
+            talk.window.release()
+        reason = answer.reason if isinstance(answer, Puback | Pubrec | Pubcomp) else 0
+        if reason >= 0x80:
+            raise RefusedError(f"the publish to {packet.topic!r}", reason_words(reason), reason)
+        return PublishResult(reason)
+
+    @asynccontextmanager
+    async def _connected(self) -> AsyncIterator[Session]:
+        if self._up:
+            raise UsageError("this MQTT client is connected already")
+        self._up = True
+        try:
+            talk = Conversation(self._options, self._version, self._receiver, self._requests)
+            session = await talk.open(self._dial(self._options.host, self._options.port, talk))
+            self._talk = talk
+            try:
+                yield session
+            finally:
+                self._close(talk)
+        finally:
+            self._up = False
+
+    def _close(self, talk: Conversation) -> None:
+        options = self._options
+        ends_session = talk.is_alive and options.session_ends_on_close and options.session_expiry > 0
+        is_v5 = talk.version is ProtocolVersion.V5
+        talk.close(ends_session=ends_session and is_v5)
+        if ends_session and not is_v5:
+            self._end_session()
+
+    def _end_session(self) -> None:
+        """MQTT 3.1.1 has one way to it: connect once more, with a clean session, and leave."""
+        options = self._options
+        password = None if options.password is None else options.password.get_secret_value().encode()
+        connect = Connect(options.client_id, self._version, username=options.user, password=password)
+        try:
+            socket = self._dial(options.host, options.port, _Nobody())
+        except LinkError:
+            return  # the broker is gone, and with it most likely the session
+        socket.write(encode(connect) + encode(Disconnect(), self._version))
+        socket.close()
+
+    def _need_talk(self) -> Conversation:
+        if self._talk is None or not self._up:
+            raise LinkError(f"not connected to {self._options.url}")
+        return self._talk
+
+
+class _Nobody:
+    """Whoever does not listen to the answers."""
+
+    def data_received(self, data: bytes) -> None:
+        pass
+
+    def drained(self) -> None:
+        pass
+
+    def link_ended(self) -> None:
+        pass

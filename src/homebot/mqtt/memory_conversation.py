@@ -1,0 +1,266 @@
+"""One link of a client in memory, from CONNECT to its end."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Final, final
+
+import anyio
+
+from homebot.errors import LinkError, RefusedError, WireError
+from homebot.mqtt.client import Session
+from homebot.mqtt.incoming import Frame, FrameReader
+from homebot.mqtt.memory_link import MemorySocket
+from homebot.mqtt.memory_packets import connect_packet, disconnect_packet, session_of
+from homebot.mqtt.memory_requests import Answer, Requests
+from homebot.mqtt.memory_window import SendWindow
+from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import (
+    Connack,
+    Disconnect,
+    Packet,
+    PacketType,
+    Pingreq,
+    Pingresp,
+    ProtocolVersion,
+    Puback,
+    Pubcomp,
+    Pubrec,
+    Suback,
+    Unsuback,
+    decode,
+    encode,
+)
+from homebot.mqtt.receiver import Receiver
+from homebot.mqtt.refusals import farewell_error, login_error
+
+__all__ = ["Conversation"]
+
+_IN_FLIGHT = 100  # as on the link with a socket, so that tests see the same order
+_SEND_BUFFER = 256 * 1024  # bytes that may wait for the broker before a publish of QoS 0 waits too
+_PUBLISH: Final = PacketType.PUBLISH
+_PUBREL: Final = PacketType.PUBREL
+
+
+@final
+class Conversation:
+    """Fills :class:`homebot.mqtt.memory_link.LinkUser`.
+
+    Args:
+        options: Login and limits.
+        version: What to speak.
+        receiver: Where messages go.
+        requests: The client's open requests.
+
+    Attributes:
+        version: What is spoken.
+        granted: What the broker granted; None before.
+        window: Bounds the own publishes of QoS 1 and 2 that are open.
+    """
+
+    def __init__(self, options: MqttOptions, version: ProtocolVersion, receiver: Receiver, requests: Requests) -> None:
+        self.version: Final = version
+        self.granted: Session | None = None
+        self.window = SendWindow(0)
+        self._options = options
+        self._receiver = receiver
+        self._requests = requests
+        self._loop = asyncio.get_running_loop()
+        self._packets = FrameReader(options.maximum_packet_size)
+        self._socket: MemorySocket | None = None
+        self._greeting: asyncio.Future[Session] = self._loop.create_future()
+        self._lost: LinkError | RefusedError | None = None
+        self._gone = anyio.Event()
+        self._drained: anyio.Event | None = None
+        self._unfinished: set[int] = set()  # hand-shakes of an earlier link that take up a place each
+        self._keep_alive = float(options.keep_alive)
+        self._check: asyncio.TimerHandle | None = None
+        self._sent_at = self._heard_at = self._loop.time()
+        self._pinged = False
+
+    async def open(self, socket: MemorySocket) -> Session:
+        """Say CONNECT on *socket*, which is to bring its bytes here, and wait for the answer.
+
+        Raises:
+            LinkError: The broker did not answer.
+            RefusedError: It said no.
+        """
+        self._socket = socket
+        self.say(connect_packet(self._options, self.version))
+        words = f"no answer to CONNECT within {self._options.timeout:g} s"
+        try:
+            with anyio.fail_after(self._options.timeout):
+                return await self._greeting
+        except TimeoutError:
+            self._break(LinkError(words))
+            raise LinkError(words) from None
+        except BaseException:
+            self._break(LinkError("the connect was given up"))
+            raise
+
+    def close(self, *, ends_session: bool) -> None:
+        """Say good-bye, if there is still somebody, and drop the link."""
+        if self._lost is None and self._socket is not None:
+            self.say(disconnect_packet(ends_session=ends_session))
+            self._socket.close()
+        self._lose(LinkError("closed"))
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether the link stands."""
+        return self._lost is None
+
+    def check_alive(self) -> None:
+        """Raise LinkError where the link is lost."""
+        if self._lost is not None:
+            raise LinkError(f"the link is lost: {self._lost}")
+
+    async def wait_lost(self) -> LinkError | RefusedError:
+        """Wait for the end and say why."""
+        await self._gone.wait()
+        return self._lost or LinkError("closed")
+
+    def say(self, packet: Packet) -> None:
+        """Send one packet."""
+        self.put(encode(packet, self.version))
+
+    def put(self, data: bytes) -> None:
+        """Send finished packets."""
+        if self._lost is None and self._socket is not None:
+            self._sent_at = self._loop.time()
+            self._socket.write(data)
+
+    async def wait_until_taken(self) -> None:
+        """Wait while the broker is far behind in taking what was said.
+
+        Raises:
+            LinkError: The link was lost.
+        """
+        while self._socket is not None and self._socket.waiting > _SEND_BUFFER and self._lost is None:
+            self._drained = self._drained or anyio.Event()
+            await self._drained.wait()
+        self.check_alive()
+
+    async def answer_to(self, request: Packet, packet_id: int, what: str) -> Answer:
+        """Send *request* and wait for its last answer.
+
+        Raises:
+            LinkError: None came.
+        """
+        answer = self._requests.expect(packet_id)
+        try:
+            self.say(request)
+            with anyio.fail_after(self._options.timeout):
+                return await answer
+        except TimeoutError:
+            raise LinkError(f"no answer to a {what} within {self._options.timeout:g} s") from None
+        except LinkError as error:
+            raise LinkError(f"{what} failed, the link is lost: {error}") from None
+        finally:
+            self._requests.forget(packet_id)
+
+    def data_received(self, data: bytes) -> None:
+        """Bytes came from the broker."""
+        self._heard_at = self._loop.time()
+        answers = bytearray()
+        try:
+            for frame in self._packets.feed(data):
+                if self._lost is not None:
+                    return
+                if frame.first >> 4 == _PUBLISH and self.granted is not None:
+                    answers += self._receiver.publish(frame)
+                elif frame.first >> 4 == _PUBREL and self.granted is not None:
+                    answers += self._receiver.release(frame)
+                else:
+                    self._handle(self._decoded(frame))
+        except WireError as error:
+            self._break(LinkError(str(error)))
+            return
+        if answers:
+            self.put(bytes(answers))
+
+    def drained(self) -> None:
+        """The broker has taken everything that was written."""
+        if self._drained is not None:
+            self._drained.set()
+            self._drained = None
+
+    def link_ended(self) -> None:
+        """The broker closed the link."""
+        self._lose(LinkError("the broker closed the connection"))
+
+    def _decoded(self, frame: Frame) -> Packet:
+        if frame.oversize:
+            raise WireError(f"the broker sent a packet of type {frame.first >> 4} where it must not")
+        return decode(frame.first, frame.body, self.version)
+
+    def _handle(self, packet: Packet) -> None:
+        if self.granted is None and not isinstance(packet, Connack):
+            raise WireError(f"{type(packet).__name__} came instead of CONNACK")
+        match packet:
+            case Connack():
+                self._greeted(packet)
+            case Pubrec() if not packet.reason.failed:
+                self.say(self._requests.taken(packet.packet_id))
+            case Puback() | Pubrec() | Pubcomp() | Suback() | Unsuback():
+                self._answered(packet)
+            case Pingresp():
+                self._pinged = False
+            case Disconnect():
+                self._lose(farewell_error(packet.reason))
+            case _:
+                raise WireError(f"a broker must not send {type(packet).__name__}")
+
+    def _greeted(self, packet: Connack) -> None:
+        if self._greeting.done():
+            raise WireError("CONNACK came twice")
+        if packet.reason.failed:
+            self._lose(login_error(packet.reason))
+            return
+        self.granted = session = session_of(packet, self.version)
+        self._keep_alive = float(packet.properties.server_keep_alive or self._options.keep_alive)
+        again = self._requests.begin_link(resumed=session.resumed)
+        self._unfinished = {each.packet_id for each in again if each.packet_id is not None}
+        self.window = SendWindow(min(session.receive_maximum, _IN_FLIGHT) - len(again))
+        self._receiver.begin_link(session)
+        self._greeting.set_result(session)
+        for each in again:
+            self.say(each)
+        self._check = self._loop.call_later(self._keep_alive, self._check_signs_of_life)
+
+    def _answered(self, packet: Answer) -> None:
+        self._requests.answered(packet)
+        if packet.packet_id in self._unfinished:
+            self._unfinished.discard(packet.packet_id)
+            self.window.release()
+
+    def _check_signs_of_life(self) -> None:
+        """Ask for a sign where nothing was said, or heard, for the keep-alive time."""
+        if self._pinged:
+            self._break(LinkError("the broker does not answer any more"))
+            return
+        due = min(self._sent_at, self._heard_at) + self._keep_alive
+        if due <= self._loop.time():
+            self._pinged = True
+            self.say(Pingreq())
+            due = self._loop.time() + min(self._options.timeout, self._keep_alive)
+        self._check = self._loop.call_at(due, self._check_signs_of_life)
+
+    def _break(self, reason: LinkError | RefusedError) -> None:
+        if self._socket is not None:
+            self._socket.abort()
+        self._lose(reason)
+
+    def _lose(self, reason: LinkError | RefusedError) -> None:
+        if self._lost is not None:
+            return
+        self._lost = reason
+        if self._check is not None:
+            self._check.cancel()
+        if not self._greeting.done():
+            self._greeting.set_exception(reason)
+        self._receiver.end_link(reason)
+        self._requests.fail(str(reason))
+        self.window.close(f"publish failed, the link is lost: {reason}")
+        self._gone.set()
+        self.drained()

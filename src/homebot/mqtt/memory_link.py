@@ -1,0 +1,239 @@
+"""A link without a socket: bytes both ways between one client and the broker, in order, on one event loop.
+
+What is written in one turn of the loop arrives together in the next. No thread, no socket and no waiting, so it also
+runs where time is virtual.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Protocol, final
+
+from homebot.mqtt.broker import Hub, Peer
+from homebot.mqtt.packets import ReasonCode
+
+__all__ = ["LinkUser", "MemoryLink", "MemorySocket"]
+
+
+class LinkUser(Protocol):
+    """The client's half of what a link carries to."""
+
+    def data_received(self, data: bytes) -> None:
+        """Bytes came from the broker."""
+        ...
+
+    def drained(self) -> None:
+        """The broker has taken everything that was written."""
+        ...
+
+    def link_ended(self) -> None:
+        """The broker closed the link; nothing more comes."""
+        ...
+
+
+@final
+class MemoryLink:
+    """The broker's end; fills :class:`homebot.mqtt.broker.Link`.
+
+    Bytes for a client that does not read wait here without a bound of their own: from ``limits.write_buffer`` on the
+    link is *choked*, and the broker writes nothing more that can wait.
+
+    Args:
+        hub: The broker.
+        user: Who is at the other end.
+        address: The other end in words.
+        on_closed: Told once, when the broker is through with the link.
+
+    Attributes:
+        choked: As :class:`homebot.mqtt.broker.Link` says.
+        address: The other end in words.
+        peer: The broker's state machine for it.
+        socket: The client's end.
+    """
+
+    def __init__(self, hub: Hub, user: LinkUser, address: str, on_closed: Callable[[MemoryLink], None]) -> None:
+        loop = asyncio.get_running_loop()
+        self.choked = False
+        self.address = address
+        self.peer = Peer(hub, self)
+        self._hub = hub
+        self._loop = loop
+        self._user = user
+        self._on_closed = on_closed
+        self._down = _Pipe(loop, self._hand_down, user.link_ended)
+        self._up = _Pipe(loop, self._take_up, self.abort)
+        self._closing = False
+        self.socket = MemorySocket(self._up, self._down)
+
+    def write(self, data: bytes) -> None:
+        """Send *data* with all else of this turn of the loop."""
+        if not self._closing:
+            self._down.write(data)
+            self.choked = self._down.size > self._hub.limits.write_buffer
+
+    def pause_reading(self) -> None:
+        """Let the client's bytes wait at its end."""
+        self._up.pause()
+
+    def resume_reading(self) -> None:
+        """Take bytes again."""
+        self._up.resume()
+
+    def close(self, *, linger: bool) -> None:  # noqa: ARG002 - in memory no reason is ever lost
+        """Send what was written, then close."""
+        if not self._closing:
+            self._closing = True
+            self._down.end()
+            self._loop.call_soon(self._finish)
+
+    def abort(self) -> None:
+        """Cut the link, as if the client had vanished: what is under way is lost, and its will is published."""
+        if not self._closing:
+            self._closing = True
+            self._down.cut()
+            self._loop.call_soon(self._finish)
+
+    def freeze(self) -> None:
+        """Carry nothing more, either way, and tell nobody: as if a cable were pulled. Bytes wait."""
+        self._up.freeze()
+        self._down.freeze()
+
+    def thaw(self) -> None:
+        """Carry what waited, and all that follows."""
+        self._up.thaw()
+        self._down.thaw()
+
+    def _finish(self) -> None:
+        self._up.cut()
+        self.peer.lost()
+        self._on_closed(self)
+
+    def _take_up(self, data: bytes) -> None:
+        if self._closing:
+            return
+        try:
+            self.peer.receive(data)
+        except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
+            self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
+            self._hub.warn(
+                "broker.internal_error",
+                f"the broker itself failed over what {self.peer.words} sent, and cut it off: {error!r}",
+                address=self.address,
+                error=repr(error),
+                exc_info=True,
+            )
+        if not self._up.size:
+            self._user.drained()
+
+    def _hand_down(self, data: bytes) -> None:
+        self._user.data_received(data)
+        if self.choked:
+            self.choked = False
+            self.peer.writable()
+
+
+@final
+class MemorySocket:
+    """The client's end of a link; made by :meth:`homebot.mqtt.memory_broker.MemoryBroker.dial`."""
+
+    def __init__(self, up: _Pipe, down: _Pipe) -> None:
+        self._up = up
+        self._down = down
+
+    @property
+    def waiting(self) -> int:
+        """Bytes written that the broker has not taken yet."""
+        return self._up.size
+
+    def write(self, data: bytes) -> None:
+        """Send *data* with all else of this turn of the loop; nothing after a close."""
+        self._up.write(data)
+
+    def pause_reading(self) -> None:
+        """Take nothing more from the broker, which finds this client slow."""
+        self._down.pause()
+
+    def resume_reading(self) -> None:
+        """Take bytes again."""
+        self._down.resume()
+
+    def close(self) -> None:
+        """Send what was written, then close; nothing more is received."""
+        self._down.deafen()
+        self._up.end()
+
+    def abort(self) -> None:
+        """Cut the link: what the broker has not taken yet is lost, and nothing more is received."""
+        self._down.deafen()
+        self._up.cut()
+
+
+@final
+class _Pipe:
+    """Bytes one way; *deliver* gets them a turn later, *ended* is called once behind the last of them."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, deliver: Callable[[bytes], None], ended: Callable[[], None]
+    ) -> None:
+        self.size = 0
+        self._loop = loop
+        self._deliver: Callable[[bytes], None] | None = deliver
+        self._ended: Callable[[], None] | None = ended
+        self._waiting: list[bytes] = []
+        self._scheduled = False
+        self._paused = False
+        self._frozen = False
+        self._ending = False
+
+    def write(self, data: bytes) -> None:
+        if data and not self._ending:
+            self._waiting.append(data)
+            self.size += len(data)
+            self._schedule()
+
+    def end(self) -> None:
+        self._ending = True
+        self._schedule()
+
+    def cut(self) -> None:
+        self._waiting.clear()
+        self.size = 0
+        self.end()
+
+    def deafen(self) -> None:
+        """Deliver nothing more to who listens here; what comes is thrown away."""
+        self._deliver = self._ended = None
+        self.resume()
+
+    def pause(self) -> None:
+        self._paused = True
+
+    def resume(self) -> None:
+        self._paused = False
+        self._schedule()
+
+    def freeze(self) -> None:
+        self._frozen = True
+
+    def thaw(self) -> None:
+        self._frozen = False
+        self._schedule()
+
+    def _schedule(self) -> None:
+        if not self._scheduled:
+            self._scheduled = True
+            self._loop.call_soon(self._run)
+
+    def _run(self) -> None:
+        self._scheduled = False
+        if self._waiting and not self._paused and not self._frozen:
+            data = self._waiting[0] if len(self._waiting) == 1 else b"".join(self._waiting)
+            self._waiting.clear()
+            self.size = 0
+            if self._deliver is not None:
+                self._deliver(data)
+        if self._ending and not self._waiting and not self._frozen:
+            ended, self._ended = self._ended, None
+            if ended is not None:
+                ended()

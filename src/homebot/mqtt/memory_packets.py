@@ -1,0 +1,82 @@
+"""Between the values of the client port and the packets of MQTT, pure."""
+
+from __future__ import annotations
+
+from homebot.mqtt.client import Session, Subscription
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
+from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.options import Will as WillMessage
+from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
+from homebot.mqtt.packets import Connack, Connect, Disconnect, FilterRequest, Properties, ProtocolVersion, Will
+
+__all__ = ["connect_packet", "disconnect_packet", "filter_request", "publish_properties", "session_of"]
+
+
+def connect_packet(options: MqttOptions, version: ProtocolVersion) -> Connect:
+    """The login that *options* ask for."""
+    is_v5 = version is ProtocolVersion.V5
+    properties = NOTHING
+    if is_v5:
+        properties = Properties(
+            receive_maximum=options.receive_maximum,
+            maximum_packet_size=options.maximum_packet_size,
+            session_expiry_interval=options.session_expiry,
+        )
+    return Connect(
+        client_id=options.client_id,
+        version=version,
+        clean_start=options.session_expiry == 0,
+        keep_alive=options.keep_alive,
+        username=options.user,
+        password=None if options.password is None else options.password.get_secret_value().encode(),
+        will=None if options.will is None else _will(options.will, is_v5=is_v5),
+        properties=properties,
+    )
+
+
+def disconnect_packet(*, ends_session: bool) -> Disconnect:
+    """The good-bye; in MQTT 5 it can end the session with it."""
+    return Disconnect(properties=Properties(session_expiry_interval=0)) if ends_session else Disconnect()
+
+
+def session_of(answer: Connack, version: ProtocolVersion) -> Session:
+    """What the broker granted."""
+    granted = answer.properties
+    return Session(
+        resumed=answer.session_present,
+        protocol="5" if version is ProtocolVersion.V5 else "3.1.1",
+        maximum_qos=2 if granted.maximum_qos is None else granted.maximum_qos,
+        retain_available=granted.retain_available != 0,
+        receive_maximum=granted.receive_maximum or 65_535,
+        maximum_packet_size=granted.maximum_packet_size,
+    )
+
+
+def filter_request(subscription: Subscription) -> FilterRequest:
+    """One line of a SUBSCRIBE."""
+    return FilterRequest(
+        subscription.filter,
+        subscription.qos,
+        subscription.no_local,
+        subscription.retain_as_published,
+        subscription.retain_handling,
+    )
+
+
+def publish_properties(wanted: MessageProperties) -> Properties:
+    """The properties of a PUBLISH or a will."""
+    if wanted is NO_PROPERTIES:
+        return NOTHING
+    return Properties(
+        payload_format_indicator=1 if wanted.payload_is_text else None,
+        message_expiry_interval=wanted.expiry,
+        content_type=wanted.content_type,
+        response_topic=wanted.response_topic,
+        correlation_data=wanted.correlation_data,
+        user_properties=wanted.user,
+    )
+
+
+def _will(will: WillMessage, *, is_v5: bool) -> Will:
+    properties = publish_properties(will.properties) if is_v5 else NOTHING
+    return Will(will.topic, will.payload, will.qos, will.retain, properties)

@@ -1,0 +1,83 @@
+"""What one client has asked its broker and not been answered yet, over all its links."""
+
+from __future__ import annotations
+
+import asyncio
+from random import Random
+from typing import final
+
+from homebot.errors import LinkError
+from homebot.mqtt.packets import Puback, Pubcomp, Publish, Pubrec, Pubrel, Suback, Unsuback
+
+__all__ = ["Answer", "Requests"]
+
+Answer = Puback | Pubrec | Pubcomp | Suback | Unsuback
+
+_LAST = 65_535
+
+
+@final
+class Requests:
+    """Packet identifiers, who waits for which answer, and the hand-shakes of QoS 2.
+
+    Args:
+        random: Chooses the first identifier: a process that starts anew must not meet the open identifiers of the one
+            before in a session that lasted.
+    """
+
+    def __init__(self, random: Random) -> None:
+        self._last = random.randrange(_LAST)
+        self._answers: dict[int, asyncio.Future[Answer]] = {}
+        self._open: dict[int, Publish | None] = {}  # QoS 2; None once PUBREC has come
+
+    def new_id(self) -> int:
+        """An identifier that nothing open has."""
+        while True:
+            self._last = self._last % _LAST + 1
+            if self._last not in self._answers and self._last not in self._open:
+                return self._last
+
+    def begin_link(self, *, resumed: bool) -> tuple[Publish | Pubrel, ...]:
+        """What has to be said again on a new link: hand-shakes of QoS 2 that the broker still has."""
+        if not resumed:
+            self._open.clear()
+        return tuple(
+            Pubrel(packet_id) if publish is None else publish._replace(dup=True)
+            for packet_id, publish in self._open.items()
+        )
+
+    def expect(self, packet_id: int) -> asyncio.Future[Answer]:
+        """Wait for the answer to the request *packet_id*; :meth:`forget` it afterwards."""
+        answer: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
+        self._answers[packet_id] = answer
+        return answer
+
+    def forget(self, packet_id: int) -> None:
+        """Nobody waits for this answer any more."""
+        self._answers.pop(packet_id, None)
+
+    def hold(self, publish: Publish) -> None:
+        """A hand-shake of QoS 2 begins: it must be brought to an end, also on a later link."""
+        if publish.packet_id is not None:
+            self._open[publish.packet_id] = publish
+
+    def taken(self, packet_id: int) -> Pubrel:
+        """PUBREC came and said yes; returns the answer."""
+        if packet_id in self._open:
+            self._open[packet_id] = None
+        return Pubrel(packet_id)
+
+    def answered(self, packet: Answer) -> bool:
+        """The last answer came; False where nobody waits for it any more."""
+        self._open.pop(packet.packet_id, None)
+        answer = self._answers.get(packet.packet_id)
+        if answer is None or answer.done():
+            return False
+        answer.set_result(packet)
+        return True
+
+    def fail(self, words: str) -> None:
+        """No answer will come, because of *words*."""
+        for answer in self._answers.values():
+            if not answer.done():
+                answer.set_exception(LinkError(words))

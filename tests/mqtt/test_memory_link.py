@@ -1,0 +1,334 @@
+"""What a link in memory can do beside the contract: be cut, frozen and slow, and run where time is virtual."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from random import Random
+
+import anyio
+import pytest
+
+from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.mqtt.broker import BrokerLimits
+from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.memory_requests import Requests
+from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.options import MqttOptions, Will
+from homebot.mqtt.packets import (
+    Connect,
+    Disconnect,
+    Packet,
+    PacketReader,
+    Properties,
+    ProtocolVersion,
+    ReasonCode,
+    encode,
+)
+from homebot.mqtt.packets import Will as WillPacket
+
+pytestmark = pytest.mark.virtual_time
+
+
+@pytest.fixture
+async def broker() -> AsyncIterator[MemoryBroker]:
+    async with MemoryBroker(limits=BrokerLimits(write_buffer=2_000)) as broker:
+        yield broker
+
+
+@pytest.fixture
+def options(broker: MemoryBroker) -> MqttOptions:
+    return MqttOptions.from_url(broker.url, client_id="hub")
+
+
+def now() -> float:
+    return asyncio.get_running_loop().time()
+
+
+class RawClient:
+    """Speaks packets, so that it can ask for what the client port does not know."""
+
+    def __init__(self, broker: MemoryBroker) -> None:
+        self.packets: list[Packet] = []
+        self.ended = anyio.Event()
+        self.socket = broker.dial(broker.host, broker.port, self)
+        self._reader = PacketReader(ProtocolVersion.V5)
+
+    def say(self, *packets: Packet) -> None:
+        self.socket.write(b"".join(encode(packet, ProtocolVersion.V5) for packet in packets))
+
+    def data_received(self, data: bytes) -> None:
+        self.packets += self._reader.feed(data)
+
+    def drained(self) -> None:
+        pass
+
+    def link_ended(self) -> None:
+        self.ended.set()
+
+
+async def test_nothing_takes_time(broker: MemoryBroker, options: MqttOptions) -> None:
+    client = broker.make_client(options)
+    async with client.connected():
+        await client.subscribe(Subscription("t", 2))
+        await client.publish("t", b"x", qos=2)
+        assert await client.receive() == [MqttMessage("t", b"x", 2)]
+    assert now() == 0.0
+
+
+async def test_a_cut_link_publishes_the_will_at_once(broker: MemoryBroker, options: MqttOptions) -> None:
+    watcher = broker.make_client(replace(options, client_id="watcher"))
+    victim = broker.make_client(replace(options, will=Will("will", b"gone")))
+    async with watcher.connected(), victim.connected():
+        await watcher.subscribe(Subscription("will"))
+        broker.link_of("hub").abort()
+        assert [message.payload for message in await watcher.receive()] == [b"gone"]
+        assert isinstance(await victim.wait_lost(), LinkError)
+    assert now() == 0.0
+
+
+async def test_both_ends_of_a_frozen_link_find_out_by_keep_alive(broker: MemoryBroker, options: MqttOptions) -> None:
+    """The broker after one and a half times the interval, the client when its ping stays unanswered."""
+    watcher = broker.make_client(replace(options, client_id="watcher"))
+    victim = broker.make_client(replace(options, keep_alive=60, will=Will("will", b"gone")))
+    async with watcher.connected(), victim.connected():
+        await watcher.subscribe(Subscription("will"))
+        broker.link_of("hub").freeze()
+        assert str(await victim.wait_lost()) == "the broker does not answer any more"
+        assert now() == 70.0
+        assert [message.payload for message in await watcher.receive()] == [b"gone"]
+        assert now() == 90.0
+
+
+async def test_a_thawed_link_carries_what_waited(broker: MemoryBroker, options: MqttOptions) -> None:
+    client = broker.make_client(options)
+    async with client.connected():
+        await client.subscribe(Subscription("t"))
+        link = broker.link_of("hub")
+        link.freeze()
+        await client.publish("t", b"x")
+        await anyio.sleep(5)
+        assert broker.stats.messages_received == 0
+        link.thaw()
+        assert [message.payload for message in await client.receive()] == [b"x"]
+
+
+async def test_an_idle_link_is_kept_alive_for_a_week(broker: MemoryBroker, options: MqttOptions) -> None:
+    client = broker.make_client(replace(options, keep_alive=600))
+    async with client.connected():
+        await anyio.sleep(7 * 86_400)
+        await client.publish("t", qos=1)
+
+
+async def test_the_broker_may_ask_for_a_shorter_keep_alive(options: MqttOptions) -> None:
+    async with MemoryBroker(keep_alive=20) as broker:
+        client = broker.make_client(replace(options, keep_alive=600))
+        async with client.connected():
+            await anyio.sleep(3_600)
+            await client.publish("t", qos=1)
+
+
+async def test_a_session_ends_when_its_time_is_over(broker: MemoryBroker, options: MqttOptions) -> None:
+    client = broker.make_client(replace(options, session_expiry=8 * 3_600))
+    for away, resumed in ((0, False), (8 * 3_600 - 1, True), (8 * 3_600, False)):
+        await anyio.sleep(away)
+        async with client.connected() as session:
+            assert session.resumed is resumed
+
+
+async def test_a_delayed_will_comes_at_its_time(broker: MemoryBroker, options: MqttOptions) -> None:
+    watcher = broker.make_client(options)
+    will = WillPacket("will", b"gone", properties=Properties(will_delay_interval=3_600))
+    async with watcher.connected():
+        await watcher.subscribe(Subscription("will"))
+        victim = RawClient(broker)
+        victim.say(Connect("victim", will=will, properties=Properties(session_expiry_interval=7_200)))
+        await anyio.sleep(10)
+        victim.socket.abort()
+        assert [message.payload for message in await watcher.receive()] == [b"gone"]
+        assert now() == 3_610.0
+
+
+async def test_who_says_nothing_is_cut_off(broker: MemoryBroker) -> None:
+    silent = RawClient(broker)
+    await silent.ended.wait()
+    assert now() == 10.0
+    assert broker.links == ()
+
+
+async def test_who_breaks_the_protocol_is_told_why(broker: MemoryBroker) -> None:
+    client = RawClient(broker)
+    client.say(Connect("a"), Connect("a"))
+    await client.ended.wait()
+    assert client.packets[-1] == Disconnect(
+        ReasonCode.PROTOCOL_ERROR, Properties(reason_string="a client must not send Connect")
+    )
+
+
+async def test_a_client_that_does_not_read_loses_only_qos_0(broker: MemoryBroker, options: MqttOptions) -> None:
+    """Its link is choked from the limit on, and goes on where it stopped when it is read again."""
+    reader = broker.make_client(options)
+    writer = broker.make_client(replace(options, client_id="writer"))
+    async with reader.connected(), writer.connected():
+        await reader.subscribe(Subscription("t", 1))
+        link = broker.link_of("hub")
+        link.socket.pause_reading()
+        for number in range(100):
+            await writer.publish("t", b"%0100d" % number, qos=number % 2)
+        assert link.choked
+        link.socket.resume_reading()
+        got: list[bytes] = []
+        while len(got) < 50 or got[-1] != b"%0100d" % 99:
+            batch = await reader.receive()
+            got += [message.payload for message in batch]
+            reader.ack(batch)
+        assert [payload for payload in got if int(payload) % 2] == [b"%0100d" % number for number in range(1, 100, 2)]
+        assert broker.stats.dropped_qos0 == 100 - len(got) > 0
+
+
+async def test_a_fast_publisher_of_qos_0_waits_for_the_broker(broker: MemoryBroker, options: MqttOptions) -> None:
+    client = broker.make_client(options)
+    async with client.connected():
+        for _ in range(100):
+            await client.publish("t", bytes(10_000))
+        assert broker.stats.messages_received > 50
+
+
+async def test_a_window_bounds_what_is_open_and_a_lost_link_sets_those_free_who_wait(options: MqttOptions) -> None:
+    async with MemoryBroker(limits=BrokerLimits(receive_maximum=2)) as broker:
+        client = broker.make_client(options)
+        failed: list[LinkError] = []
+
+        async def publish(number: int) -> None:
+            try:
+                await client.publish(f"t/{number}", qos=2)
+            except LinkError as error:
+                failed.append(error)
+
+        async with client.connected():
+            async with anyio.create_task_group() as tasks:
+                for number in range(10):
+                    tasks.start_soon(publish, number)
+            assert broker.stats.messages_received == 10
+            broker.link_of("hub").freeze()
+            async with anyio.create_task_group() as tasks:
+                for number in range(10):
+                    tasks.start_soon(publish, number)
+                await anyio.sleep(1)
+                broker.link_of("hub").abort()
+                broker.link_of("hub").thaw()
+        assert [str(error) for error in failed] == [
+            "publish failed, the link is lost: the broker closed the connection"
+        ] * 10
+
+
+async def test_a_hand_shake_of_qos_2_is_brought_to_its_end_on_the_next_link(
+    broker: MemoryBroker, options: MqttOptions
+) -> None:
+    """Or the broker would take the next message of that number for a repetition."""
+    watcher = broker.make_client(replace(options, client_id="watcher"))
+    client = broker.make_client(replace(options, session_expiry=60))
+    async with watcher.connected():
+        await watcher.subscribe(Subscription("t", 0))
+        async with client.connected(), anyio.create_task_group() as tasks:
+            tasks.start_soon(_publish_in_vain, client)
+            await anyio.sleep(0)
+            link = broker.link_of("hub")
+            link.socket.pause_reading()
+            await watcher.receive()
+            link.abort()
+        async with client.connected() as session:
+            assert session.resumed
+            for number in range(3):
+                await client.publish("t", b"%d" % number, qos=2)
+        got: list[bytes] = []
+        while len(got) < 3:
+            got += [message.payload for message in await watcher.receive()]
+        assert got == [b"0", b"1", b"2"]
+
+
+async def _publish_in_vain(client: MqttClient) -> None:
+    with pytest.raises(LinkError):
+        await client.publish("t", b"lost", qos=2)
+
+
+async def test_an_answer_that_does_not_come_is_overdue(broker: MemoryBroker, options: MqttOptions) -> None:
+    client = broker.make_client(replace(options, timeout=3.0))
+    async with client.connected():
+        broker.link_of("hub").freeze()
+        with pytest.raises(LinkError, match="no answer to a publish within 3 s"):
+            await client.publish("t", qos=1)
+        with pytest.raises(LinkError, match="no answer to a subscribe within 3 s"):
+            await client.subscribe(Subscription("t"))
+    assert now() == 6.0
+
+
+async def test_what_the_broker_does_not_take_is_refused_here(options: MqttOptions) -> None:
+    async with MemoryBroker(limits=BrokerLimits(max_packet_size=2_000)) as broker:
+        client = broker.make_client(options)
+        async with client.connected():
+            with pytest.raises(RefusedError, match="packet too large"):
+                await client.publish("t", bytes(2_000))
+            await client.publish("t", bytes(1_900), qos=1)
+
+
+async def test_only_this_broker_can_be_reached_and_only_while_it_runs(options: MqttOptions) -> None:
+    broker = MemoryBroker()
+    with pytest.raises(UsageError, match="never started"):
+        _ = broker.stats
+    client = broker.make_client(options)
+    with pytest.raises(LinkError, match="is not running"):
+        async with client.connected():
+            pass
+    async with broker:
+        stranger = broker.make_client(replace(options, host="10.0.0.1"))
+        with pytest.raises(LinkError, match="nothing answers at 10.0.0.1 port 1883"):
+            async with stranger.connected():
+                pass
+        with pytest.raises(UsageError, match="no client 'x' is connected; there are: none"):
+            broker.link_of("x")
+        with pytest.raises(UsageError, match="no TLS"):
+            broker.make_client(MqttOptions.from_url("mqtts://memory:1883"))
+
+
+async def test_a_client_has_one_link_at_a_time(broker: MemoryBroker, options: MqttOptions) -> None:
+    client = broker.make_client(options)
+    async with client.connected():
+        with pytest.raises(UsageError, match="connected already"):
+            async with client.connected():
+                pass
+
+
+async def test_too_many_links_are_turned_away(options: MqttOptions) -> None:
+    async with MemoryBroker(limits=BrokerLimits(max_connections=1)) as broker:
+        strangers = [RawClient(broker) for _ in range(2)]
+        with pytest.raises(LinkError, match="too many links"):
+            async with broker.make_client(options).connected():
+                pass
+        assert len(strangers) == len(broker.links) == 2
+
+
+async def test_sessions_and_retained_messages_outlive_a_restart_if_that_is_asked(
+    broker: MemoryBroker, options: MqttOptions
+) -> None:
+    client = broker.make_client(replace(options, session_expiry=60))
+    async with client.connected():
+        await client.publish("t", b"kept", qos=1, retain=True)
+    for keeps in (True, False):
+        await broker.restart(keep_sessions=keeps)
+        async with client.connected() as session:
+            assert session.resumed is keeps
+            assert broker.stats.retained_messages == int(keeps)
+
+
+@pytest.mark.parametrize("bad", [{"keep_alive": 0}, {"policy": object(), "refuse_filters": ["a"]}])
+def test_what_cannot_be_is_refused(bad: dict[str, object]) -> None:
+    with pytest.raises(UsageError):
+        MemoryBroker(**bad)  # type: ignore[arg-type] # wrong on purpose
+
+
+def test_a_seed_fixes_the_packet_identifiers() -> None:
+    """Without one they begin anywhere, so that a restarted process does not meet those of its predecessor."""
+    assert Requests(Random(1)).new_id() == Requests(Random(1)).new_id() != Requests(Random(2)).new_id()
