@@ -2,12 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import math
+import re
+from typing import Annotated, Final
 
 from pydantic import Field
 
-__all__ = ["Bytes", "Port", "Seconds"]
+from homebot.errors import UsageError
+
+__all__ = ["Bytes", "Port", "Seconds", "parse_duration"]
 
 Seconds = Annotated[float, Field(gt=0, allow_inf_nan=False, description="seconds")]
 Bytes = Annotated[int, Field(gt=0, description="bytes")]
 Port = Annotated[int, Field(ge=0, le=65_535, description="TCP port; 0 is any free one")]
+
+
+def parse_duration(text: str | float) -> float:
+    """Return a length of time in seconds.
+
+    Args:
+        text: A number and a unit, or several with the larger unit first: ``90s``, ``1h30m``, ``1.5d``, ``500ms``.
+            Units are d, h, m, s and ms. A plain number is seconds.
+
+    Raises:
+        UsageError: It cannot be read, is below 0, or is without end.
+    """
+    if isinstance(text, str):
+        parts = _DURATION.fullmatch(text.strip())
+        if parts is None or not any(parts.groups()):
+            raise UsageError(f"{text!r} is no duration; write it like 90s, 8h or 1h30m (d, h, m, s, ms)")
+        return sum(float(part) * unit for part, unit in zip(parts.groups("0"), _UNITS.values(), strict=True))
+    if not 0 <= text < math.inf:
+        raise UsageError(f"{text} is no duration: it must be a number of seconds from 0 on")
+    return float(text)
+
+
+_UNITS: Final = {"d": 86_400.0, "h": 3_600.0, "m": 60.0, "s": 1.0, "ms": 0.001}
+_DURATION: Final = re.compile(r"\s*".join(rf"(?:(\d+(?:\.\d+)?)\s*{unit}(?![a-z]))?" for unit in _UNITS), re.ASCII)
