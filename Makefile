@@ -5,13 +5,21 @@ BIN = $(VENV)/bin
 ARGS ?=
 BENCH = .venv-bench
 
-.PHONY: run test check format bench lock test-lowest clean
+SEED := $(or $(SEED),$(shell date +%s))
+CASES ?= 100000
+
+.PHONY: run test fuzz check format bench lock test-lowest clean
 
 run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
 
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 2 --cov --cov-report=term $(ARGS)
+
+# Damaged packets for the broker; `make fuzz SEED=...` repeats a run.
+fuzz: $(VENV)/.dev
+	@echo "seed $(SEED), $(CASES) cases"
+	@FUZZ_SEED=$(SEED) FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -n 2 --timeout 1800 --show-capture no tests/mqtt/broker/test_fuzz_seeded.py $(ARGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
