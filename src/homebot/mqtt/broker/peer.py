@@ -117,6 +117,8 @@ class Peer:
         client = self._client
         if client is None:
             self._login(packet)
+        elif type(packet) is Puback:  # comes once for each message sent, and never waits
+            client.session.acknowledged(packet.packet_id)
         elif self._holding.active and not isinstance(packet, _NEVER_HELD):
             if isinstance(packet, Publish):
                 client.inbound.check_quota(packet, self._holding.messages)
@@ -175,9 +177,6 @@ class Peer:
         outbound.send(login.welcome(wanted, hub, session_present=present))
         self._expect_signs_of_life()
         session.resume(outbound, wanted.receive_maximum)
-
-    def _acknowledged(self, client: _Client, packet: Puback) -> None:
-        client.session.acknowledged(packet.packet_id)
 
     def _taken(self, client: _Client, packet: Pubrec) -> None:
         reason = client.session.taken(packet.packet_id, packet.reason)
@@ -325,7 +324,6 @@ class Peer:
 
     _HANDLERS: ClassVar[dict[type, Callable[..., None]]] = {
         Pubrel: _released,
-        Puback: _acknowledged,
         Pubrec: _taken,
         Pubcomp: _completed,
         Pingreq: _ping,
@@ -336,7 +334,7 @@ class Peer:
     }
 
 
-_NEVER_HELD = (Puback, Pubrec, Pubrel, Pubcomp, Pingreq)
+_NEVER_HELD = (Pubrec, Pubrel, Pubcomp, Pingreq)
 
 
 @dataclass(slots=True)

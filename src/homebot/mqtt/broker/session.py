@@ -159,7 +159,8 @@ class Session:
                 self._send_again(outbound, resend.popleft())
             elif queue and (not queue.first.qos or len(self._in_flight) < self._window):
                 parcel = queue.popleft()
-                if parcel.message.expired(self._clock.monotonic()):
+                expires_at = parcel.message.expires_at
+                if expires_at is not None and expires_at <= self._clock.monotonic():
                     self._counters.dropped_expired += 1
                 elif parcel.qos:
                     self._send(outbound, parcel)
@@ -167,7 +168,7 @@ class Session:
                     outbound.publish(parcel)
             else:
                 break
-        if queue.low:
+        if (self.overrun or self.held_publishers) and queue.low:
             self.overrun = False
             self._release_publishers()
 
@@ -238,14 +239,15 @@ class Session:
 
     def _forget(self, packet_id: int) -> None:
         del self._in_flight[packet_id]
-        self._not_again(packet_id)
+        if self._resend:
+            self._not_again(packet_id)
         if self._queue or self._resend:
             self.pump()
         elif self.held_publishers:
             self._release_publishers()
 
     def _not_again(self, packet_id: int) -> None:
-        if self._resend and packet_id in self._resend:  # it was answered before it was sent again
+        if packet_id in self._resend:  # it was answered before it was sent again
             self._resend.remove(packet_id)
 
     def _release_publishers(self) -> None:

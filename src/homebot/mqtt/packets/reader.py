@@ -7,7 +7,7 @@ from typing import final
 
 from homebot.mqtt.packets.codec import Packet, decode
 from homebot.mqtt.packets.primitives import MAX_VARINT
-from homebot.mqtt.packets.publish import decode_publish
+from homebot.mqtt.packets.publish import Puback, decode_publish
 from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
 
 __all__ = ["MAX_PACKET_SIZE", "PacketReader"]
@@ -95,6 +95,8 @@ class PacketReader:
         try:
             if first & 0xF0 == 0x30:
                 packet: Packet = decode_publish(first & 0x0F, data, body, end, self.version)
+            elif first == 0x40 and size == 2 and (packet_id := data[body] << 8 | data[body + 1]):
+                packet = Puback(packet_id)  # the plain form of the packet that comes as often as PUBLISH
             else:
                 packet = decode(first, data[body:end], self.version)
         except PacketError as error:
