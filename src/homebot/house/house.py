@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
+from random import Random
 
 import anyio
 from anyio.abc import TaskStatus
@@ -11,14 +13,16 @@ from homebot.clock import Clock
 from homebot.errors import LinkError
 from homebot.house.devices import Lamp, SimulatedDevice, WindowMotor
 from homebot.mqtt.aiomqtt_client import AiomqttClient
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttClient, Subscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.options import MqttOptions
 
 __all__ = ["SimulatedHouse", "thesis_devices"]
 
 HEARTBEAT = 2.0
-"""Seconds after which a device repeats its state, as real ones do."""
+"""Seconds between two reports where nothing else is said: short, so that one who looks on sees life."""
+
+SHORTEST_KEEP_ALIVE = 30
 
 
 def thesis_devices() -> tuple[SimulatedDevice, ...]:
@@ -34,13 +38,29 @@ class SimulatedHouse:
         home: First level of the devices' topics.
         devices: The devices.
         clock: The time they live by.
+        make_client: Makes their MQTT clients.
+        random: Source of their reconnects' jitter; a seeded one makes every run the same.
+        heartbeat: Seconds after which a device repeats its state, as real ones do.
     """
 
-    def __init__(self, url: str, home: str, devices: Sequence[SimulatedDevice], clock: Clock) -> None:
+    def __init__(
+        self,
+        url: str,
+        home: str,
+        devices: Sequence[SimulatedDevice],
+        clock: Clock,
+        *,
+        make_client: Callable[[MqttOptions], MqttClient] = AiomqttClient,
+        random: Random | None = None,
+        heartbeat: float = HEARTBEAT,
+    ) -> None:
         self._url = url
         self._home = home
         self._devices = devices
         self._clock = clock
+        self._make_client = make_client
+        self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
+        self._heartbeat = heartbeat
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Let the devices live until cancelled."""
@@ -50,14 +70,19 @@ class SimulatedHouse:
             task_status.started()
 
     async def _live(self, device: SimulatedDevice) -> None:
-        options = MqttOptions.from_url(self._url, client_id=f"{self._home}-{device.device_id}")
+        # Whoever speaks this often needs no pings in between.
+        keep_alive = max(SHORTEST_KEEP_ALIVE, min(math.ceil(2 * self._heartbeat), 65_535))
+        name = f"{self._home}-{device.device_id}"
+        options = MqttOptions.from_url(self._url, client_id=name, keep_alive=keep_alive)
         base = f"{self._home}/{device.service_type}/{device.device_id}"
-        async with MqttConnection(options, AiomqttClient, status_topic=None, clock=self._clock) as connection:
+        async with MqttConnection(
+            options, self._make_client, status_topic=None, clock=self._clock, random=self._random
+        ) as connection:
             await connection.subscribe(Subscription(f"{base}/in", qos=1))
             voice = _Voice(connection, f"{base}/out", device.state())
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(_report_on_connect, connection, voice)
-                tasks.start_soon(_report_steadily, voice)
+                tasks.start_soon(_report_steadily, voice, self._heartbeat)
                 tasks.start_soon(_obey, device, connection, voice)
 
 
@@ -86,9 +111,9 @@ async def _report_on_connect(connection: MqttConnection, voice: _Voice) -> None:
             await voice.repeat()
 
 
-async def _report_steadily(voice: _Voice) -> None:
+async def _report_steadily(voice: _Voice, heartbeat: float) -> None:
     while True:
-        await anyio.sleep(HEARTBEAT)
+        await anyio.sleep(heartbeat)
         await voice.repeat()
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import AsyncExitStack, contextmanager
 from dataclasses import replace
+from random import Random
 from typing import Self
 
 import anyio
@@ -21,9 +22,12 @@ from homebot.clock import Clock, LoopClock
 from homebot.config import Config
 from homebot.discovery import Directory
 from homebot.gateways import Gateway
+from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.house import SimulatedHouse, thesis_devices
+from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime.embedded_broker import embedded_broker
 from homebot.runtime.plan import Component, make_plan
 from homebot.runtime.supervisor import Supervisor, Work
@@ -46,7 +50,10 @@ class Runtime:
     Args:
         config: What to run.
         with_house: Whether the simulated house lives on the embedded broker.
+        with_door: Whether tools come in; without it, and with *broker*, nothing needs a socket.
         clock: The time to go by; by default that of the running loop.
+        broker: Stands in for the embedded broker. All MQTT goes through it, in memory; it is the caller's to run.
+        random: Source of all that is left to chance; a seeded one makes every run the same.
 
     Attributes:
         graph: The graph everything meets on.
@@ -58,9 +65,21 @@ class Runtime:
         ConfigError: A class cannot be found, or a table is wrong.
     """
 
-    def __init__(self, config: Config, *, with_house: bool = False, clock: Clock | None = None) -> None:
+    def __init__(
+        self,
+        config: Config,
+        *,
+        with_house: bool = False,
+        with_door: bool = True,
+        clock: Clock | None = None,
+        broker: MemoryBroker | None = None,
+        random: Random | None = None,
+    ) -> None:
         self._plan = make_plan(config)
         self._with_house = with_house
+        self._with_door = with_door
+        self._broker = broker
+        self._random = random
         self._clock = clock or LoopClock()
         self._stack = AsyncExitStack()
         self.graph = Graph(self._clock)
@@ -108,7 +127,8 @@ class Runtime:
         yield "discovery", self._directory
         yield from ((app.name, self._app(app)) for app in self._plan.apps)
         yield "rosapi", self._rosapi
-        yield "door", self._open_door
+        if self._with_door:
+            yield "door", self._open_door
         if self._with_house and self.broker_url is not None:
             yield "house", self._house(self.broker_url, _root(gateways))
 
@@ -121,18 +141,38 @@ class Runtime:
 
     async def _with_broker(self, stack: AsyncExitStack) -> tuple[Component[Gateway], ...]:
         """Start the embedded broker if a gateway wants it; return the gateways with its address filled in."""
-        if not any(_wants_broker(gateway) for gateway in self._plan.gateways):
-            return self._plan.gateways
-        broker = await stack.enter_async_context(embedded_broker(self._clock))
-        self.broker_url = broker.url
-        return tuple(_on_broker(gateway, broker.url) for gateway in self._plan.gateways)
+        gateways = tuple(self._named(gateway) for gateway in self._plan.gateways)
+        if not any(_wants_broker(gateway) for gateway in gateways):
+            return gateways
+        if self._broker is not None:
+            url = self._broker.url
+        else:
+            url = (await stack.enter_async_context(embedded_broker(self._clock))).url
+        self.broker_url = url
+        return tuple(_on_broker(gateway, url) for gateway in gateways)
+
+    def _named(self, gateway: Component[Gateway]) -> Component[Gateway]:
+        """Take also the name of an MQTT client from the given source of chance."""
+        settings = gateway.settings
+        if self._random is None or not isinstance(settings, MqttGatewaySettings):
+            return gateway
+        name = f"homebot-{self._random.getrandbits(32):08x}"
+        return replace(gateway, settings=settings.with_client_id(name))
 
     def _gateway(self, component: Component[Gateway]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with Node(self.graph, component.name, namespace="/gateway") as node:
-                await component.kind(node, component.settings).serve(task_status=task_status)
+                await self._make_gateway(component, node).serve(task_status=task_status)
 
         return work
+
+    def _make_gateway(self, component: Component[Gateway], node: Node) -> Gateway:
+        kind, settings = component.kind, component.settings
+        if self._broker is None or not issubclass(kind, MqttGateway) or not isinstance(settings, MqttGatewaySettings):
+            return kind(node, settings)
+        return kind(
+            node, settings, make_client=self._broker.make_client, random=self._random, computer=self._broker.host
+        )
 
     def _app(self, component: Component[App]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
@@ -158,7 +198,11 @@ class Runtime:
 
     def _house(self, url: str, home: str) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
-            await SimulatedHouse(url, home, thesis_devices(), self._clock).serve(task_status=task_status)
+            make_client = AiomqttClient if self._broker is None else self._broker.make_client
+            house = SimulatedHouse(
+                url, home, thesis_devices(), self._clock, make_client=make_client, random=self._random
+            )
+            await house.serve(task_status=task_status)
 
         return work
 

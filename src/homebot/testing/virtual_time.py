@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import math
 import selectors
+from collections import deque
 from collections.abc import Callable
 from contextvars import Context
 from typing import TypeVarTuple
@@ -39,6 +40,12 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         """Seconds of virtual time since the loop was made."""
         return self._jumping.now
 
+    async def settled(self) -> None:
+        """Wait until all that can happen at this moment has happened; no time passes."""
+        waiter: asyncio.Future[None] = self.create_future()
+        self._jumping.waiters.append(waiter)
+        await waiter
+
     def call_at(
         self,
         when: float,
@@ -57,13 +64,27 @@ class _JumpingSelector(selectors.DefaultSelector):
 
     now = 0.0
 
+    def __init__(self) -> None:
+        super().__init__()
+        self.waiters: deque[asyncio.Future[None]] = deque()
+
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
-        if timeout is None:
+        if timeout is None and not self.waiters:
             return self._select_or_give_up()
         ready = super().select(0)
-        if timeout > 0 and not ready:
+        if timeout == 0 or ready:
+            return ready
+        if self.waiters:
+            self._wake_waiters()
+        elif timeout is not None:
             self.now += timeout
         return ready
+
+    def _wake_waiters(self) -> None:
+        while self.waiters:
+            waiter = self.waiters.popleft()
+            if not waiter.done():
+                waiter.set_result(None)
 
     def _select_or_give_up(self) -> list[tuple[selectors.SelectorKey, int]]:
         ready = super().select(STUCK_AFTER)

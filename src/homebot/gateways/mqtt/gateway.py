@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import platform
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from random import Random
 from typing import ClassVar, Literal
 
 import anyio
@@ -31,9 +32,10 @@ from homebot.graph import EntityKind, Node
 from homebot.log import LogLimit
 from homebot.messages import Time
 from homebot.mqtt.aiomqtt_client import AiomqttClient
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttClient, Subscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.topics import validate_topic
 from homebot.plugins import load_plugin
 
@@ -81,13 +83,28 @@ class GatewayCounters:
 class MqttGateway(Gateway):
     """Brings the devices on one MQTT broker onto the graph.
 
+    Args:
+        node: Its node.
+        settings: Its table.
+        make_client: Makes the client of its connection.
+        random: Source of the reconnects' jitter; a seeded one makes every run the same.
+        computer: What this computer is called in the topic of its status; by default as the system says.
+
     Attributes:
         counters: What it did.
     """
 
     Settings: ClassVar[type[BaseModel]] = MqttGatewaySettings
 
-    def __init__(self, node: Node, settings: MqttGatewaySettings) -> None:
+    def __init__(
+        self,
+        node: Node,
+        settings: MqttGatewaySettings,
+        *,
+        make_client: Callable[[MqttOptions], MqttClient] = AiomqttClient,
+        random: Random | None = None,
+        computer: str = "",
+    ) -> None:
         """Make the gateway; nothing is connected before :meth:`serve`.
 
         Raises:
@@ -105,9 +122,9 @@ class MqttGateway(Gateway):
         self._channels = Channels(self._conventions)
         self._listeners = Listeners(node, self.names, inboxes=settings.delivery == "inbox")
         # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
-        status_topic = f"homebot/{_topic_level(platform.node())}/{node.name}/status"
+        status_topic = f"homebot/{_topic_level(computer or platform.node())}/{node.name}/status"
         self._connection = MqttConnection(
-            settings.options(), AiomqttClient, status_topic=status_topic, clock=self._clock
+            settings.options(), make_client, status_topic=status_topic, clock=self._clock, random=random
         )
         node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)

@@ -119,6 +119,12 @@ class MqttGatewaySettings(BaseModel):
             **{name: value for name, value in given.items() if value is not None},
         )
 
+    def with_client_id(self, client_id: str) -> MqttGatewaySettings:
+        """Return the same settings with another name for this run; one that the user chose stays."""
+        if "client_id" in self.model_fields_set:
+            return self
+        return self.model_construct(_fields_set=self.model_fields_set, **(dict(self) | {"client_id": client_id}))
+
     def check_files(self) -> None:
         """See whether the certificate files can be read.
 
