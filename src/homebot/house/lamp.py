@@ -1,0 +1,67 @@
+"""A lamp: on or off, dimmed, warm or cold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from homebot.house.device import Machine, number, spoken
+
+__all__ = ["Lamp"]
+
+KELVIN = (1500.0, 9000.0)
+"""From candle light to a blue sky."""
+
+
+@dataclass(eq=False)
+class Lamp(Machine):
+    """A lamp that does at once what it is told, and says so.
+
+    It takes ``on``, ``off``, a brightness from ``0`` to ``1``, and a colour temperature such as ``2700 K``.
+
+    Attributes:
+        is_on: Whether it shines.
+        brightness: How bright it is while on, 0 to 1.
+        kelvin: Colour temperature.
+        rated_watts: What it draws at full brightness.
+        rated_lux: The light that it then gives its room.
+    """
+
+    is_on: bool = False
+    brightness: float = 1.0
+    kelvin: float = 2700.0
+    rated_watts: float = 9.0
+    rated_lux: float = 150.0
+    service_type: str = field(default="lights", kw_only=True)
+
+    def state(self) -> str:
+        """``on`` or ``off``."""
+        return "on" if self.is_on else "off"
+
+    def watts(self) -> float:
+        """In proportion to the brightness."""
+        return self.rated_watts * self.brightness if self.is_on else 0.0
+
+    def lux(self) -> float:
+        """Return the light it gives its room."""
+        return self.rated_lux * self.brightness if self.is_on else 0.0
+
+    def restore(self) -> str:
+        """``on`` or ``off``."""
+        return self.state()
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        if command in {"on", "off"}:
+            self.is_on = command == "on"
+            return (command,)
+        if command.endswith(" K"):
+            kelvin = number(command.removesuffix(" K"), *KELVIN)
+            if kelvin is None:
+                return ()
+            self.kelvin = kelvin
+            return (f"{spoken(kelvin)} K",)
+        brightness = number(command, 0.0, 1.0)
+        if brightness is None:
+            return ()
+        self.is_on = brightness > 0
+        self.brightness = brightness or self.brightness
+        return (spoken(brightness),)

@@ -1,0 +1,107 @@
+"""A robot that drives through the house."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from homebot.errors import UsageError
+from homebot.house.device import Machine
+from homebot.house.rooms import Rooms
+
+__all__ = ["Pose", "Robot"]
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where something stands and looks.
+
+    Attributes:
+        x: Metres east.
+        y: Metres north.
+        heading: Radians from east, counter-clockwise.
+    """
+
+    x: float
+    y: float
+    heading: float
+
+
+@dataclass(eq=False)
+class Robot(Machine):
+    """A robot that takes ``go ROOM`` and ``stop``, and says each room that it enters.
+
+    It drives from the middle of one room to the middle of the next, at one speed. A room that no doors lead to it
+    ignores. Stopped between two rooms it drives on to the nearer one's middle only when told.
+
+    Attributes:
+        rooms: The plan it has.
+        room: The last room whose middle it reached.
+        speed: Metres a second, above 0.
+    """
+
+    rooms: Rooms = field(repr=False)
+    room: str
+    speed: float = 0.5
+    service_type: str = field(default="robots", kw_only=True)
+
+    def __post_init__(self) -> None:
+        start = self.rooms.rooms[self.room]
+        self._from = self._at_rest = Pose(start.x, start.y, 0.0)
+        self._left_at = self.now
+        self._ahead: tuple[str, ...] = ()
+
+    def state(self) -> str:
+        """The room it is in, or ``moving``."""
+        return "moving" if self._ahead else self.room
+
+    def watts(self) -> float:
+        """None from the house: it drives on its battery."""
+        return 0.0
+
+    def restore(self) -> str:
+        """``go`` to the room it is in."""
+        return f"go {self.room}"
+
+    def pose(self) -> Pose:
+        """Return where it is at :attr:`now`."""
+        if not self._ahead:
+            return self._at_rest
+        goal = self.rooms.rooms[self._ahead[0]]
+        share = (self.now - self._left_at) / self._leg()
+        heading = math.atan2(goal.y - self._from.y, goal.x - self._from.x)
+        return Pose(
+            self._from.x + (goal.x - self._from.x) * share, self._from.y + (goal.y - self._from.y) * share, heading
+        )
+
+    def next_event(self) -> float | None:
+        """When it reaches the next room."""
+        return self._left_at + self._leg() if self._ahead else None
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        if command == "stop":
+            self._at_rest, self._ahead = self.pose(), ()
+            return (self.state(),)
+        if not command.startswith("go "):
+            return ()
+        try:
+            way = self.rooms.path(self.room, command.removeprefix("go "))
+        except UsageError:
+            return ()
+        pose, here = self.pose(), self.rooms.rooms[self.room]
+        is_there = (pose.x, pose.y) == (here.x, here.y)
+        self._from, self._left_at, self._ahead = pose, self.now, way[1:] if is_there else way
+        return (self.state(),)
+
+    def _happen(self) -> tuple[str, ...]:
+        heading = self.pose().heading
+        self._left_at += self._leg()
+        self.room, self._ahead = self._ahead[0], self._ahead[1:]
+        place = self.rooms.rooms[self.room]
+        self._from = self._at_rest = Pose(place.x, place.y, heading)
+        return (self.room,)
+
+    def _leg(self) -> float:
+        """Seconds from where it set out to the next room."""
+        goal = self.rooms.rooms[self._ahead[0]]
+        return max(0.01, math.hypot(goal.x - self._from.x, goal.y - self._from.y) / self.speed)

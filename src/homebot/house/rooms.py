@@ -1,0 +1,80 @@
+"""The plan of a house: rooms, the doors between them, and the ways through."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from homebot.errors import UsageError
+
+__all__ = ["OUTSIDE", "Room", "Rooms"]
+
+OUTSIDE = "outside"
+"""Where people are who are out. A room like any other, but dark and warm there is the weather."""
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """A room.
+
+    Attributes:
+        x: Its middle, in metres east.
+        y: Its middle, in metres north.
+        window: The share of daylight, 0 to 1, that comes in.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    window: float = 0.01
+
+
+@dataclass(frozen=True)
+class Rooms:
+    """Rooms by name, and the pairs of them that a door joins.
+
+    Raises:
+        UsageError: A door leads to a room that is not there.
+    """
+
+    rooms: Mapping[str, Room]
+    doors: Iterable[tuple[str, str]]
+    _ways: dict[str, list[str]] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        self._ways.update({name: [] for name in self.rooms})
+        for door in self.doors:
+            for here, there in (door, door[::-1]):
+                if there not in self.rooms:
+                    raise UsageError(f"a door leads to {there!r}, which is no room")
+                if here in self._ways and there not in self._ways[here]:
+                    self._ways[here].append(there)
+        for ways in self._ways.values():
+            ways.sort()
+
+    def path(self, start: str, goal: str) -> tuple[str, ...]:
+        """Return the shortest way in rooms, both ends included; of two equally short ones the first by name.
+
+        Raises:
+            UsageError: A room is not there, or no door leads to it.
+        """
+        if start not in self.rooms or goal not in self.rooms:
+            raise UsageError(f"there is no room {goal if start in self.rooms else start!r}")
+        ahead: list[tuple[float, tuple[str, ...]]] = [(0.0, (start,))]
+        seen: set[str] = set()
+        while ahead:
+            metres, way = heapq.heappop(ahead)
+            if way[-1] == goal:
+                return way
+            if way[-1] in seen:
+                continue
+            seen.add(way[-1])
+            for room in self._ways[way[-1]]:
+                heapq.heappush(ahead, (metres + self.metres(way[-1], room), (*way, room)))
+        raise UsageError(f"no doors lead from {start!r} to {goal!r}")
+
+    def metres(self, here: str, there: str) -> float:
+        """Return how far the middles of two rooms are apart; at least 1 m."""
+        one, other = self.rooms[here], self.rooms[there]
+        return max(1.0, math.hypot(other.x - one.x, other.y - one.y))

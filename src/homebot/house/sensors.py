@@ -1,0 +1,124 @@
+"""Sensors: they take no command and say what the world does to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from homebot.house.device import Machine, spoken
+
+__all__ = ["ContactSensor", "LuxSensor", "MotionSensor", "PowerMeter"]
+
+
+@dataclass(eq=False)
+class ContactSensor(Machine):
+    """A contact on a door or window: senses 1 for open and 0 for closed.
+
+    Attributes:
+        is_open: What it sensed last.
+    """
+
+    is_open: bool = False
+    service_type: str = field(default="contacts", kw_only=True)
+
+    def state(self) -> str:
+        """``open`` or ``closed``."""
+        return "open" if self.is_open else "closed"
+
+    def sense(self, value: float, now: float) -> tuple[str, ...]:
+        """Say what changed."""
+        self.advance(now)
+        if (value > 0) == self.is_open:
+            return ()
+        self.is_open = value > 0
+        return (self.state(),)
+
+
+@dataclass(eq=False)
+class MotionSensor(Machine):
+    """A motion sensor: senses how many people move before it; says ``motion`` at once and ``clear`` after a while.
+
+    Attributes:
+        hold: Seconds without motion after which it is ``clear``.
+    """
+
+    hold: float = 60.0
+    service_type: str = field(default="motions", kw_only=True)
+
+    def __post_init__(self) -> None:
+        self._sees_motion = False
+        self._clear_at: float | None = None
+
+    def state(self) -> str:
+        """``motion`` or ``clear``."""
+        return "motion" if self._sees_motion else "clear"
+
+    def sense(self, value: float, now: float) -> tuple[str, ...]:
+        """Say ``motion`` when it begins."""
+        reports = self.advance(now)
+        if value > 0:
+            self._clear_at = None
+            reports += () if self._sees_motion else ("motion",)
+            self._sees_motion = True
+        elif self._sees_motion and self._clear_at is None:
+            self._clear_at = self.now + self.hold
+        return reports
+
+    def next_event(self) -> float | None:
+        """When it is clear."""
+        return self._clear_at
+
+    def _happen(self) -> tuple[str, ...]:
+        self._clear_at, self._sees_motion = None, False
+        return ("clear",)
+
+
+@dataclass(eq=False)
+class LuxSensor(Machine):
+    """A light sensor: senses lux and says them when they changed enough.
+
+    Attributes:
+        lux: What it last said.
+        share: The change that is worth a word, as a share of the last; never under 1 lux.
+    """
+
+    lux: float = 0.0
+    share: float = 0.2
+    service_type: str = field(default="light_levels", kw_only=True)
+
+    def state(self) -> str:
+        """Lux as text."""
+        return spoken(self.lux, 1)
+
+    def sense(self, value: float, now: float) -> tuple[str, ...]:
+        """Say the new level if it differs enough."""
+        self.advance(now)
+        if abs(value - self.lux) < max(1.0, self.share * self.lux):
+            return ()
+        self.lux = value
+        return (self.state(),)
+
+
+@dataclass(eq=False)
+class PowerMeter(Machine):
+    """A power meter: senses the watts of all that is on.
+
+    Attributes:
+        total: What it last said, in watts.
+        step: The change in watts that is worth a word.
+    """
+
+    total: float = 0.0
+    step: float = 1.0
+    service_type: str = field(default="power_meters", kw_only=True)
+
+    def state(self) -> str:
+        """Watts as text."""
+        return spoken(self.total, 1)
+
+    def sense(self, value: float, now: float) -> tuple[str, ...]:
+        """Say the new power if it differs enough."""
+        self.advance(now)
+        if abs(value - self.total) < self.step:
+            return ()
+        self.total = value
+        return (self.state(),)

@@ -1,0 +1,51 @@
+"""Every device is a state machine that is told the time."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.house.device import number, spoken
+from homebot.house.lamp import Lamp
+from homebot.house.motor import WindowMotor
+
+
+def test_time_never_goes_back() -> None:
+    """An older time is passed over."""
+    lamp = Lamp("lamp")
+    lamp.advance(10.0)
+    lamp.advance(5.0)
+    assert lamp.now == 10.0
+
+
+def test_what_was_due_is_said_before_the_answer_to_a_command() -> None:
+    """A motor that arrived meanwhile says so first."""
+    motor = WindowMotor("motor", travel_time=3.0)
+    motor.obey("open", 0.0)
+    assert [step.report for step in motor.obey("close", 10.0)] == ["open", "closing"]
+
+
+@pytest.mark.parametrize("text", ["", "bright", "nan", "inf", "-0.1", "1.1"])
+def test_what_is_no_number_in_range_is_none(text: str) -> None:
+    """Not a number, not finite, or outside."""
+    assert number(text, 0.0, 1.0) is None
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.5, "0.5"), (20.0, "20"), (-0.0001, "0"), (100_000.0, "100000"), (19.26, "19.26")]
+)
+def test_numbers_are_spoken_without_needless_digits(value: float, text: str) -> None:
+    """And never with an exponent."""
+    assert spoken(value) == text
+
+
+@given(st.floats(min_value=-1e6, max_value=1e6))
+def test_a_spoken_number_is_heard_again_to_a_thousandth(value: float) -> None:
+    """Whatever its size."""
+    assert float(spoken(value)) == pytest.approx(value, abs=0.000_51)
+
+
+def test_a_device_without_words_for_a_number_rounds_to_whole_ones() -> None:
+    """No digits, no point."""
+    assert spoken(120.4, 0) == "120"
