@@ -1,0 +1,284 @@
+"""What goes wrong with devices: wrappers of any device, which are devices themselves, so faults combine.
+
+A fault hears a command before the device does and what the device says before the world does. ``device`` is what it
+wraps, and :func:`truth` the device at the bottom, whose state is what really is.
+"""
+
+from __future__ import annotations
+
+import random
+from collections import deque
+from collections.abc import Iterable
+
+from homebot.house.device import Machine
+
+__all__ = [
+    "Chatterbox",
+    "Deaf",
+    "Fault",
+    "Flapper",
+    "Liar",
+    "Lossy",
+    "Reverter",
+    "Slow",
+    "Stuck",
+    "Unplugged",
+    "truth",
+]
+
+HELD = 1000
+"""What a fault holds back at most, of commands or of words; then the oldest is lost and counted."""
+
+DONE = {"open": "open", "close": "closed", "lock": "locked", "unlock": "unlocked"}
+OPPOSITES = {"on": "off", "open": "closed", "motion": "clear", "locked": "unlocked"}
+OPPOSITES |= {opposite: word for word, opposite in OPPOSITES.items()}
+
+
+class Fault(Machine):
+    """A device with something wrong.
+
+    Attributes:
+        device: What it wraps.
+        rng: Its dice.
+        lost: How many held-back things overflowed.
+    """
+
+    def __init__(self, device: Machine, rng: random.Random) -> None:
+        super().__init__(device.device_id, service_type=device.service_type)
+        self.device = device
+        self.now = device.now
+        self.rng = rng
+        self.lost = 0
+        self._held: deque[tuple[float, str]] = deque()
+
+    def state(self) -> str:
+        """What the device says."""
+        return self.device.state()
+
+    def watts(self) -> float:
+        """What the device draws."""
+        return self.device.watts()
+
+    def restore(self) -> str:
+        """What would bring the device back."""
+        return self.device.restore()
+
+    def advance(self, now: float) -> tuple[str, ...]:
+        """Let time pass for both."""
+        reports = super().advance(now)
+        self.device.advance(now)  # to the same time; whatever was due has been said
+        return reports
+
+    def by_hand(self, command: str, now: float) -> tuple[str, ...]:
+        """Let hands reach the device: most faults are of its radio."""
+        return (*self.advance(now), *self._all_heard(self.device.by_hand(command, now)))
+
+    def sense(self, value: float, now: float) -> tuple[str, ...]:
+        """Let the device feel the world."""
+        return (*self.advance(now), *self._all_heard(self.device.sense(value, now)))
+
+    def next_event(self) -> float | None:
+        """When the device or the fault does something by itself."""
+        own = self._held[0][0] if self._held else None
+        inner = self.device.next_event()
+        return inner if own is None else own if inner is None else min(own, inner)
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        return self._pass(command)
+
+    def _happen(self) -> tuple[str, ...]:
+        reports = self._all_heard(self.device.advance(self.now))
+        while self._held and self._held[0][0] <= self.now:
+            reports += self._release(self._held.popleft()[1])
+        return reports
+
+    def _pass(self, command: str) -> tuple[str, ...]:
+        """Let the device obey."""
+        return self._all_heard(step.report for step in self.device.obey(command, self.now))
+
+    def _all_heard(self, reports: Iterable[str]) -> tuple[str, ...]:
+        return tuple(word for report in reports for word in self._heard(report))
+
+    def _heard(self, report: str) -> tuple[str, ...]:
+        """What the world hears of *report*."""
+        return (report,)
+
+    def _release(self, held: str) -> tuple[str, ...]:
+        """What comes of something held back."""
+        return (held,)
+
+    def _hold(self, at: float, what: str) -> None:
+        """Keep *what* until *at*, which is never before what is held already."""
+        if len(self._held) == HELD:
+            self._held.popleft()
+            self.lost += 1
+        self._held.append((at, what))
+
+
+class Lossy(Fault):
+    """Loses a share (0 to 1) of what it is told and of what it says."""
+
+    def __init__(self, device: Machine, rng: random.Random, *, share: float = 0.2) -> None:
+        super().__init__(device, rng)
+        self.share = share
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        return () if self.rng.random() < self.share else self._pass(command)
+
+    def _heard(self, report: str) -> tuple[str, ...]:
+        return () if self.rng.random() < self.share else (report,)
+
+
+class Slow(Fault):
+    """Begins to obey only after a delay of seconds, each time up to half as long again."""
+
+    def __init__(self, device: Machine, rng: random.Random, *, delay: float = 5.0) -> None:
+        super().__init__(device, rng)
+        self.delay = delay
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        at = self.now + self.delay * self.rng.uniform(1.0, 1.5)
+        self._hold(max(at, self._held[-1][0]) if self._held else at, command)  # in the order they came
+        return ()
+
+    def _release(self, held: str) -> tuple[str, ...]:
+        return self._pass(held)
+
+
+class Deaf(Fault):
+    """Hears no command; still says how it is."""
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        del command
+        return ()
+
+
+class Liar(Fault):
+    """Reports what it was told and does nothing."""
+
+    def __init__(self, device: Machine, rng: random.Random) -> None:
+        super().__init__(device, rng)
+        self._lie: str | None = None
+
+    def state(self) -> str:
+        """The last lie, or how it is where it told none."""
+        return self.device.state() if self._lie is None else self._lie
+
+    def by_hand(self, command: str, now: float) -> tuple[str, ...]:
+        """Obey hands, and tell the truth again."""
+        self._lie = None
+        return super().by_hand(command, now)
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        self._lie = DONE.get(command, command)
+        return (self._lie,)
+
+
+class Stuck(Fault):
+    """Stays as it is: a command is answered with the old state, and what a sensor feels changes nothing."""
+
+    def sense(self, value: float, now: float) -> tuple[str, ...]:
+        """Feel nothing."""
+        del value
+        return self.advance(now)
+
+    def by_hand(self, command: str, now: float) -> tuple[str, ...]:
+        """Resist."""
+        del command
+        return self.advance(now)
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        del command
+        return (self.device.state(),)
+
+
+class Reverter(Fault):
+    """Obeys, and goes back to how it was after some seconds; a later command calls that off."""
+
+    def __init__(self, device: Machine, rng: random.Random, *, after: float = 60.0) -> None:
+        super().__init__(device, rng)
+        self.after = after
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        before = self.device.restore()
+        reports = self._pass(command)
+        if reports and before:
+            self._held.clear()
+            self._hold(self.now + self.after, before)
+        return reports
+
+    def _release(self, held: str) -> tuple[str, ...]:
+        return self._pass(held)
+
+
+class Chatterbox(Fault):
+    """Floods: says everything again and again, so many times, so many seconds apart."""
+
+    def __init__(self, device: Machine, rng: random.Random, *, times: int = 50, every: float = 0.1) -> None:
+        super().__init__(device, rng)
+        self.times = times
+        self.every = every
+
+    def _heard(self, report: str) -> tuple[str, ...]:
+        begins = max(self.now, self._held[-1][0]) if self._held else self.now
+        for number in range(1, self.times):
+            self._hold(begins + number * self.every, report)
+        return (report,)
+
+
+class Flapper(Fault):
+    """Now and then, on average every so many seconds, says the opposite and takes it back 0.2 s later."""
+
+    def __init__(self, device: Machine, rng: random.Random, *, every: float = 3600.0) -> None:
+        super().__init__(device, rng)
+        self.every = every
+        self._hold(self.now + rng.expovariate(1 / every), "flap")
+
+    def _release(self, held: str) -> tuple[str, ...]:
+        word = self.device.state()
+        if held == "flap":
+            self._hold(self.now + 0.2, "back")
+            return (OPPOSITES.get(word, "0"),)
+        self._hold(self.now + self.rng.expovariate(1 / self.every), "flap")
+        return (word,)
+
+
+class Unplugged(Fault):
+    """Has no power from one time until another (seconds since the first midnight): hears, does and says nothing."""
+
+    def __init__(self, device: Machine, rng: random.Random, *, since: float = 0.0, until: float = float("inf")) -> None:
+        super().__init__(device, rng)
+        self.since = since
+        self.until = until
+
+    @property
+    def is_plugged(self) -> bool:
+        """Whether it has power at :attr:`now`."""
+        return not self.since <= self.now < self.until
+
+    def watts(self) -> float:
+        """None without power."""
+        return self.device.watts() if self.is_plugged else 0.0
+
+    def by_hand(self, command: str, now: float) -> tuple[str, ...]:
+        """Do nothing without power."""
+        reports = self.advance(now)
+        return reports + (super().by_hand(command, now) if self.is_plugged else ())
+
+    def sense(self, value: float, now: float) -> tuple[str, ...]:
+        """Feel nothing without power."""
+        reports = self.advance(now)
+        return reports + (self._all_heard(self.device.sense(value, now)) if self.is_plugged else ())
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        return self._pass(command) if self.is_plugged else ()
+
+    def _heard(self, report: str) -> tuple[str, ...]:
+        return (report,) if self.is_plugged else ()
+
+
+def truth(device: Machine) -> Machine:
+    """Return the device under all faults."""
+    while isinstance(device, Fault):
+        device = device.device
+    return device
