@@ -32,12 +32,14 @@ class Holding:
     Attributes:
         packets: What waits.
         messages: How many of them are messages at QoS 1 or 2.
+        size: The bytes of their topics and payloads.
         reading: Whether the socket is read.
     """
 
     def __init__(self, hub: Hub, link: Link, go_on: Callable[[], None]) -> None:
         self.packets: deque[Packet] = deque()
         self.messages = 0
+        self.size = 0
         self.reading = True
         self._hub = hub
         self._link = link
@@ -63,8 +65,9 @@ class Holding:
     def keep(self, packet: Packet) -> None:
         """Let *packet* wait."""
         self.packets.append(packet)
-        self.messages += isinstance(packet, Publish) and packet.qos > 0
-        if self.reading and len(self.packets) >= self._hub.limits.max_held_packets:
+        self._count(packet, 1)
+        limits = self._hub.limits
+        if self.reading and (len(self.packets) >= limits.max_held_packets or self.size >= limits.max_held_bytes):
             self.reading = False
             self._link.pause_reading()
 
@@ -73,8 +76,10 @@ class Holding:
         if self._slow or not self.packets:
             return None
         packet = self.packets.popleft()
-        self.messages -= isinstance(packet, Publish) and packet.qos > 0
-        if not self.reading and len(self.packets) < self._hub.limits.max_held_packets // 2:
+        self._count(packet, -1)
+        limits = self._hub.limits
+        has_room = len(self.packets) < limits.max_held_packets // 2 and self.size <= limits.max_held_bytes // 2
+        if not self.reading and has_room:
             self.reading = True
             self._link.resume_reading()
         return packet
@@ -94,6 +99,11 @@ class Holding:
         if self._end is not None:
             self._end.cancel()
             self._end = None
+
+    def _count(self, packet: Packet, sign: int) -> None:
+        if isinstance(packet, Publish):
+            self.messages += sign * (packet.qos > 0)
+            self.size += sign * (len(packet.topic) + len(packet.payload))
 
     def _give_up(self) -> None:
         for session in self._slow:

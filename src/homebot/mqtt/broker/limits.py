@@ -34,6 +34,7 @@ class BrokerLimits:
         hold_time: How long publishers are held back for a slow client; after that its share of further
             messages is refused (0x97) until it has caught up.
         max_held_packets: Packets of a publisher that is held back; beyond it the socket is not read.
+        max_held_bytes: The same in bytes of topic and payload.
         write_buffer: Bytes waiting for a client's socket; beyond it QoS 0 messages for it are dropped.
         max_retained_messages: Retained messages; one more is delivered but not retained (0x97).
         max_retained_bytes: The same in bytes of topic, payload and properties.
@@ -51,10 +52,11 @@ class BrokerLimits:
     max_inflight: int = 64
     receive_maximum: int = 1024
     topic_alias_maximum: int = 64
-    max_queued_messages: int = 1000
+    max_queued_messages: int = 10_000
     max_queued_bytes: int = 32 * _MIB
     hold_time: float = 10.0
     max_held_packets: int = 1024
+    max_held_bytes: int = 4 * _MIB
     write_buffer: int = 2 * _MIB
     max_retained_messages: int = 50_000
     max_retained_bytes: int = 64 * _MIB
