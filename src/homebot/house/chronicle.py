@@ -1,0 +1,73 @@
+"""What happened in a house, in order."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from itertools import islice
+from typing import Literal
+
+from homebot.house.daylight import DAY
+
+__all__ = ["Chronicle", "Event", "Verb"]
+
+Verb = Literal["says", "told", "switch", "enters", "sleeps"]
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One thing that happened.
+
+    Attributes:
+        at: Seconds since the first midnight.
+        who: A device or a person.
+        verb: A device ``says`` a report, is ``told`` a command, or hands ``switch`` it; a person ``enters`` a room or
+            ``sleeps`` there.
+        what: The report, command or room.
+    """
+
+    at: float
+    who: str
+    verb: Verb
+    what: str
+
+    def __str__(self) -> str:
+        milliseconds = round(self.at * 1000)
+        days, rest = divmod(milliseconds, int(DAY) * 1000)
+        hours, rest = divmod(rest, 3_600_000)
+        minutes, rest = divmod(rest, 60_000)
+        return f"{days} {hours:02}:{minutes:02}:{rest // 1000:02}.{rest % 1000:03} {self.who} {self.verb} {self.what}"
+
+
+class Chronicle:
+    """The newest events; where it is full the oldest is dropped.
+
+    Args:
+        capacity: Events kept, at least 1.
+
+    Attributes:
+        count: How many events there were in all.
+    """
+
+    def __init__(self, capacity: int = 100_000) -> None:
+        self._events: deque[Event] = deque(maxlen=capacity)
+        self.count = 0
+
+    @property
+    def dropped(self) -> int:
+        """How many events are no longer kept."""
+        return self.count - len(self._events)
+
+    def add(self, event: Event) -> None:
+        """Write *event* down."""
+        self._events.append(event)
+        self.count += 1
+
+    def since(self, mark: int) -> tuple[Event, ...]:
+        """Return the events after the first *mark*, oldest first, as far as they are kept."""
+        newest = islice(reversed(self._events), max(0, self.count - mark))
+        return tuple(newest)[::-1]
+
+    def text(self) -> str:
+        """Return the kept events, a line each."""
+        return "".join(f"{event}\n" for event in self._events)

@@ -1,0 +1,216 @@
+"""A house described in TOML: its rooms, devices with their faults, people and timers.
+
+::
+
+    [house]
+    seed = 1
+
+    [rooms.hall]
+    doors = ["outside", "kitchen"]          # each door once, on either side
+
+    [rooms.kitchen]
+    x = 4.0                                 # metres
+
+    [devices.kitchen_lamp]
+    kind = "lamp"
+    room = "kitchen"
+    rated_watts = 12.0                      # what a kind can be told: docs/house.md
+    faults = { lossy = { share = 0.1 } }    # from the device outwards
+
+    [people.anna]
+    starts_in = "kitchen"
+    day = [{ at = "08:00", room = "outside", jitter = 600.0 }]
+
+    [[errands]]
+    at = "22:00"
+    device = "kitchen_lamp"
+    command = "off"
+"""
+
+from __future__ import annotations
+
+import random
+import tomllib
+from collections.abc import Mapping
+from datetime import time
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from homebot.config import Table, parse_settings
+from homebot.errors import ConfigError, UsageError
+from homebot.house.device import Machine
+from homebot.house.kinds import FAULTS, KINDS, Surroundings
+from homebot.house.people import Habit, Person
+from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.world import Errand, Placed, World
+
+__all__ = ["load_world", "parse_world"]
+
+Metres = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def load_world(path: Path, *, seed: int | None = None) -> World:
+    """Return the house that the TOML file *path* describes, at its first midnight.
+
+    Args:
+        path: The file.
+        seed: In place of the file's.
+
+    Raises:
+        ConfigError: The file cannot be read or is no TOML, or as :func:`parse_world`.
+    """
+    source = str(path)
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as exc:
+        raise ConfigError(source, "", f"cannot be read: {exc.strerror or exc}") from exc
+    except UnicodeDecodeError as exc:
+        raise ConfigError(source, "", "cannot be read: it is not UTF-8 text") from exc
+    except tomllib.TOMLDecodeError as exc:
+        raise ConfigError(source, "", f"is no TOML: {exc}") from exc
+    return parse_world(tables, source, seed=seed)
+
+
+def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None = None) -> World:
+    """Return the house that *tables* describe.
+
+    Raises:
+        ConfigError: A key is unknown, a value wrong, or a room or device not there; names *source*, key and reason.
+    """
+    parts = parse_settings(_Parts, tables, source, "")
+    house = parse_settings(_HouseTable, parts.house, source, "house")
+    seed = house.seed if seed is None else seed
+    rooms = _rooms(parts.rooms, source)
+    placed = [_placed(name, table, rooms, seed, source) for name, table in parts.devices.items()]
+    people = [_person(name, table, rooms, source) for name, table in parts.people.items()]
+    known = {item.device.device_id for item in placed}
+    errands = []
+    for number, table in enumerate(parts.errands):
+        key = f"errands.{number}"
+        errand = parse_settings(_ErrandTable, table, source, key)
+        if errand.device not in known:
+            raise ConfigError(source, f"{key}.device", f"there is no device {errand.device!r}")
+        errands.append(Errand(_seconds(errand.at), errand.device, errand.command))
+    return World(
+        rooms,
+        placed,
+        people,
+        errands,
+        seed=seed,
+        first_day=house.first_day,
+        latitude=house.latitude,
+        by_hand=house.by_hand,
+    )
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class _Parts(_Strict):
+    house: Table = Field(default_factory=dict)
+    rooms: dict[str, Table]
+    devices: dict[str, Table] = Field(default_factory=dict)
+    people: dict[str, Table] = Field(default_factory=dict)
+    errands: list[Table] = Field(default_factory=list)
+
+
+class _HouseTable(_Strict):
+    seed: int = 0
+    first_day: int = Field(default=80, ge=1, le=366)
+    latitude: float = Field(default=48.0, ge=-90.0, le=90.0)
+    by_hand: bool = True
+
+
+class _RoomTable(_Strict):
+    x: Metres = 0.0
+    y: Metres = 0.0
+    window: float = Field(default=0.01, ge=0.0, le=1.0)
+    doors: tuple[str, ...] = ()
+
+
+class _PlaceTable(_Strict):
+    room: str
+    door: str = ""
+    faults: dict[str, Table] = Field(default_factory=dict)
+
+
+class _HabitTable(_Strict):
+    at: time
+    room: str
+    jitter: float = Field(default=0.0, ge=0.0, le=43_200.0)
+    asleep: bool = False
+
+
+class _PersonTable(_Strict):
+    starts_in: str = OUTSIDE
+    asleep: bool = True
+    speed: float = Field(default=1.0, gt=0.0, allow_inf_nan=False)
+    day: tuple[_HabitTable, ...] = ()
+
+
+class _ErrandTable(_Strict):
+    at: time
+    device: str
+    command: str
+
+
+def _rooms(tables: Mapping[str, Table], source: str) -> Rooms:
+    rooms = {OUTSIDE: Room(window=1.0)}
+    doors: list[tuple[str, str]] = []
+    for name, table in tables.items():
+        room = parse_settings(_RoomTable, table, source, f"rooms.{name}")
+        rooms[name] = Room(room.x, room.y, room.window)
+        doors += [(name, other) for other in room.doors]
+    for name, other in doors:
+        _known(other, rooms, source, f"rooms.{name}.doors")
+    return Rooms(rooms, tuple(doors))
+
+
+def _placed(name: str, table: Table, rooms: Rooms, seed: int, source: str) -> Placed:
+    key = f"devices.{name}"
+    kind = table.get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise ConfigError(source, f"{key}.kind", f"must be one of {', '.join(KINDS)}, got {kind!r}")
+    where = ("room", "door", "faults")
+    place = parse_settings(_PlaceTable, {k: v for k, v in table.items() if k in where}, source, key)
+    _known(place.room, rooms.rooms, source, f"{key}.room")
+    _known(place.door or place.room, rooms.rooms, source, f"{key}.door")
+    own = {k: v for k, v in table.items() if k not in {*where, "kind"}}
+    dice = random.Random(f"{seed}/{name}")  # noqa: S311  # dice of a game, no secrets
+    device = parse_settings(KINDS[kind], own, source, key).build(Surroundings(name, place.room, rooms, dice))
+    for fault, fault_table in place.faults.items():
+        device = _faulty(device, fault, fault_table, dice, source, f"{key}.faults.{fault}")
+    return Placed(device, place.room, place.door)
+
+
+def _faulty(device: Machine, fault: str, table: Table, dice: random.Random, source: str, key: str) -> Machine:
+    if fault not in FAULTS:
+        raise ConfigError(source, key, f"is unknown; known are {', '.join(FAULTS)}")
+    return parse_settings(FAULTS[fault], table, source, key).spoil(device, dice)
+
+
+def _person(name: str, table: Table, rooms: Rooms, source: str) -> Person:
+    key = f"people.{name}"
+    person = parse_settings(_PersonTable, table, source, key)
+    _known(person.starts_in, rooms.rooms, source, f"{key}.starts_in")
+    for number, habit in enumerate(person.day):
+        where = f"{key}.day.{number}.room"
+        _known(habit.room, rooms.rooms, source, where)
+        try:
+            rooms.path(person.starts_in, habit.room)
+        except UsageError as exc:
+            raise ConfigError(source, where, str(exc)) from exc
+    day = tuple(Habit(_seconds(habit.at), habit.room, habit.jitter, habit.asleep) for habit in person.day)
+    return Person(name, day, person.starts_in, person.asleep, person.speed)
+
+
+def _known(room: str, rooms: Mapping[str, Room], source: str, key: str) -> None:
+    if room not in rooms:
+        raise ConfigError(source, key, f"there is no room {room!r}")
+
+
+def _seconds(at: time) -> float:
+    return at.hour * 3600 + at.minute * 60 + at.second + at.microsecond / 1e6

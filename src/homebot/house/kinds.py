@@ -1,0 +1,231 @@
+"""The kinds of devices and faults by the names that describe them, each with the settings it takes.
+
+A setting that is left out has the default of the device or fault, which is written there alone.
+"""
+
+from __future__ import annotations
+
+import random
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from homebot.house import faults
+from homebot.house.device import Machine
+from homebot.house.lamp import Lamp
+from homebot.house.lock import DoorLock
+from homebot.house.motor import CoverMotor, WindowMotor
+from homebot.house.robot import Robot
+from homebot.house.rooms import Rooms
+from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
+from homebot.house.thermostat import Thermostat
+
+__all__ = ["FAULTS", "KINDS", "FaultSettings", "KindSettings", "Surroundings"]
+
+Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Celsius = Annotated[float, Field(ge=-60.0, le=60.0)]
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What a device finds when it is made.
+
+    Attributes:
+        name: Its own name.
+        room: Where it is.
+        rooms: The whole plan.
+        dice: Its dice.
+    """
+
+    name: str
+    room: str
+    rooms: Rooms
+    dice: random.Random
+
+
+class KindSettings(BaseModel):
+    """What a kind of device can be told."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @abstractmethod
+    def build(self, at: Surroundings) -> Machine:
+        """Return the device."""
+
+
+class FaultSettings(BaseModel):
+    """What a fault can be told."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @abstractmethod
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        """Return *device* with the fault."""
+
+
+class _Lamp(KindSettings):
+    is_on: bool | None = None
+    brightness: Fraction | None = None
+    kelvin: Positive | None = None
+    rated_watts: NotNegative | None = None
+    rated_lux: NotNegative | None = None
+
+    def build(self, at: Surroundings) -> Machine:
+        return Lamp(at.name, **self.model_dump(exclude_unset=True))
+
+
+class _Window(KindSettings):
+    is_open: bool | None = None
+    travel_time: Positive | None = None
+
+    def build(self, at: Surroundings) -> Machine:
+        return WindowMotor(at.name, **self.model_dump(exclude_unset=True))
+
+
+class _Cover(_Window):
+    def build(self, at: Surroundings) -> Machine:
+        return CoverMotor(at.name, **self.model_dump(exclude_unset=True))
+
+
+class _Lock(KindSettings):
+    is_locked: bool | None = None
+    travel_time: Positive | None = None
+    jams: Fraction | None = None
+
+    def build(self, at: Surroundings) -> Machine:
+        return DoorLock(at.name, rng=at.dice, **self.model_dump(exclude_unset=True))
+
+
+class _Contact(KindSettings):
+    def build(self, at: Surroundings) -> Machine:
+        return ContactSensor(at.name)
+
+
+class _Motion(KindSettings):
+    hold: NotNegative | None = None
+
+    def build(self, at: Surroundings) -> Machine:
+        return MotionSensor(at.name, **self.model_dump(exclude_unset=True))
+
+
+class _Lux(KindSettings):
+    share: Fraction | None = None
+
+    def build(self, at: Surroundings) -> Machine:
+        return LuxSensor(at.name, **self.model_dump(exclude_unset=True))
+
+
+class _Meter(KindSettings):
+    step: Positive | None = None
+
+    def build(self, at: Surroundings) -> Machine:
+        return PowerMeter(at.name, **self.model_dump(exclude_unset=True))
+
+
+class _Thermostat(KindSettings):
+    celsius: Celsius | None = None
+    target: Celsius | None = None
+    gain: NotNegative | None = None
+    inertia: Positive | None = None
+    rated_watts: NotNegative | None = None
+
+    def build(self, at: Surroundings) -> Machine:
+        return Thermostat(at.name, **self.model_dump(exclude_unset=True))
+
+
+class _Robot(KindSettings):
+    speed: Positive | None = None
+
+    def build(self, at: Surroundings) -> Machine:
+        return Robot(at.name, at.rooms, at.room, **self.model_dump(exclude_unset=True))
+
+
+class _Lossy(FaultSettings):
+    share: Fraction | None = None
+
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        return faults.Lossy(device, dice, **self.model_dump(exclude_unset=True))
+
+
+class _Slow(FaultSettings):
+    delay: NotNegative | None = None
+
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        return faults.Slow(device, dice, **self.model_dump(exclude_unset=True))
+
+
+class _Deaf(FaultSettings):
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        return faults.Deaf(device, dice)
+
+
+class _Liar(FaultSettings):
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        return faults.Liar(device, dice)
+
+
+class _Stuck(FaultSettings):
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        return faults.Stuck(device, dice)
+
+
+class _Reverter(FaultSettings):
+    after: NotNegative | None = None
+
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        return faults.Reverter(device, dice, **self.model_dump(exclude_unset=True))
+
+
+class _Chatterbox(FaultSettings):
+    times: Annotated[int, Field(ge=1, le=1000)] | None = None
+    every: Positive | None = None
+
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        return faults.Chatterbox(device, dice, **self.model_dump(exclude_unset=True))
+
+
+class _Flapper(FaultSettings):
+    every: Positive | None = None
+
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        return faults.Flapper(device, dice, **self.model_dump(exclude_unset=True))
+
+
+class _Unplugged(FaultSettings):
+    since: NotNegative | None = None
+    until: Positive | None = None
+
+    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+        return faults.Unplugged(device, dice, **self.model_dump(exclude_unset=True))
+
+
+KINDS: dict[str, type[KindSettings]] = {
+    "lamp": _Lamp,
+    "window": _Window,
+    "cover": _Cover,
+    "lock": _Lock,
+    "contact": _Contact,
+    "motion": _Motion,
+    "lux": _Lux,
+    "power_meter": _Meter,
+    "thermostat": _Thermostat,
+    "robot": _Robot,
+}
+"""Kinds of devices."""
+
+FAULTS: dict[str, type[FaultSettings]] = {
+    "lossy": _Lossy,
+    "slow": _Slow,
+    "deaf": _Deaf,
+    "liar": _Liar,
+    "stuck": _Stuck,
+    "reverter": _Reverter,
+    "chatterbox": _Chatterbox,
+    "flapper": _Flapper,
+    "unplugged": _Unplugged,
+}
+"""Kinds of faults."""

@@ -1,0 +1,358 @@
+"""The world of a simulated house: its people, its devices and the sun, on one time line.
+
+Everything happens in :meth:`World.run_until` and :meth:`World.tell`, in time order, and is written into one chronicle.
+The same house with the same seed, told the same commands at the same times, writes the same text.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from homebot.errors import UsageError
+from homebot.house.agenda import Agenda
+from homebot.house.chronicle import Chronicle, Event, Verb
+from homebot.house.daylight import DAY, daylight, weather
+from homebot.house.device import Machine
+from homebot.house.faults import truth
+from homebot.house.lamp import Lamp
+from homebot.house.lock import DoorLock
+from homebot.house.motor import CoverMotor
+from homebot.house.people import Person, Visit
+from homebot.house.rooms import OUTSIDE, Rooms
+from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
+from homebot.house.thermostat import Thermostat
+
+__all__ = ["Errand", "Placed", "World"]
+
+SAMPLE = 300.0
+"""Seconds between two looks at sun and weather."""
+
+DARK = 30.0
+"""Lux below which people want a lamp."""
+
+DOOR_CLOSES = 3.0
+DOOR_LOCKS = 15.0
+"""Seconds after somebody went through."""
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A device in its place.
+
+    Attributes:
+        device: The device, with its faults.
+        room: Where it is.
+        door: For a contact or a lock: the room on the other side of the door it is on.
+    """
+
+    device: Machine
+    room: str
+    door: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Errand:
+    """A command that a timer gives every day.
+
+    Attributes:
+        at: Seconds since midnight.
+        device_id: To whom.
+        command: What.
+    """
+
+    at: float
+    device_id: str
+    command: str
+
+
+@dataclass(eq=False)
+class _Body:
+    """Where a person is."""
+
+    person: Person
+    room: str
+    asleep: bool
+    walk: int = 0
+
+
+@dataclass(eq=False)
+class _Thing:
+    """A device, what is under its faults, and how long the door it is on stays open."""
+
+    placed: Placed
+    real: Machine
+    open_until: float = 0.0
+
+
+class World:
+    """A house that lives.
+
+    Args:
+        rooms: Its plan.
+        placed: Its devices.
+        people: Who lives there.
+        errands: What timers do every day.
+        seed: Decides every jitter of its people; devices with faults have dice of their own.
+        first_day: Day of the year, 1 to 366.
+        latitude: Degrees north.
+        by_hand: Whether people switch lamps on where they enter the dark, and off where they leave.
+        capacity: Events the chronicle keeps.
+
+    Attributes:
+        now: Seconds since the midnight before the first day.
+        chronicle: What happened.
+
+    Raises:
+        UsageError: Two devices have one name, or a room or device is not there.
+    """
+
+    def __init__(
+        self,
+        rooms: Rooms,
+        placed: Iterable[Placed],
+        people: Sequence[Person] = (),
+        errands: Sequence[Errand] = (),
+        *,
+        seed: int = 0,
+        first_day: int = 80,
+        latitude: float = 48.0,
+        by_hand: bool = True,
+        capacity: int = 100_000,
+    ) -> None:
+        self.now = 0.0
+        self.chronicle = Chronicle(capacity)
+        self._rooms = rooms
+        self._things: dict[str, _Thing] = {}
+        for item in placed:
+            if item.device.device_id in self._things:
+                raise UsageError(f"two devices are called {item.device.device_id!r}")
+            self._things[item.device.device_id] = _Thing(item, truth(item.device))
+        self._bodies = [_Body(person, person.starts_in, person.asleep) for person in people]
+        self._errands = errands
+        self._seed = seed
+        self._first_day = first_day
+        self._latitude = latitude
+        self._by_hand = by_hand
+        self._check()
+        self._in_room = {room: [t for t in self._things.values() if t.placed.room == room] for room in rooms.rooms}
+        self._was_dark: dict[str, bool] = {}
+        self._agenda = Agenda()
+        self._agenda.add(0.0, partial(self._begin_day, 0))
+        self._agenda.add(0.0, self._sample)
+        for thing in self._things.values():
+            self._plan_wake(thing)
+
+    @property
+    def devices(self) -> Mapping[str, Placed]:
+        """The devices by name, in the order they were given."""
+        return {name: thing.placed for name, thing in self._things.items()}
+
+    def next_event(self) -> float:
+        """Return when something happens next by itself; at most a few minutes ahead."""
+        at = self._agenda.next_at()
+        return self.now + SAMPLE if at is None else at
+
+    def run_until(self, now: float) -> tuple[Event, ...]:
+        """Let everything happen that is due until *now*, and return it; time never goes back.
+
+        Raises:
+            UsageError: *now* is no finite number.
+        """
+        if not math.isfinite(now):
+            raise UsageError(f"a house cannot run until {now}")
+        mark = self.chronicle.count
+        self._run(now)
+        return self.chronicle.since(mark)
+
+    def tell(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
+        """Run until *now*, then give *command* to a device; return all that happened.
+
+        Raises:
+            UsageError: There is no such device, or *now* is no finite number.
+        """
+        thing = self._thing(device_id)
+        mark = self.chronicle.count
+        self.run_until(now)
+        self._command(thing, command)
+        return self.chronicle.since(mark)
+
+    def device(self, device_id: str) -> Machine:
+        """Return a device, with its faults, at :attr:`now`.
+
+        Raises:
+            UsageError: There is no such device.
+        """
+        device = self._thing(device_id).placed.device
+        device.advance(self.now)
+        return device
+
+    def people_in(self, room: str) -> tuple[str, ...]:
+        """Return who is in *room*, asleep or not."""
+        return tuple(body.person.name for body in self._bodies if body.room == room)
+
+    def lux(self, room: str) -> float:
+        """Return how bright *room* is: the sun through its windows and covers, and its lamps.
+
+        Raises:
+            UsageError: There is no such room.
+        """
+        if room not in self._in_room:
+            raise UsageError(f"there is no room {room!r}")
+        things = self._in_room[room]
+        covers = [thing.real.position for thing in things if isinstance(thing.real, CoverMotor)]
+        let_in = sum(covers) / len(covers) if covers else 1.0
+        sun = daylight(self.now, self._first_day, self._latitude) * self._rooms.rooms[room].window * let_in
+        lamps = [t.real for t in things if isinstance(t.real, Lamp) and t.placed.device.watts() > 0]
+        return sun + sum(lamp.lux() for lamp in lamps)
+
+    def _check(self) -> None:
+        for thing in self._things.values():
+            for room in (thing.placed.room, thing.placed.door or thing.placed.room):
+                self._rooms.path(room, room)
+        for body in self._bodies:
+            for habit in body.person.day:
+                self._rooms.path(body.room, habit.room)
+        for errand in self._errands:
+            self._thing(errand.device_id)
+
+    def _thing(self, device_id: str) -> _Thing:
+        if device_id not in self._things:
+            raise UsageError(f"there is no device {device_id!r}")
+        return self._things[device_id]
+
+    def _run(self, now: float) -> None:
+        while (at := self._agenda.next_at()) is not None and at <= now:
+            self.now = max(self.now, at)
+            self._agenda.pop()()
+        self.now = max(self.now, now)
+
+    def _begin_day(self, day: int) -> None:
+        for body in self._bodies:
+            for visit in body.person.plan(day, str(self._seed)):
+                self._agenda.add(visit.at, partial(self._set_out, body, visit))
+        for errand in self._errands:
+            thing = self._things[errand.device_id]
+            self._agenda.add(day * DAY + errand.at, partial(self._command, thing, errand.command))
+        self._agenda.add((day + 1) * DAY, partial(self._begin_day, day + 1))
+
+    # People
+
+    def _set_out(self, body: _Body, visit: Visit) -> None:
+        body.walk += 1
+        body.asleep = False
+        self._walk(body, body.walk, visit, self._rooms.path(body.room, visit.room))
+
+    def _walk(self, body: _Body, walk: int, visit: Visit, way: tuple[str, ...]) -> None:
+        if walk != body.walk:
+            return  # they changed their mind on the way
+        if way[0] != body.room:
+            self._go_through(body, way[0])
+        if len(way) == 1:
+            body.asleep = visit.asleep
+            if body.asleep:
+                self._note(body.person.name, "sleeps", body.room)
+        else:
+            seconds = self._rooms.metres(way[0], way[1]) / body.person.speed
+            self._agenda.add(self.now + seconds, partial(self._walk, body, walk, visit, way[1:]))
+        self._settle(body.room)
+
+    def _go_through(self, body: _Body, room: str) -> None:
+        left, body.room = body.room, room
+        self._note(body.person.name, "enters", room)
+        for thing in (*self._in_room[left], *self._in_room[room]):
+            if {thing.placed.room, thing.placed.door} != {left, room}:
+                continue
+            if isinstance(thing.real, ContactSensor):
+                self._feel(thing, 1.0)
+                thing.open_until = self.now + DOOR_CLOSES
+                self._agenda.add(thing.open_until, partial(self._close, thing, "door"))
+            elif isinstance(thing.real, DoorLock):
+                self._switch(thing, "unlock")
+                thing.open_until = self.now + DOOR_LOCKS
+                self._agenda.add(thing.open_until, partial(self._close, thing, "lock"))
+        self._settle(left)
+
+    def _close(self, thing: _Thing, what: str) -> None:
+        if self.now < thing.open_until:
+            return  # somebody else came through
+        if what == "door":
+            self._feel(thing, 0.0)
+        else:
+            self._switch(thing, "lock")
+
+    def _settle(self, room: str) -> None:
+        """Let motion sensors see who moves in *room*, and hands reach for its lamps."""
+        awake = sum(body.room == room and not body.asleep for body in self._bodies)
+        for thing in self._in_room[room]:
+            if isinstance(thing.real, MotionSensor):
+                self._feel(thing, float(awake))
+        if not self._by_hand or room == OUTSIDE:
+            return
+        wish = "off" if not awake else "on" if self.lux(room) < DARK else ""
+        for thing in self._in_room[room]:
+            if wish and isinstance(thing.real, Lamp) and thing.real.state() != wish:
+                self._switch(thing, wish)
+
+    # Devices
+
+    def _command(self, thing: _Thing, command: str) -> None:
+        self._note(thing.placed.device.device_id, "told", command)
+        self._act(thing, lambda device: tuple(step.report for step in device.obey(command, self.now)))
+
+    def _switch(self, thing: _Thing, command: str) -> None:
+        self._note(thing.placed.device.device_id, "switch", command)
+        self._act(thing, lambda device: device.by_hand(command, self.now))
+
+    def _feel(self, thing: _Thing, value: float) -> None:
+        self._act(thing, lambda device: device.sense(value, self.now))
+
+    def _act(self, thing: _Thing, act: Callable[[Machine], tuple[str, ...]]) -> None:
+        device = thing.placed.device
+        drew = device.watts()
+        for report in act(device):
+            self._note(device.device_id, "says", report)
+        self._plan_wake(thing)
+        if isinstance(thing.real, Lamp | CoverMotor):
+            self._show_light(thing.placed.room)
+        if device.watts() != drew:
+            self._show_power()
+
+    def _plan_wake(self, thing: _Thing) -> None:
+        device = thing.placed.device
+        self._agenda.plan(device.device_id, device.next_event(), partial(self._act, thing, self._let_pass))
+
+    def _let_pass(self, device: Machine) -> tuple[str, ...]:
+        return device.advance(self.now)
+
+    def _show_light(self, room: str) -> None:
+        for thing in self._in_room[room]:
+            if isinstance(thing.real, LuxSensor):
+                self._feel(thing, self.lux(room))
+
+    def _show_power(self) -> None:
+        total = sum(thing.placed.device.watts() for thing in self._things.values())
+        for thing in self._things.values():
+            if isinstance(thing.real, PowerMeter):
+                self._feel(thing, total)
+
+    # Sun and weather
+
+    def _sample(self) -> None:
+        outside = weather(self.now, self._first_day)
+        for thing in self._things.values():
+            if isinstance(thing.real, Thermostat):
+                self._feel(thing, outside)
+        self._show_power()
+        for room in self._rooms.rooms:
+            self._show_light(room)
+            is_dark = self.lux(room) < DARK
+            if is_dark and self._was_dark.get(room) is False:
+                self._settle(room)
+            self._was_dark[room] = is_dark
+        self._agenda.add(self.now + SAMPLE, self._sample)
+
+    def _note(self, who: str, verb: Verb, what: str) -> None:
+        self.chronicle.add(Event(self.now, who, verb, what))

@@ -1,0 +1,24 @@
+"""The chronicle keeps what happened."""
+
+from __future__ import annotations
+
+from homebot.house.chronicle import Chronicle, Event
+
+
+def test_an_event_is_a_line_of_day_and_time_and_what_happened() -> None:
+    """To the millisecond; rounding carries into the next day."""
+    assert str(Event(90_061.5, "lamp", "says", "on")) == "1 01:01:01.500 lamp says on"
+    assert str(Event(86_399.9999, "anna", "enters", "hall")) == "1 00:00:00.000 anna enters hall"
+
+
+def test_a_full_chronicle_drops_the_oldest_and_counts() -> None:
+    """What came since a mark comes as far as it is kept."""
+    chronicle = Chronicle(capacity=3)
+    events = [Event(float(number), "lamp", "says", "on") for number in range(5)]
+    for event in events:
+        chronicle.add(event)
+    assert (chronicle.count, chronicle.dropped) == (5, 2)
+    assert chronicle.since(4) == (events[4],)
+    assert chronicle.since(0) == tuple(events[2:])
+    assert chronicle.since(5) == ()
+    assert chronicle.text() == "".join(f"{event}\n" for event in events[2:])

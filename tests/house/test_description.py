@@ -1,0 +1,128 @@
+"""A house is described in one file, and what is wrong in it is told with its place."""
+
+from __future__ import annotations
+
+import time
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from homebot.errors import ConfigError
+from homebot.house.daylight import DAY
+from homebot.house.description import load_world, parse_world
+from homebot.house.faults import Reverter, Slow, truth
+from homebot.house.kinds import FAULTS, KINDS
+from homebot.house.robot import Robot
+
+HOUSES = Path(__file__).parents[2] / "examples" / "houses"
+HALL = "[rooms.hall]\ndoors = ['outside']\n"
+LAMP = f"{HALL}[devices.lamp]\nkind = 'lamp'\nroom = 'hall'\n"
+
+
+def test_the_family_home_is_a_house_to_test_with() -> None:
+    """At least 20 devices, three people and a robot."""
+    world = load_world(HOUSES / "family.toml")
+    world.run_until(DAY)
+    assert len(world.devices) >= 20
+    assert any(isinstance(truth(placed.device), Robot) for placed in world.devices.values())
+    assert {event.who for event in world.chronicle.since(0) if event.verb == "enters"} == {"anna", "ben", "clara"}
+    assert world.chronicle.dropped == 0
+
+
+@pytest.mark.parametrize("house", ["flat.toml", "family.toml"])
+def test_the_same_seed_is_the_same_week_and_another_seed_is_another(house: str) -> None:
+    """Byte for byte."""
+
+    def week(seed: int) -> bytes:
+        world = load_world(HOUSES / house, seed=seed)
+        world.run_until(7 * DAY)
+        return world.chronicle.text().encode()
+
+    assert week(5) == week(5)
+    assert week(5) != week(6)
+
+
+def test_a_day_of_the_family_home_takes_under_a_third_of_a_second() -> None:
+    """About 25 ms on a small machine; the best of three, since others may be at work on it."""
+
+    def day() -> float:
+        world = load_world(HOUSES / "family.toml")
+        began = time.process_time()
+        world.run_until(DAY)
+        return time.process_time() - began
+
+    assert min(day() for _ in range(3)) < 0.3
+
+
+def test_every_kind_and_every_fault_can_be_described() -> None:
+    """With nothing but its name."""
+    tables: dict[str, object] = {
+        "rooms": {"hall": {"doors": ["outside"]}},
+        "devices": {
+            f"{kind}_{fault}": {"kind": kind, "room": "hall", "faults": {fault: {}}}
+            for kind in KINDS
+            for fault in FAULTS
+        },
+    }
+    world = parse_world(tables, "test")
+    world.run_until(DAY)
+    assert len(world.devices) == len(KINDS) * len(FAULTS)
+
+
+def test_faults_are_put_on_in_the_order_of_the_file() -> None:
+    """From the device outwards, with what they were told."""
+    table = f"{LAMP}faults = {{ slow = {{ delay = 7.0 }}, reverter = {{}} }}\n"
+    lamp = parse_world(tomllib.loads(table), "test").devices["lamp"].device
+    assert isinstance(lamp, Reverter)
+    assert isinstance(lamp.device, Slow)
+    assert lamp.device.delay == 7.0
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "reason"),
+    [
+        ("", "rooms", "is missing"),
+        (f"{HALL}[house]\nsed = 1\n", "house.sed", "is unknown; known are seed, first_day, latitude, by_hand"),
+        (f"{HALL}[house]\nlatitude = 91.0\n", "house.latitude", "less than or equal to 90"),
+        (f"{HALL}window = 2.0\n", "rooms.hall.window", "less than or equal to 1"),
+        ("[rooms.hall]\ndoors = ['attic']\n", "rooms.hall.doors", "there is no room 'attic'"),
+        (f"{LAMP}rated_wats = 3.0\n", "devices.lamp.rated_wats", "is unknown; known are is_on, brightness"),
+        (f"{LAMP}brightness = 1.5\n", "devices.lamp.brightness", "less than or equal to 1"),
+        (f"{LAMP}door = 'attic'\n", "devices.lamp.door", "there is no room 'attic'"),
+        (f"{LAMP}faults = {{ shy = {{}} }}\n", "devices.lamp.faults.shy", "is unknown; known are lossy, slow"),
+        (f"{LAMP}faults = {{ lossy = {{ share = 2.0 }} }}\n", "devices.lamp.faults.lossy.share", "less than or equal"),
+        (f"{HALL}[devices.x]\nkind = 'lamb'\nroom = 'hall'\n", "devices.x.kind", "must be one of lamp, window"),
+        (f"{HALL}[devices.x]\nkind = 'lamp'\n", "devices.x.room", "is missing"),
+        (f"{HALL}[devices.x]\nkind = 'lamp'\nroom = 'attic'\n", "devices.x.room", "there is no room 'attic'"),
+        (f"{HALL}[people.kim]\nday = [{{ at = '25:00', room = 'hall' }}]\n", "people.kim.day.0.at", "'25:00'"),
+        (f"{HALL}[people.kim]\nday = [{{ at = '07:00', room = 'attic' }}]\n", "people.kim.day.0.room", "'attic'"),
+        (f"{HALL}[people.kim]\nstarts_in = 'attic'\n", "people.kim.starts_in", "there is no room 'attic'"),
+        (
+            f"{HALL}[rooms.loft]\n[people.kim]\nday = [{{ at = '07:00', room = 'loft' }}]\n",
+            "people.kim.day.0.room",
+            "doors",
+        ),
+        (f"{LAMP}[[errands]]\nat = '07:00'\ndevice = 'lamb'\ncommand = 'on'\n", "errands.0.device", "no device 'lamb'"),
+        (f"{HALL}[garden]\n", "garden", "is unknown; known are house, rooms, devices, people, errands"),
+        ("rooms", "", "is no TOML"),
+    ],
+)
+def test_what_is_wrong_is_told_with_file_key_and_reason(tmp_path: Path, text: str, key: str, reason: str) -> None:
+    """The first of it."""
+    file = tmp_path / "house.toml"
+    file.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_world(file)
+    assert str(file) in str(caught.value)
+    assert key in str(caught.value)
+    assert reason in str(caught.value)
+
+
+def test_a_file_that_cannot_be_read_is_told_so(tmp_path: Path) -> None:
+    """Missing, or no text."""
+    with pytest.raises(ConfigError, match="cannot be read"):
+        load_world(tmp_path / "none.toml")
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xff")
+    with pytest.raises(ConfigError, match="not UTF-8"):
+        load_world(tmp_path / "bytes.toml")

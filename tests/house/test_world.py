@@ -1,0 +1,250 @@
+"""A house lives: its people, its devices and the sun share one time line."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from homebot.errors import UsageError
+from homebot.house.chronicle import Event
+from homebot.house.daylight import DAY
+from homebot.house.faults import Deaf, Liar, Reverter
+from homebot.house.lamp import Lamp
+from homebot.house.lock import DoorLock
+from homebot.house.motor import CoverMotor, WindowMotor
+from homebot.house.people import Habit, Person
+from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
+from homebot.house.thermostat import Thermostat
+from homebot.house.world import Errand, Placed, World
+
+PLAN = Rooms(
+    {OUTSIDE: Room(window=1.0), "hall": Room(window=0.0), "living": Room(x=5.0, window=0.02)},
+    [(OUTSIDE, "hall"), ("hall", "living")],
+)
+SEVEN = 7 * 3600.0
+NOON = DAY / 2
+
+
+def lines(world: World, now: float) -> list[str]:
+    return [str(event) for event in world.run_until(now)]
+
+
+def anna(*habits: Habit, starts_in: str = OUTSIDE) -> Person:
+    return Person("anna", habits, starts_in, asleep=False)
+
+
+def test_somebody_who_comes_home_opens_the_door_is_seen_and_makes_light() -> None:
+    """And leaves the dark behind."""
+    world = World(
+        PLAN,
+        [
+            Placed(ContactSensor("door"), "hall", door=OUTSIDE),
+            Placed(MotionSensor("motion", hold=60.0), "hall"),
+            Placed(Lamp("hall_lamp"), "hall"),
+        ],
+        [anna(Habit(SEVEN, "living"))],
+    )
+    assert lines(world, SEVEN + 300.0) == [
+        "0 07:00:01.000 anna enters hall",
+        "0 07:00:01.000 door says open",
+        "0 07:00:01.000 motion says motion",
+        "0 07:00:01.000 hall_lamp switch on",
+        "0 07:00:01.000 hall_lamp says on",
+        "0 07:00:04.000 door says closed",
+        "0 07:00:06.000 anna enters living",
+        "0 07:00:06.000 hall_lamp switch off",
+        "0 07:00:06.000 hall_lamp says off",
+        "0 07:01:06.000 motion says clear",
+    ]
+    assert world.people_in("living") == ("anna",)
+
+
+def test_people_unlock_the_door_they_go_through_and_lock_it_behind_them() -> None:
+    """Two who come one after the other lock it once."""
+    habits = Habit(SEVEN, "hall")
+    people = [Person("anna", [habits]), Person("ben", [Habit(SEVEN + 10.0, "hall")])]
+    world = World(PLAN, [Placed(DoorLock("lock"), "hall", door=OUTSIDE)], people)
+    words = [line.partition(" lock ")[2] for line in lines(world, SEVEN + 60.0) if " lock says" in line]
+    assert words.count("says locked") == 1
+    assert words[-1] == "says locked"
+
+
+def test_somebody_asleep_is_in_the_dark_and_not_seen_moving() -> None:
+    """The lamp goes off when they lie down."""
+    devices = [Placed(Lamp("lamp"), "hall"), Placed(MotionSensor("motion"), "hall")]
+    world = World(PLAN, devices, [anna(Habit(100.0, "hall"), Habit(200.0, "hall", asleep=True))])
+    text = "\n".join(lines(world, 1000.0))
+    assert "0 00:03:20.000 anna sleeps hall\n0 00:03:20.000 lamp switch off" in text
+    assert "0 00:04:20.000 motion says clear" in text
+
+
+def test_somebody_who_changes_their_mind_on_the_way_turns_round() -> None:
+    """The first way ends where they are."""
+    world = World(PLAN, [], [anna(Habit(100.0, "living"), Habit(103.0, OUTSIDE))])
+    assert [event.what for event in world.run_until(1000.0)] == ["hall", OUTSIDE]
+
+
+def test_people_can_leave_the_lamps_alone() -> None:
+    """Then light is the business of others."""
+    world = World(PLAN, [Placed(Lamp("lamp"), "hall")], [anna(Habit(100.0, "hall"))], by_hand=False)
+    assert lines(world, 1000.0) == ["0 00:01:41.000 anna enters hall"]
+
+
+def test_somebody_at_home_makes_light_when_it_gets_dark() -> None:
+    """Once; who is told off stays off."""
+    world = World(PLAN, [Placed(Lamp("lamp"), "living")], [anna(starts_in="living")])
+    switched = [event for event in world.run_until(DAY) if event.verb == "switch"]
+    assert [event.what for event in switched] == ["on"]
+    assert 17 * 3600 < switched[0].at < 18.5 * 3600
+
+
+def test_the_sun_comes_in_as_far_as_covers_let_it() -> None:
+    """And lamps add to it."""
+    cover, lamp = CoverMotor("cover"), Lamp("lamp", rated_lux=150.0)
+    world = World(PLAN, [Placed(cover, "living"), Placed(lamp, "living"), Placed(LuxSensor("lux"), "living")])
+    world.run_until(NOON)
+    bright = world.lux("living")
+    assert bright > 1000.0
+    world.tell("cover", "0.5", NOON)
+    world.run_until(NOON + 60.0)
+    assert world.lux("living") == pytest.approx(bright / 2, rel=0.01)
+    assert float(world.device("lux").state()) == pytest.approx(bright / 2, rel=0.2)
+    world.tell("cover", "close", NOON + 60.0)
+    world.run_until(NOON + 120.0)
+    assert world.lux("living") == 0.0
+    assert [str(event) for event in world.tell("lamp", "on", NOON + 120.0)][-2:] == [
+        "0 12:02:00.000 lamp says on",
+        "0 12:02:00.000 lux says 150",
+    ]
+
+
+def test_the_power_meter_says_the_sum_of_what_is_on() -> None:
+    """Also of what draws power by itself."""
+    devices = [
+        Placed(PowerMeter("meter"), "hall"),
+        Placed(Lamp("lamp", rated_watts=10.0), "hall"),
+        Placed(WindowMotor("window", travel_time=3.0), "hall"),
+    ]
+    world = World(PLAN, devices)
+    world.tell("lamp", "on", 1.0)
+    world.tell("window", "open", 1.0)
+    world.run_until(10.0)
+    said = [(event.at, event.what) for event in world.chronicle.since(0) if event.who == "meter"]
+    assert said == [(1.0, "10"), (1.0, "50"), (4.0, "10")]
+
+
+def test_a_liar_draws_what_is_true() -> None:
+    """Its words change no physics."""
+    lamp = Liar(Lamp("lamp"), random.Random(1))  # noqa: S311  # no secrets
+    world = World(PLAN, [Placed(lamp, "hall"), Placed(PowerMeter("meter"), "hall")])
+    assert [event.what for event in world.tell("lamp", "on", 1.0)] == ["on", "on"]
+    assert (world.device("lamp").state(), world.device("meter").state(), world.lux("hall")) == ("on", "0", 0.0)
+
+
+def test_hands_reach_a_deaf_lamp() -> None:
+    """Its radio is broken, its switch is not."""
+    lamp = Deaf(Lamp("lamp"), random.Random(1))  # noqa: S311  # no secrets
+    world = World(PLAN, [Placed(lamp, "hall")], [anna(Habit(100.0, "hall"))])
+    assert lines(world, 200.0)[-1] == "0 00:01:41.000 lamp says on"
+    assert [event.verb for event in world.tell("lamp", "off", 200.0)] == ["told"]
+
+
+def test_the_weather_reaches_the_thermostat() -> None:
+    """A house that nobody heats is cold in the morning."""
+    world = World(PLAN, [Placed(Thermostat("heat", target=5.0), "hall")], first_day=22)
+    world.run_until(SEVEN)
+    assert float(world.device("heat").state()) < 15.0
+
+
+def test_timers_tell_devices_every_day() -> None:
+    """At their time."""
+    world = World(PLAN, [Placed(Lamp("lamp"), "hall")], errands=[Errand(SEVEN, "lamp", "on")])
+    told = [event.at for event in world.run_until(2 * DAY) if event.verb == "told"]
+    assert told == [SEVEN, DAY + SEVEN]
+
+
+def test_a_house_run_in_steps_is_the_house_run_at_once() -> None:
+    """Whoever carries it sleeps until its next event."""
+    devices = [Placed(Lamp("lamp"), "hall"), Placed(CoverMotor("cover"), "living"), Placed(LuxSensor("lux"), "living")]
+    people = [anna(Habit(SEVEN, "living", jitter=600.0), Habit(2 * SEVEN, OUTSIDE))]
+
+    def house() -> World:
+        return World(PLAN, [Placed(type(d.device)(d.device.device_id), d.room) for d in devices], people, seed=3)
+
+    at_once, in_steps = house(), house()
+    at_once.run_until(DAY)
+    heard: list[Event] = []
+    while in_steps.next_event() <= DAY:
+        heard += in_steps.run_until(in_steps.next_event())
+    assert "".join(f"{event}\n" for event in heard) == at_once.chronicle.text()
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.lists(
+        st.tuples(
+            st.floats(0.0, 3000.0), st.sampled_from(["lamp", "cover"]), st.sampled_from(["on", "0.3", "open", "stop"])
+        )
+    ),
+    st.integers(),
+)
+def test_the_same_house_told_the_same_writes_the_same(orders: list[tuple[float, str, str]], seed: int) -> None:
+    """Byte for byte, in time order, whatever it is told."""
+
+    def text() -> str:
+        lamp = Reverter(Lamp("lamp"), random.Random(seed), after=90.0)  # noqa: S311  # no secrets
+        people = [anna(Habit(SEVEN, "living", jitter=7000.0), starts_in="hall")]
+        world = World(PLAN, [Placed(lamp, "hall"), Placed(CoverMotor("cover"), "living")], people, seed=seed)
+        now = 0.0
+        for after, device_id, command in orders:
+            now += after
+            world.tell(device_id, command, now)
+        world.run_until(now + DAY)
+        times = [event.at for event in world.chronicle.since(0)]
+        assert times == sorted(times)
+        return world.chronicle.text()
+
+    assert text() == text()
+
+
+def test_a_house_keeps_the_newest_of_what_happened() -> None:
+    """As many events as it was told to."""
+    world = World(PLAN, [Placed(Lamp("lamp"), "hall")], capacity=3)
+    for second in range(5):
+        world.tell("lamp", "on", float(second))
+    assert (len(world.chronicle.since(0)), world.chronicle.dropped) == (3, 7)
+
+
+def test_commands_without_end_do_not_fill_the_agenda() -> None:
+    """A motor that is told back and forth plans one arrival; those called off are swept."""
+    world = World(PLAN, [Placed(CoverMotor("cover"), "living")])
+    planned = set()
+    for number in range(2000):
+        world.tell("cover", ("close", "open")[number % 2], 1.0 + number / 100)
+        planned.add(len(world._agenda))
+    assert max(planned) < 200
+
+
+@pytest.mark.parametrize(
+    ("build", "problem"),
+    [
+        (lambda: World(PLAN, [Placed(Lamp("lamp"), "hall"), Placed(Lamp("lamp"), "hall")]), "two devices"),
+        (lambda: World(PLAN, [Placed(Lamp("lamp"), "attic")]), "attic"),
+        (lambda: World(PLAN, [Placed(ContactSensor("door"), "hall", door="attic")]), "attic"),
+        (lambda: World(PLAN, [], [anna(Habit(1.0, "attic"))]), "attic"),
+        (lambda: World(PLAN, [], errands=[Errand(1.0, "lamp", "on")]), "no device 'lamp'"),
+        (lambda: World(PLAN, []).tell("lamp", "on", 1.0), "no device 'lamp'"),
+        (lambda: World(PLAN, []).device("lamp"), "no device 'lamp'"),
+        (lambda: World(PLAN, []).lux("attic"), "no room 'attic'"),
+        (lambda: World(PLAN, []).run_until(float("inf")), "inf"),
+    ],
+)
+def test_what_is_not_there_is_refused(build: object, problem: str) -> None:
+    """With its name."""
+    assert callable(build)
+    with pytest.raises(UsageError, match=problem):
+        build()
