@@ -1,7 +1,28 @@
-"""What tests of homebot, and of programs made with it, need."""
+"""What tests of homebot, and of programs made with it, need.
 
-from homebot.testing.gateway import FakeGateway, FakeGatewaySettings
-from homebot.testing.house import TestHouse, house_of
-from homebot.testing.virtual_time import VirtualTimeLoop
+Each name is imported when it is first asked for: pytest loads the plug-in of this package for everybody.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from homebot.testing.gateway import FakeGateway, FakeGatewaySettings
+    from homebot.testing.house import TestHouse, house_of
+    from homebot.testing.virtual_time import VirtualTimeLoop
 
 __all__ = ["FakeGateway", "FakeGatewaySettings", "TestHouse", "VirtualTimeLoop", "house_of"]
+
+_HOMES = {
+    "FakeGateway": "gateway",
+    "FakeGatewaySettings": "gateway",
+    "TestHouse": "house",
+    "VirtualTimeLoop": "virtual_time",
+    "house_of": "house",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

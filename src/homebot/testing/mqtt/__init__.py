@@ -1,0 +1,25 @@
+"""A real MQTT broker in a test: fresh per test, watched, and ready to fail on demand."""
+
+from homebot.testing.mqtt.core import ClientView
+from homebot.testing.mqtt.faults import Fault
+from homebot.testing.mqtt.fixture import BlockingFaults, BlockingTestBroker, Faults, TestBroker
+from homebot.testing.mqtt.hosting import serve_blocking_broker, serve_broker
+from homebot.testing.mqtt.packet_log import PacketLog, PacketRecord
+from homebot.testing.mqtt.seen import SeenMessage
+from homebot.testing.mqtt.thread import BrokerThread, broker_thread
+
+__all__ = [
+    "BlockingFaults",
+    "BlockingTestBroker",
+    "BrokerThread",
+    "ClientView",
+    "Fault",
+    "Faults",
+    "PacketLog",
+    "PacketRecord",
+    "SeenMessage",
+    "TestBroker",
+    "broker_thread",
+    "serve_blocking_broker",
+    "serve_broker",
+]

@@ -1,0 +1,161 @@
+"""The broker of a test with all that watches it; everything here runs on the broker's own loop."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, Self, final
+
+import anyio
+import anyio.lowlevel
+
+from homebot.errors import LinkError, UsageError
+from homebot.mqtt.broker import Broker, BrokerLimits, Hub, Link
+from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.session import Session
+from homebot.mqtt.packets import Packet, Properties, ReasonCode
+from homebot.mqtt.topics import validate_topic
+from homebot.testing.mqtt.bell import Bell
+from homebot.testing.mqtt.faults import Fault, FaultPolicy, FaultRules
+from homebot.testing.mqtt.journal import Journal
+from homebot.testing.mqtt.packet_log import PacketLog
+from homebot.testing.mqtt.seen import Payload, encode_payload
+from homebot.testing.mqtt.tap import Tap, TapDuties
+from homebot.testing.mqtt.words import PROTOCOL_NAMES
+
+__all__ = ["BrokerCore", "ClientView"]
+
+_TURNS = 4  # of the loop: read, handle, flush, and one to spare
+
+
+@dataclass(frozen=True, slots=True)
+class ClientView:
+    """A client as the broker knows it at one moment.
+
+    Attributes:
+        client_id: Its own, or the one assigned.
+        connected: False for a session that waits for its client.
+        subscriptions: The filters, as the client gave them.
+        protocol: ``3.1``, ``3.1.1`` or ``5``; None while it is away.
+        queued: Messages that wait for it.
+    """
+
+    client_id: str
+    connected: bool
+    subscriptions: frozenset[str]
+    protocol: str | None
+    queued: int
+
+    @classmethod
+    def of(cls, session: Session) -> Self:
+        """Look at a session."""
+        outbound = session.outbound
+        return cls(
+            session.client_id,
+            outbound is not None,
+            frozenset(session.subscriptions.copy()),
+            None if outbound is None else PROTOCOL_NAMES[outbound.version],
+            session.queued,
+        )
+
+
+@final
+class BrokerCore:
+    """A broker, its journal, its packet log and its faults. Make it on the loop it is to live on.
+
+    Args:
+        limits: The broker's bounds.
+
+    Attributes:
+        broker: The embedded broker, on a free loopback port.
+        journal: The messages of its clients.
+        log: The packets.
+        rules: The faults in force.
+    """
+
+    def __init__(self, limits: BrokerLimits | None = None) -> None:
+        loop = asyncio.get_running_loop()
+        self.journal = Journal()
+        self.log = PacketLog(loop.time)
+        self.rules = FaultRules(self._fault_lifted)
+        self._loop = loop
+        self._stir = Bell()
+        self._taps: set[Tap] = set()
+        duties = TapDuties(self.rules, self._note, self._taps)
+
+        def endpoint(hub: Hub, link: Link) -> Tap:
+            return Tap(duties, hub, link)
+
+        self.broker = Broker(
+            limits=limits, policy=FaultPolicy(self.rules), endpoint=endpoint, on_message=self.journal.record
+        )
+
+    @property
+    def clients(self) -> dict[str, ClientView]:
+        """All sessions; may be read from any thread."""
+        return {session.client_id: ClientView.of(session) for session in tuple(self.broker.hub.sessions)}
+
+    async def publish(self, topic: str, payload: Payload, qos: int, retain: bool, properties: Properties) -> None:  # noqa: FBT001 - handed on by position
+        """Send a message to all who subscribe to *topic*, as if a client that nobody sees had published it.
+
+        Raises:
+            InvalidNameError: *topic* is no topic name.
+            UsageError: *qos* is not 0, 1 or 2.
+            LinkError: A subscriber's queue is full, or there is no room for one more retained message.
+        """
+        validate_topic(topic)
+        if qos not in (0, 1, 2):
+            raise UsageError(f"QoS is 0, 1 or 2, not {qos}")
+        hub = self.broker.hub
+        interval = properties.message_expiry_interval
+        expires_at = None if interval is None else hub.clock.monotonic() + interval
+        message = Message(topic, encode_payload(payload), qos, retain, properties, "", expires_at)
+        self._note("note", "the test", f"publishes {len(message.payload)} bytes on {topic}, QoS {qos}")
+        receipt = hub.exchange.publish(message)
+        if receipt.reason.failed:
+            raise LinkError(f"the broker had no room for the message on {topic}: {receipt.reason.words}")
+
+    async def turn(self) -> None:
+        """Let the loop go round until what lies in the sockets is handled."""
+        for _ in range(_TURNS):
+            await anyio.lowlevel.checkpoint()
+
+    async def silence(self, seconds: float) -> None:
+        """Return when no packet has come or gone for *seconds*."""
+        while True:
+            with anyio.move_on_after(seconds) as scope:
+                await self._stir.wait()
+            if scope.cancelled_caught:
+                return
+
+    async def restart(self, keep_sessions: bool) -> None:  # noqa: FBT001 - handed on by position
+        """Stop and start on the same port."""
+        self._note("note", "the broker", f"restarts, sessions {'kept' if keep_sessions else 'forgotten'}")
+        await self.broker.restart(keep_sessions=keep_sessions)
+
+    async def drop(self, client: str) -> None:
+        """Close a client's connection without a DISCONNECT."""
+        self._each(client, Tap.drop)
+
+    async def disconnect(self, client: str, reason: ReasonCode) -> None:
+        """Send a client away with *reason*."""
+        self._each(client, lambda tap: tap.end(reason))
+
+    def _each(self, client: str, act: Callable[[Tap], None]) -> None:
+        if client not in self.broker.hub.peers:
+            known = ", ".join(sorted(self.broker.hub.peers)) or "nobody"
+            raise UsageError(f"no client {client!r} is connected; connected: {known}")
+        for tap in [each for each in self._taps if each.client_id == client]:
+            act(tap)
+
+    def _note(self, direction: Literal["in", "out", "note"], client: str, what: Packet | str) -> None:
+        self.log.add(direction, client, what)
+        self._stir.ring()
+
+    def _fault_lifted(self, _fault: Fault) -> None:
+        self._loop.call_soon_threadsafe(self._unstall)
+
+    def _unstall(self) -> None:
+        for tap in list(self._taps):
+            tap.unstall()

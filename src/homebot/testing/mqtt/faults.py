@@ -1,0 +1,222 @@
+"""What a test can let go wrong between a broker and its clients.
+
+A fault begins with the call that makes it, and ends with :meth:`Fault.lift` or at the end of its ``with`` block.
+Rules may be made and lifted in any thread; they hold for the next packet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Self, TypeVar, final
+
+from homebot.errors import UsageError
+from homebot.mqtt.packets import ReasonCode
+from homebot.mqtt.topics import topic_matches, validate_filter
+
+__all__ = [
+    "DelayedAcks",
+    "DroppedAcks",
+    "Fault",
+    "FaultPolicy",
+    "FaultRules",
+    "HalfPacket",
+    "RefusedPublish",
+    "RefusedSubscribe",
+    "SlowReader",
+]
+
+
+class Fault:
+    """One thing that goes wrong until it is lifted.
+
+    Args:
+        client: Whose connection is concerned; None is everybody's.
+        on_lift: Called once with the fault when it is lifted.
+
+    Attributes:
+        client: As given.
+        hits: How often it struck.
+    """
+
+    def __init__(self, client: str | None, on_lift: Callable[[Fault], None]) -> None:
+        self.client = client
+        self.hits = 0
+        self._on_lift: Callable[[Fault], None] | None = on_lift
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.lift()
+
+    def lift(self) -> None:
+        """End the fault; nothing where it has ended."""
+        on_lift, self._on_lift = self._on_lift, None
+        if on_lift is not None:
+            on_lift(self)
+
+
+class DroppedAcks(Fault):
+    """PUBACK, PUBREC and PUBCOMP vanish on their way to the client."""
+
+
+class DelayedAcks(Fault):
+    """PUBACK, PUBREC and PUBCOMP come *seconds* late; other packets overtake them."""
+
+    def __init__(self, client: str | None, on_lift: Callable[[Fault], None], seconds: float) -> None:
+        super().__init__(client, on_lift)
+        self.seconds = seconds
+
+
+class HalfPacket(Fault):
+    """The next packet to the client is cut in the middle and the connection closed; then the fault is over."""
+
+
+class SlowReader(Fault):
+    """The client takes no bytes; what was written comes when the fault is lifted."""
+
+
+class RefusedSubscribe(Fault):
+    """Subscriptions to exactly this filter are answered with *reason*."""
+
+    def __init__(self, client: str | None, on_lift: Callable[[Fault], None], filter: str, reason: ReasonCode) -> None:  # noqa: A002 - the protocol's own word
+        super().__init__(client, on_lift)
+        self.filter = filter
+        self.reason = reason
+
+
+class RefusedPublish(RefusedSubscribe):
+    """Messages on topics that match the filter are not forwarded, and answered with *reason*."""
+
+
+_Kind = TypeVar("_Kind", bound=Fault)
+
+
+@final
+class FaultRules:
+    """The faults in force.
+
+    Args:
+        on_lift: Told of each fault that is lifted, in the thread that lifts it.
+    """
+
+    def __init__(self, on_lift: Callable[[Fault], None]) -> None:
+        self._faults: tuple[Fault, ...] = ()  # replaced as a whole: the broker's thread reads it at any time
+        self._on_lift = on_lift
+
+    def find(self, kind: type[_Kind], client: str | None) -> _Kind | None:
+        """The first fault of exactly this kind that concerns *client*."""
+        for fault in self._faults:
+            if type(fault) is kind and fault.client in (None, client):
+                return fault
+        return None
+
+    def subscribe_refusal(self, client: str, filter: str) -> RefusedSubscribe | None:  # noqa: A002 - the protocol's own word
+        """The fault that refuses *client* a subscription."""
+        for fault in self._faults:
+            if type(fault) is RefusedSubscribe and fault.client in (None, client) and fault.filter == filter:
+                return fault
+        return None
+
+    def publish_refusal(self, client: str, topic: str) -> RefusedPublish | None:
+        """The fault that refuses a message of *client*."""
+        for fault in self._faults:
+            if (
+                isinstance(fault, RefusedPublish)
+                and fault.client in (None, client)
+                and topic_matches(fault.filter, topic)
+            ):
+                return fault
+        return None
+
+    def drop_acks(self, client: str | None = None) -> Fault:
+        """See :class:`DroppedAcks`."""
+        return self._add(DroppedAcks(client, self._lifted))
+
+    def delay_acks(self, seconds: float, client: str | None = None) -> Fault:
+        """See :class:`DelayedAcks`.
+
+        Raises:
+            UsageError: *seconds* is not above 0.
+        """
+        if not seconds > 0:
+            raise UsageError(f"an acknowledgement cannot be {seconds} s late")
+        return self._add(DelayedAcks(client, self._lifted, seconds))
+
+    def half_packet(self, client: str | None = None) -> Fault:
+        """See :class:`HalfPacket`."""
+        return self._add(HalfPacket(client, self._lifted))
+
+    def slow_reader(self, client: str | None = None) -> Fault:
+        """See :class:`SlowReader`."""
+        return self._add(SlowReader(client, self._lifted))
+
+    def refuse_subscribe(
+        self,
+        filter: str,  # noqa: A002 - the protocol's own word
+        client: str | None = None,
+        reason: ReasonCode = ReasonCode.NOT_AUTHORIZED,
+    ) -> Fault:
+        """See :class:`RefusedSubscribe`.
+
+        Raises:
+            UsageError: *reason* is no failure, or the filter is not valid.
+        """
+        _check_refusal(filter, reason)
+        return self._add(RefusedSubscribe(client, self._lifted, filter, reason))
+
+    def refuse_publish(
+        self,
+        filter: str,  # noqa: A002 - the protocol's own word
+        client: str | None = None,
+        reason: ReasonCode = ReasonCode.NOT_AUTHORIZED,
+    ) -> Fault:
+        """See :class:`RefusedPublish`; before MQTT 5 the client hears nothing of it.
+
+        Raises:
+            UsageError: *reason* is no failure, or the filter is not valid.
+        """
+        _check_refusal(filter, reason)
+        return self._add(RefusedPublish(client, self._lifted, filter, reason))
+
+    def lift_all(self) -> None:
+        """End every fault."""
+        for fault in self._faults:
+            fault.lift()
+
+    def _add(self, fault: Fault) -> Fault:
+        self._faults = (*self._faults, fault)
+        return fault
+
+    def _lifted(self, fault: Fault) -> None:
+        self._faults = tuple(each for each in self._faults if each is not fault)
+        self._on_lift(fault)
+
+
+@final
+class FaultPolicy:
+    """Fills the broker's :class:`Policy` port from the faults in force."""
+
+    def __init__(self, rules: FaultRules) -> None:
+        self._rules = rules
+
+    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - fills the port
+        """The reason of the fault that refuses this, else success."""
+        return _strike(self._rules.subscribe_refusal(client_id, filter))
+
+    def publish(self, client_id: str, topic: str) -> ReasonCode:
+        """The reason of the fault that refuses this, else success."""
+        return _strike(self._rules.publish_refusal(client_id, topic))
+
+
+def _strike(fault: RefusedSubscribe | None) -> ReasonCode:
+    if fault is None:
+        return ReasonCode.SUCCESS
+    fault.hits += 1
+    return fault.reason
+
+
+def _check_refusal(filter: str, reason: ReasonCode) -> None:  # noqa: A002 - the protocol's own word
+    validate_filter(filter)
+    if not reason.failed:
+        raise UsageError(f"0x{reason:02x} ({reason.words}) refuses nothing")

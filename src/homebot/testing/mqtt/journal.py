@@ -1,0 +1,113 @@
+"""The messages clients published, kept for a test to expect; lives on the broker's loop."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import final
+
+import anyio
+
+from homebot.mqtt.broker.message import Message
+from homebot.mqtt.topics import topic_matches
+from homebot.testing.mqtt.bell import Bell
+from homebot.testing.mqtt.seen import SeenMessage, Wanted, payload_matches
+
+__all__ = ["Journal"]
+
+_MAX_MESSAGES = 10_000  # beyond it the oldest is forgotten
+_MAX_SHOWN = 5
+
+
+@dataclass(slots=True)
+class _Entry:
+    message: SeenMessage
+    taken: bool = False
+
+
+@final
+class Journal:
+    """The newest 10,000 messages in their order; each is given out once.
+
+    Attributes:
+        forgotten: How many were pushed out by newer ones.
+    """
+
+    def __init__(self) -> None:
+        self.forgotten = 0
+        self._entries: deque[_Entry] = deque()
+        self._grown = Bell()
+
+    def record(self, message: Message) -> None:
+        """Keep a message of a client; those that the test published itself have no origin and are left out."""
+        if not message.origin:
+            return
+        if len(self._entries) == _MAX_MESSAGES:
+            self._entries.popleft()
+            self.forgotten += 1
+        seen = SeenMessage(
+            message.topic, message.payload, message.qos, message.retain, message.properties, message.origin
+        )
+        self._entries.append(_Entry(seen))
+        self._grown.ring()
+
+    def clear(self) -> None:
+        """Forget everything; in any thread."""
+        self._entries.clear()
+        self.forgotten = 0
+
+    async def take(self, filter: str, wanted: Wanted, timeout: float) -> SeenMessage | None:  # noqa: A002, ASYNC109 - the user's words
+        """Take the first message that fits and was not taken before; wait for it if need be; None if none came."""
+        with anyio.move_on_after(timeout):
+            while (found := self._take(filter, wanted)) is None:
+                await self._grown.wait()
+            return found
+        return None
+
+    def waiting(self, filter: str) -> list[SeenMessage]:  # noqa: A002 - the protocol's own word
+        """All messages on *filter* that nobody has taken, in their order."""
+        return [
+            each.message
+            for each in self._entries.copy()
+            if not each.taken and topic_matches(filter, each.message.topic)
+        ]
+
+    def near_misses(self, filter: str, wanted: Wanted, timeout: float) -> str:  # noqa: A002 - as above
+        """Say that nothing came, and what came instead."""
+        here: list[_Entry] = []
+        elsewhere: dict[str, SeenMessage] = {}
+        for entry in self._entries.copy():
+            if topic_matches(filter, entry.message.topic):
+                here.append(entry)
+            else:
+                elsewhere[entry.message.topic] = entry.message
+        other = [each.message for each in here if not each.taken]
+        taken = [each.message for each in here if each.taken and payload_matches(wanted, each.message)]
+        similar = get_close_matches(filter, elsewhere, n=_MAX_SHOWN, cutoff=0.5)
+        what = "a message" if wanted is None else getattr(wanted, "__name__", None) or repr(wanted)
+        lines = [f"nobody published {what} on {filter} within {timeout:g} s"]
+        lines += _section("there came, with another payload", other)
+        lines += _section("an earlier expect() has taken already", taken)
+        lines += _section("on similar topics came", [elsewhere[topic] for topic in similar])
+        if len(lines) == 1:
+            lines += _section("the last messages on other topics", list(elsewhere.values()))
+        if len(lines) == 1:
+            lines.append("no client published anything at all")
+        return "\n".join(lines)
+
+    def _take(self, filter: str, wanted: Wanted) -> SeenMessage | None:  # noqa: A002 - as above
+        for entry in self._entries:
+            message = entry.message
+            if not entry.taken and topic_matches(filter, message.topic) and payload_matches(wanted, message):
+                entry.taken = True
+                return message
+        return None
+
+
+def _section(title: str, messages: list[SeenMessage]) -> list[str]:
+    if not messages:
+        return []
+    more = len(messages) - _MAX_SHOWN
+    shown = [f"    {message}" for message in messages[-_MAX_SHOWN:]]
+    return [f"  {title}:", *([f"    … {more} earlier"] if more > 0 else []), *shown]

@@ -1,0 +1,217 @@
+"""Sits between the broker's sockets and its peers: writes the packet log and lets faults happen."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal, final
+
+from homebot.mqtt.broker import Hub, Link, Peer
+from homebot.mqtt.packets import Connect, Packet, PacketError, PacketReader, PacketType, ProtocolVersion, ReasonCode
+from homebot.testing.mqtt.faults import DelayedAcks, DroppedAcks, FaultRules, HalfPacket, SlowReader
+
+__all__ = ["Tap", "TapDuties"]
+
+_ACKS = (PacketType.PUBACK, PacketType.PUBREC, PacketType.PUBCOMP)
+
+
+@dataclass(frozen=True, slots=True)
+class TapDuties:
+    """What every tap of one broker shares.
+
+    Attributes:
+        rules: The faults in force.
+        note: Told of each packet and event: direction, client, what.
+        taps: Those of the connections that are open; they add and remove themselves.
+    """
+
+    rules: FaultRules
+    note: Callable[[Literal["in", "out", "note"], str, Packet | str], None]
+    taps: set[Tap]
+
+
+@final
+class Tap:
+    """One connection: an :class:`Endpoint` for its carrier, and the :class:`Link` of its peer.
+
+    What waits for a slow reader is bounded by ``limits.write_buffer`` bytes; beyond it the connection is closed.
+    """
+
+    def __init__(self, duties: TapDuties, hub: Hub, link: Link) -> None:
+        self._duties = duties
+        self._link = link
+        self._limit = hub.limits.write_buffer
+        self._held = bytearray()
+        self._cut = self._begun = False
+        self._in: PacketReader | None = PacketReader(ProtocolVersion.V311)
+        self._version = ProtocolVersion.V311
+        self._name = ""  # as the client gave it
+        self._peer = Peer(hub, self)
+        duties.taps.add(self)
+
+    @property
+    def client_id(self) -> str | None:
+        """Who it is, once logged in."""
+        return self._peer.client_id
+
+    @property
+    def words(self) -> str:
+        """How the log calls the client."""
+        return self._peer.words
+
+    @property
+    def address(self) -> str:
+        """The far side's address."""
+        return self._link.address
+
+    @property
+    def choked(self) -> bool:
+        """Whether nothing more should be written that can wait."""
+        return self._stalled or self._link.choked
+
+    def receive(self, data: bytes) -> None:
+        """Note what came and pass it on."""
+        if self._in is not None and not self._begun and data[0] >> 4 != PacketType.CONNECT:
+            self._in = None
+            self._note("note", f"sent what is no MQTT: {data[:40]!r}")
+        self._begun = True
+        if self._in is not None:
+            self._read(self._in, data)
+        self._peer.receive(data)
+
+    def writable(self) -> None:
+        """The socket takes bytes again."""
+        if not self._stalled:
+            self._peer.writable()
+
+    def lost(self) -> None:
+        """The socket is closed."""
+        self._note("note", "connection closed")
+        self._duties.taps.discard(self)
+        self._peer.lost()
+
+    def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
+        """Close the connection from the broker's side."""
+        self._peer.end(reason, publish_will=publish_will)
+
+    def drop(self) -> None:
+        """Close the connection without a DISCONNECT."""
+        self._note("note", "fault: connection dropped")
+        self._cut = True
+        self._link.close(linger=False)
+
+    def unstall(self) -> None:
+        """A slow reader may have become quick again: write what waited."""
+        if self._stalled:
+            return
+        self._flush()
+        if not self._link.choked:
+            self._peer.writable()
+
+    def write(self, data: bytes) -> None:
+        """Write what the faults in force let through."""
+        for piece in _split(data):
+            if self._cut:
+                return
+            self._write_packet(piece)
+
+    def pause_reading(self) -> None:
+        """Take no more bytes from the client."""
+        self._link.pause_reading()
+
+    def resume_reading(self) -> None:
+        """Take bytes again."""
+        self._link.resume_reading()
+
+    def close(self, *, linger: bool) -> None:
+        """Send what was written, then close."""
+        self._flush()
+        self._link.close(linger=linger)
+
+    @property
+    def _stalled(self) -> bool:
+        return self._duties.rules.find(SlowReader, self.client_id) is not None
+
+    def _read(self, reader: PacketReader, data: bytes) -> None:
+        try:
+            for packet in reader.feed(data):
+                if isinstance(packet, Connect):
+                    reader.version = self._version = packet.version
+                    self._name = packet.client_id
+                self._note("in", packet)
+        except PacketError as error:
+            self._in = None  # the peer finds the same
+            self._note("note", f"sent what is no MQTT: {error.problem}")
+
+    def _write_packet(self, piece: bytes) -> None:
+        rules = self._duties.rules
+        self._note("out", _read_own(piece, self._version))
+        half = rules.find(HalfPacket, self.client_id)
+        if half is not None:
+            half.hits += 1
+            half.lift()
+            self._put(piece[: len(piece) // 2])
+            self._note("note", "fault: only half of that was sent")
+            self.drop()
+            return
+        if piece[0] >> 4 in _ACKS:
+            dropped = rules.find(DroppedAcks, self.client_id)
+            if dropped is not None:
+                dropped.hits += 1
+                self._note("note", "fault: that acknowledgement was dropped")
+                return
+            delayed = rules.find(DelayedAcks, self.client_id)
+            if delayed is not None:
+                delayed.hits += 1
+                self._note("note", f"fault: that acknowledgement is {delayed.seconds:g} s late")
+                asyncio.get_running_loop().call_later(delayed.seconds, self._put, piece)
+                return
+        self._put(piece)
+
+    def _put(self, piece: bytes) -> None:
+        if self._cut:
+            return
+        slow = self._duties.rules.find(SlowReader, self.client_id)
+        if slow is None and not self._held:
+            self._link.write(piece)
+            return
+        if slow is not None:
+            slow.hits += 1
+        self._held += piece
+        if len(self._held) > self._limit:
+            self._held.clear()
+            self.drop()
+
+    def _flush(self) -> None:
+        if self._held:
+            data = bytes(self._held)
+            self._held.clear()
+            self._link.write(data)
+
+    def _note(self, direction: Literal["in", "out", "note"], what: Packet | str) -> None:
+        self._duties.note(direction, self.client_id or self._name or self.address, what)
+
+
+def _read_own(piece: bytes, version: ProtocolVersion) -> Packet | str:
+    try:
+        return next(PacketReader(version).feed(piece))
+    except PacketError:  # the answer to a CONNECT that could not be read is in the version it seemed to have
+        return f"0x{piece.hex()}"
+
+
+def _split(data: bytes) -> Iterator[bytes]:
+    """The packets in *data*, which holds whole ones only."""
+    start = 0
+    while start < len(data):
+        size = shift = 0
+        position = start + 1
+        while True:
+            byte = data[position]
+            position += 1
+            size |= (byte & 0x7F) << shift
+            shift += 7
+            if byte < 0x80:
+                break
+        yield data[start : position + size]
+        start = position + size

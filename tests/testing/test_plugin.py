@@ -1,0 +1,78 @@
+"""The plug-in in other people's test runs: every way to run async tests, xdist, and no configuration at all."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+pytest_plugins = ["pytester"]
+
+USE = """
+import asyncio, pytest
+
+{mark}async def test_a_client_is_heard(mqtt_broker, mqtt_broker_session):
+    for broker in (mqtt_broker, mqtt_broker_session):
+        reader, writer = await asyncio.open_connection(broker.host, broker.port)
+        writer.write(bytes.fromhex("100d00044d5154540402003c000161") + bytes.fromhex("300500017436{payload}"))
+        assert await reader.readexactly(4) == bytes.fromhex("20020000")
+        assert (await broker.expect("t", "6{text}")).client_id == "a"
+        await broker.settle()
+        assert set(broker.clients) == {{"a"}}
+        writer.close()
+        await writer.wait_closed()
+
+def test_a_test_without_a_loop_has_a_broker_too(mqtt_broker_thread):
+    mqtt_broker_thread.publish("t", {{"a": 1}}, retain=True)
+    mqtt_broker_thread.settle(0.01)
+"""
+
+
+def run(pytester: pytest.Pytester, mark: str, *options: str) -> pytest.RunResult:
+    pytester.makepyfile(test_use=USE.format(mark=mark, payload="37", text="7"))
+    return pytester.runpytest_subprocess("-p", "no:cacheprovider", *options)
+
+
+def test_it_works_with_pytest_asyncio_in_strict_mode(pytester: pytest.Pytester) -> None:
+    run(pytester, "@pytest.mark.asyncio\n", "-p", "no:anyio").assert_outcomes(passed=2)
+
+
+def test_it_works_with_pytest_asyncio_in_auto_mode(pytester: pytest.Pytester) -> None:
+    run(pytester, "", "--asyncio-mode=auto").assert_outcomes(passed=2)
+
+
+def test_it_works_with_the_plugin_of_anyio(pytester: pytest.Pytester) -> None:
+    pytester.makeconftest("import pytest\n\n@pytest.fixture\ndef anyio_backend():\n    return 'asyncio'\n")
+    run(pytester, "@pytest.mark.anyio\n", "-p", "no:asyncio").assert_outcomes(passed=2)
+
+
+def test_it_works_under_xdist(pytester: pytest.Pytester) -> None:
+    run(pytester, "@pytest.mark.asyncio\n", "-n", "2").assert_outcomes(passed=2)
+
+
+def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(test_use=USE.format(mark="@pytest.mark.asyncio\n", payload="38", text="9"))
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "E *nobody published '69' on t within 1 s",
+            "E *there came, with another payload:",
+            "E *t '68' (QoS 0, from a)",
+            "*MQTT packets of mqtt_broker*",
+            "*→  CONNECT 'a' MQTT 3.1.1, clean start, keep-alive 60 s",
+            "* a  *→  PUBLISH t '68' QoS 0",
+            "* a  *←  CONNACK success",
+        ]
+    )
+    assert result.stdout.str().count("MQTT packets of") == 1
+
+
+def test_those_who_do_not_use_it_import_nothing_for_it() -> None:
+    program = (
+        "import pytest, sys; before = set(sys.modules); import homebot.testing.plugin\n"
+        "print(*sorted(set(sys.modules) - before))"
+    )
+    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
+    assert loaded == ["homebot", "homebot.testing", "homebot.testing.plugin"]
