@@ -21,6 +21,7 @@ from homebot.graph import Node
 from homebot.messages import Log
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 
@@ -290,3 +291,21 @@ async def listens(url: str) -> bool:
         return False
     await stream.aclose()
     return True
+
+
+@pytest.mark.virtual_time
+async def test_a_whole_home_runs_in_memory_and_in_virtual_time() -> None:
+    """With the simulated house, without a door and without a socket."""
+    async with MemoryBroker() as broker:
+        tables = config(gateways={"mqtt": {"root": "home425"}}, apps={"light_service": {}})
+        async with (
+            Runtime(tables, with_house=True, with_door=False, broker=broker) as runtime,
+            Node(runtime.graph, "witness") as witness,
+        ):
+            assert (runtime.broker_url, runtime.door) == ("mqtt://memory:1883", None)
+            log = witness.create_subscription(Log, "/rosout", qos_profile=100)
+            with anyio.fail_after(60):
+                while (await log.receive()).msg != "lights/roomlights405 is off":
+                    pass
+            await anyio.sleep(600)
+            assert broker.stats.messages_received >= 3 * 600 / 2

@@ -37,6 +37,40 @@ async def test_what_is_ready_runs_before_time_passes() -> None:
 
 
 @pytest.mark.virtual_time
+async def test_settled_comes_after_all_that_is_due_now_and_before_time_passes() -> None:
+    loop = asyncio.get_running_loop()
+    assert isinstance(loop, VirtualTimeLoop)
+    done: list[str] = []
+
+    async def work(name: str, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+        for _ in range(100):
+            await asyncio.sleep(0)
+        done.append(name)
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(work, "now", 0.0)
+        tasks.start_soon(work, "then", 5.0)
+        await loop.settled()
+        assert (done, loop.time()) == (["now"], 0.0)
+        await asyncio.sleep(5.0)
+        await loop.settled()
+        assert (done, loop.time()) == (["now", "then"], 5.0)
+
+
+@pytest.mark.virtual_time
+async def test_several_may_wait_until_all_is_settled_and_one_may_give_up() -> None:
+    loop = asyncio.get_running_loop()
+    assert isinstance(loop, VirtualTimeLoop)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(loop.settled)
+        with anyio.CancelScope() as scope:
+            scope.cancel()
+            await loop.settled()
+        await loop.settled()
+
+
+@pytest.mark.virtual_time
 async def test_a_time_limit_is_virtual_too() -> None:
     with pytest.raises(TimeoutError):
         with anyio.fail_after(3_600):

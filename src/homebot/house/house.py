@@ -10,7 +10,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.clock import Clock
-from homebot.errors import LinkError
+from homebot.errors import LinkError, UsageError
 from homebot.house.devices import Lamp, SimulatedDevice, WindowMotor
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttClient, Subscription
@@ -41,6 +41,9 @@ class SimulatedHouse:
         make_client: Makes their MQTT clients.
         random: Source of their reconnects' jitter; a seeded one makes every run the same.
         heartbeat: Seconds after which a device repeats its state, as real ones do.
+
+    Raises:
+        UsageError: The heartbeat is not above 0.
     """
 
     def __init__(
@@ -54,6 +57,8 @@ class SimulatedHouse:
         random: Random | None = None,
         heartbeat: float = HEARTBEAT,
     ) -> None:
+        if heartbeat <= 0:
+            raise UsageError(f"a heartbeat of {heartbeat:g} s is not above 0")
         self._url = url
         self._home = home
         self._devices = devices

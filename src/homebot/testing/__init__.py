@@ -7,18 +7,34 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from homebot.testing.event_log import EventLog, HouseEvent
     from homebot.testing.gateway import FakeGateway, FakeGatewaySettings
     from homebot.testing.house import TestHouse, house_of
+    from homebot.testing.virtual_house import VirtualHouse, virtual_house_of
     from homebot.testing.virtual_time import VirtualTimeLoop
 
-__all__ = ["FakeGateway", "FakeGatewaySettings", "TestHouse", "VirtualTimeLoop", "house_of"]
+__all__ = [
+    "EventLog",
+    "FakeGateway",
+    "FakeGatewaySettings",
+    "HouseEvent",
+    "TestHouse",
+    "VirtualHouse",
+    "VirtualTimeLoop",
+    "house_of",
+    "virtual_house_of",
+]
 
 _HOMES = {
+    "EventLog": "event_log",
     "FakeGateway": "gateway",
     "FakeGatewaySettings": "gateway",
+    "HouseEvent": "event_log",
     "TestHouse": "house",
+    "VirtualHouse": "virtual_house",
     "VirtualTimeLoop": "virtual_time",
     "house_of": "house",
+    "virtual_house_of": "virtual_house",
 }
 
 

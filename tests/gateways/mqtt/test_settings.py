@@ -81,3 +81,11 @@ def test_an_address_with_a_password_never_shows_it_in_an_error() -> None:
         settings(url="mqtt://robot:s3cret@broker:port")
     assert "s3cret" not in str(caught.value)
     assert caught.value.__cause__ is None
+
+
+def test_a_name_for_this_run_replaces_one_that_nobody_chose() -> None:
+    """And its session still ends with the run."""
+    given = MqttGatewaySettings(url="mqtt://h").with_client_id("mine").options()
+    chosen = MqttGatewaySettings(url="mqtt://h", client_id="chosen").with_client_id("mine").options()
+    assert (given.client_id, given.session_ends_on_close) == ("mine", True)
+    assert (chosen.client_id, chosen.session_ends_on_close) == ("chosen", False)

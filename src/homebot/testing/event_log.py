@@ -1,0 +1,131 @@
+"""Everything that happens in a virtual house, with the time at which it did: to read, to compare, to keep."""
+
+from __future__ import annotations
+
+import json
+from collections import deque
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from random import Random
+from typing import Literal
+
+from homebot.clock import Clock
+from homebot.errors import ClosedError
+from homebot.graph import EntityKind, GraphChange, Node
+from homebot.messages import Message
+from homebot.messages.json import message_to_json
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.options import MqttOptions
+from homebot.testing.background import in_background
+from homebot.testing.virtual_house import VirtualHouse
+
+__all__ = ["EventLog", "HouseEvent"]
+
+MAX_EVENTS = 100_000
+
+NODE = "event_log"
+
+
+@dataclass(frozen=True, slots=True)
+class HouseEvent:
+    """One thing that happened.
+
+    Attributes:
+        at: Seconds since the Unix epoch, in the time of the house.
+        source: Where: a message on MQTT, a message on a topic of the graph, or a change of the graph.
+        name: The topic, or the kind of entity that came or went.
+        text: What was said, or which entity.
+    """
+
+    at: float
+    source: Literal["mqtt", "topic", "graph"]
+    name: str
+    text: str
+
+    def __str__(self) -> str:
+        stamp = datetime.fromtimestamp(self.at, UTC).isoformat(sep=" ", timespec="milliseconds")
+        return f"{stamp[:23]} {self.source} {self.name} {self.text}"
+
+
+class EventLog:
+    """The last 100,000 events of a house; the oldest goes.
+
+    Attributes:
+        events: The events, oldest first.
+        lost: Events that went.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self.events: deque[HouseEvent] = deque(maxlen=MAX_EVENTS)
+        self.lost = 0
+        self._clock = clock
+
+    def __str__(self) -> str:
+        return "".join(f"{event}\n" for event in self.events)
+
+    def note(self, source: Literal["mqtt", "topic", "graph"], name: str, text: str) -> None:
+        """Write down what happens now."""
+        self.lost += len(self.events) == MAX_EVENTS
+        self.events.append(HouseEvent(self._clock.now(), source, name, text))
+
+    @classmethod
+    @asynccontextmanager
+    async def of(cls, house: VirtualHouse) -> AsyncIterator[EventLog]:
+        """Keep a log of *house* during the block: all messages on MQTT and on the graph, and who comes and goes there.
+
+        It is a node ``/event_log`` and a client of the broker, and reads as anybody may.
+        """
+        log = cls(house.clock)
+        options = MqttOptions.from_url(house.broker.url, client_id=NODE, keep_alive=3_600)
+        random = Random(0)  # noqa: S311 - a simulation has no secrets
+        connection = MqttConnection(
+            options, house.broker.make_client, status_topic=None, clock=house.clock, random=random
+        )
+        async with Node(house.runtime.graph, NODE) as node, connection:
+            await connection.subscribe(Subscription("#"))
+            await connection.wait_connected()
+            async with in_background(lambda: _read_mqtt(connection, log), lambda: _read_graph(node, log)):
+                await house.settle()
+                yield log
+
+
+async def _read_mqtt(connection: MqttConnection, log: EventLog) -> None:
+    while True:
+        try:
+            messages = await connection.receive()
+        except ClosedError:
+            return
+        for message in messages:
+            log.note("mqtt", message.topic, message.payload.decode(errors="backslashreplace"))
+
+
+async def _read_graph(node: Node, log: EventLog) -> None:
+    topics: set[str] = set()
+    with node.graph.watch() as changes:
+        for info in node.graph.get_endpoints():
+            _follow(node, log, topics, GraphChange("added", info))
+        async for change in changes:
+            if change.entity.node != node.full_name:
+                log.note(
+                    "graph", change.entity.kind.value, f"{change.change} {change.entity.name} of {change.entity.node}"
+                )
+                _follow(node, log, topics, change)
+
+
+def _follow(node: Node, log: EventLog, topics: set[str], change: GraphChange) -> None:
+    """Read each topic once it has a publisher."""
+    info = change.entity
+    if change.change == "removed" or info.kind is not EntityKind.PUBLISHER or info.name in topics:
+        return
+    message_type = node.graph.get_message_type(info.name)
+    if message_type is None:
+        return
+    topics.add(info.name)
+
+    def note(message: Message) -> None:
+        log.note("topic", info.name, json.dumps(message_to_json(message), ensure_ascii=False))
+
+    node.create_subscription(message_type, info.name, note, 1000)

@@ -1,0 +1,145 @@
+"""A house in a test where time is virtual: a day of it passes in well under a second."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from datetime import UTC, datetime
+from random import Random
+
+import anyio
+
+from homebot.clock import LoopClock
+from homebot.errors import UsageError
+from homebot.gateways.mqtt.settings import EMBEDDED
+from homebot.house import SimulatedDevice, SimulatedHouse
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.options import MqttOptions
+from homebot.runtime import Runtime
+from homebot.testing.background import in_background
+from homebot.testing.house import TestHouse, house_config
+from homebot.testing.moment import as_moment, next_moment
+from homebot.testing.virtual_time import VirtualTimeLoop
+from homebot.units import parse_duration
+
+__all__ = ["START", "VirtualHouse", "virtual_house_of"]
+
+START = "2026-01-01 00:00"
+"""When time begins in a virtual house, in UTC, unless told otherwise."""
+
+HEARTBEAT = 300.0
+"""Seconds after which a simulated device repeats its state: what plugged-in devices do, and little work for a day."""
+
+_KEEP_ALIVE = 3_600
+
+
+class VirtualHouse(TestHouse):
+    """A test house without sockets, whose time moves when the test says so or waits.
+
+    Attributes:
+        broker: Its broker; a test may stop it, or cut and freeze links.
+        clock: Its time.
+    """
+
+    def __init__(self, runtime: Runtime, field: MqttConnection, broker: MemoryBroker, clock: LoopClock) -> None:
+        super().__init__(runtime, field)
+        self.broker = broker
+        self.clock = clock
+
+    @property
+    def now(self) -> datetime:
+        """What time it is in the house, in UTC."""
+        return datetime.fromtimestamp(self.clock.now(), UTC)
+
+    async def run_for(self, duration: str | float) -> None:
+        """Let time pass; what is due at its end has happened when this returns.
+
+        Args:
+            duration: Such as ``"90s"``, ``"8h"`` or ``"1h30m"``; a number is seconds.
+
+        Raises:
+            UsageError: It is no duration.
+        """
+        await anyio.sleep(parse_duration(duration))
+        await self.settle()
+
+    async def run_until(self, when: str | datetime) -> None:
+        """Let time pass until *when*; what is due then has happened when this returns.
+
+        Args:
+            when: A time of day in UTC, such as ``"22:00"``: the next one; or a date-time, such as
+                ``"2026-01-02 07:30"``.
+
+        Raises:
+            UsageError: It cannot be read, or is past.
+        """
+        moment = next_moment(self.now, when)
+        await anyio.sleep(moment.timestamp() - self.clock.now())
+        await self.settle()
+
+    async def settle(self) -> None:
+        """Wait until all that can happen now has happened; no time passes."""
+        await _virtual_loop().settled()
+
+
+@asynccontextmanager
+async def virtual_house_of(
+    *apps: str,
+    root: str = "home425",
+    devices: Sequence[SimulatedDevice] = (),
+    start: str | datetime = START,
+    seed: int = 0,
+    heartbeat: str | float = HEARTBEAT,
+) -> AsyncIterator[VirtualHouse]:
+    """Run *apps* in a homebot as :func:`homebot.testing.house_of` does, on a :class:`VirtualTimeLoop`.
+
+    Args:
+        apps: Each a plug-in's name or ``module:Class``.
+        root: The home: first level of the topics.
+        devices: Simulated devices that live in it; the test may play others.
+        start: When time begins; without a time zone in UTC.
+        seed: Decides all that is left to chance: the same test with the same seed is the same run.
+        heartbeat: Time after which a simulated device repeats its state.
+
+    Raises:
+        UsageError: The running event loop is none of virtual time, or an argument cannot be used.
+    """
+    _virtual_loop()
+    clock = LoopClock(as_moment(start).timestamp())
+    random = Random(seed)  # noqa: S311 - a simulation has no secrets
+    async with AsyncExitStack() as stack:
+        broker = await stack.enter_async_context(MemoryBroker(clock=clock, random=random))
+        config = house_config(apps, root, EMBEDDED)
+        runtime = Runtime(config, with_door=False, clock=clock, broker=broker, random=random)
+        await stack.enter_async_context(runtime)
+        options = MqttOptions.from_url(broker.url, client_id="test", keep_alive=_KEEP_ALIVE)
+        field = MqttConnection(options, broker.make_client, status_topic=None, clock=clock, random=random)
+        await stack.enter_async_context(field)
+        await field.subscribe(Subscription(f"{root}/+/+/in", qos=1))
+        await field.wait_connected()
+        house = VirtualHouse(runtime, field, broker, clock)
+        simulated = SimulatedHouse(
+            broker.url,
+            root,
+            devices,
+            clock,
+            make_client=broker.make_client,
+            random=random,
+            heartbeat=parse_duration(heartbeat),
+        )
+        async with in_background(house.listen, simulated.serve):
+            await house.settle()
+            yield house
+
+
+def _virtual_loop() -> VirtualTimeLoop:
+    loop = asyncio.get_running_loop()
+    if not isinstance(loop, VirtualTimeLoop):
+        raise UsageError(
+            "a virtual house needs a loop of virtual time: asyncio.Runner(loop_factory=VirtualTimeLoop).run(...), "
+            "with VirtualTimeLoop from homebot.testing"
+        )
+    return loop

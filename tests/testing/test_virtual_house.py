@@ -1,0 +1,158 @@
+"""A house where time is virtual: it moves when told, a day is short, and the same seed is the same day."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import runpy
+import subprocess
+import sys
+import time
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from homebot.devices import DEVICE_CHANGES as CHANGES
+from homebot.errors import UsageError
+from homebot.house import WindowMotor, thesis_devices
+from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
+from homebot.testing.event_log import MAX_EVENTS
+
+A_DAY = Path(__file__).with_name("a_day.py")
+
+
+def said(log: EventLog, topic: str) -> list[str]:
+    return [event.text for event in log.events if event.name == topic]
+
+
+@pytest.mark.virtual_time
+async def test_time_moves_when_told() -> None:
+    async with virtual_house_of() as house:
+        assert house.now == datetime(2026, 1, 1, tzinfo=UTC)
+        await house.run_for("8h")
+        assert house.now.hour == 8
+        await house.run_until("22:00")
+        await house.run_until("22:00")
+        assert house.now == datetime(2026, 1, 2, 22, tzinfo=UTC)
+        await house.run_until("2026-01-03 07:30")
+        await house.run_for(0.5)
+        assert house.now == datetime(2026, 1, 3, 7, 30, 0, 500_000, tzinfo=UTC)
+        with pytest.raises(UsageError, match="2026-01-01 00:00:00 is past: it is 2026-01-03 07:30:00 in the house"):
+            await house.run_until("2026-01-01")
+
+
+@pytest.mark.virtual_time
+async def test_an_app_hears_devices_and_is_heard_without_a_second_passing() -> None:
+    async with virtual_house_of("light_service", root="villa") as house:
+        await house.says("villa/lights/a/out", "on")
+        assert await house.hears("villa/lights/a/in") == "off"
+        assert house.now == datetime(2026, 1, 1, tzinfo=UTC)
+
+
+@pytest.mark.virtual_time
+async def test_what_is_due_at_the_end_has_happened() -> None:
+    """A window takes three seconds, and is open after three seconds."""
+    async with virtual_house_of(devices=[WindowMotor("w", travel_time=3.0)]) as house, EventLog.of(house) as log:
+        await house.says("home425/windows/w/in", "open")
+        await house.run_for(2.999)
+        assert said(log, "home425/windows/w/out") == ["opening"]
+        await house.run_for(0.001)
+        assert said(log, "home425/windows/w/out") == ["opening", "open"]
+
+
+@pytest.mark.virtual_time
+async def test_a_device_that_falls_silent_is_stale_after_an_hour_and_gone_a_day_later() -> None:
+    async with virtual_house_of() as house, EventLog.of(house) as log:
+        await house.run_for("1h")
+        await house.says("home425/lights/quiet/out", "off")
+        spoke_at = house.clock.now()
+        await house.run_for("2d")
+    changes = [(event.at - spoke_at, json.loads(event.text)["kind"]) for event in log.events if event.name == CHANGES]
+    assert changes == [(0.0, "appeared"), (3_600.0, "stale"), (90_000.0, "removed")]
+
+
+@pytest.mark.virtual_time
+async def test_silence_is_told_at_once_and_costs_virtual_time_only() -> None:
+    async with virtual_house_of("light_service") as house:
+        with pytest.raises(TimeoutError, match="nothing came on home425/lights/b/in within 60 s"):
+            await house.hears("home425/lights/b/in", within=60)
+        assert house.now.minute == 1
+
+
+@pytest.mark.virtual_time
+async def test_a_house_may_begin_at_any_time() -> None:
+    async with virtual_house_of(start="2026-07-01 06:30") as house:
+        await house.run_until("07:00")
+        assert house.now == datetime(2026, 7, 1, 7, tzinfo=UTC)
+
+
+@pytest.mark.virtual_time
+async def test_a_day_of_the_thesis_house_is_short() -> None:
+    """Time of the processor, so that a busy computer does not count."""
+    async with virtual_house_of("light_service", devices=thesis_devices()) as house:
+        before = time.process_time()
+        await house.run_for(timedelta(days=1).total_seconds())
+        assert time.process_time() - before < 1.0
+        assert house.broker.stats.messages_received > 3 * 24 * 3600 / 300
+
+
+@pytest.mark.parametrize("bad", [{"start": "noon"}, {"heartbeat": "often"}, {"heartbeat": 0}])
+@pytest.mark.virtual_time
+async def test_what_cannot_be_is_refused(bad: dict[str, Any]) -> None:
+    with pytest.raises(UsageError):
+        async with virtual_house_of(**bad):
+            pass
+
+
+@pytest.mark.virtual_time
+async def test_a_night_without_broker_is_survived() -> None:
+    async with virtual_house_of("light_service", devices=thesis_devices()) as house:
+        await house.run_until("22:00")
+        await house.broker.stop(abrupt=True)
+        await house.run_until("06:00")
+        await house.broker.start()
+        await house.run_for("1m")
+        await house.says("home425/lights/roomlights405/out", "on")
+        assert await house.hears("home425/lights/roomlights405/in") == "off"
+
+
+async def test_a_real_loop_is_refused_with_the_way_out() -> None:
+    with pytest.raises(UsageError, match=r"asyncio\.Runner\(loop_factory=VirtualTimeLoop\)"):
+        async with virtual_house_of():
+            pass
+
+
+@pytest.mark.virtual_time
+async def test_a_failed_test_shows_its_own_error() -> None:
+    """Not a group with the error in it."""
+    with pytest.raises(AssertionError, match="mine"):
+        async with virtual_house_of("light_service") as house, EventLog.of(house):
+            raise AssertionError("mine")
+
+
+@pytest.mark.virtual_time
+async def test_the_log_is_bounded_and_counts_what_went() -> None:
+    async with virtual_house_of() as house:
+        log = EventLog(house.clock)
+        for number in range(MAX_EVENTS + 2):
+            log.note("mqtt", "t", str(number))
+        assert log.lost == 2
+        assert str(log).startswith("2026-01-01 00:00:00.000 mqtt t 2\n")
+
+
+def test_one_seed_is_one_day_byte_for_byte_and_another_is_another() -> None:
+    """In processes of their own, whose sets are in another order each."""
+    command = [sys.executable, str(A_DAY), "1"]
+    runs = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, env=os.environ | {"PYTHONHASHSEED": seed})
+        for seed in ("1", "2")
+    ]
+    first, second = (run.communicate(timeout=50)[0].decode() for run in runs)
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        other = runner.run(runpy.run_path(str(A_DAY))["a_day"](2))
+    assert first == second != other
+    assert first.count("\n") > 3_000
+    assert "mqtt home425/lights/roomlights405/in off" in first
