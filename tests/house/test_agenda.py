@@ -47,3 +47,15 @@ def test_of_any_plans_the_last_of_each_is_kept_and_the_rest_swept(plans: list[tu
         agenda.pop()()
         times.append(at)
     assert times == sorted(at for at in dict(plans).values() if at is not None)
+
+
+def test_one_who_plans_anew_without_end_does_not_fill_the_agenda() -> None:
+    """What was called off is swept, and the last plan holds."""
+    agenda = Agenda()
+    agenda.add(5.0, lambda: None)
+    for number in range(1000):
+        agenda.plan("anna", 10.0 + number, lambda: None)
+        assert len(agenda) < 200
+    assert agenda.next_at() == 5.0
+    agenda.pop()
+    assert agenda.next_at() == 1009.0

@@ -11,6 +11,11 @@ def test_an_event_is_a_line_of_day_and_time_and_what_happened() -> None:
     assert str(Event(86_399.9999, "anna", "enters", "hall")) == "1 00:00:00.000 anna enters hall"
 
 
+def test_whatever_is_said_is_one_line() -> None:
+    """A lamp cannot be made to forge what happened."""
+    assert str(Event(0.0, "lamp", "told", "on\n0 x")) == "0 00:00:00.000 lamp told 'on\\n0 x'"
+
+
 def test_a_full_chronicle_drops_the_oldest_and_counts() -> None:
     """What came since a mark comes as far as it is kept."""
     chronicle = Chronicle(capacity=3)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from homebot.house.device import number, spoken
 from homebot.house.lamp import Lamp
 from homebot.house.motor import WindowMotor
+from homebot.house.sensors import ContactSensor
 
 
 def test_time_never_goes_back() -> None:
@@ -49,3 +50,10 @@ def test_a_spoken_number_is_heard_again_to_a_thousandth(value: float) -> None:
 def test_a_device_without_words_for_a_number_rounds_to_whole_ones() -> None:
     """No digits, no point."""
     assert spoken(120.4, 0) == "120"
+
+
+def test_most_devices_feel_nothing_and_draw_nothing() -> None:
+    """A lamp is not moved by the world, and a contact lives on its battery."""
+    lamp, contact = Lamp("lamp"), ContactSensor("door")
+    assert (lamp.sense(1.0, 5.0), lamp.now, lamp.state()) == ((), 5.0, "off")
+    assert (contact.watts(), contact.restore()) == (0.0, "")

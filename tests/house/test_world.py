@@ -122,6 +122,23 @@ def test_the_sun_comes_in_as_far_as_covers_let_it() -> None:
     ]
 
 
+def test_looking_at_a_device_changes_nothing() -> None:
+    """Also while it moves, when the sun is looked at."""
+
+    def text(*, looks: bool) -> str:
+        world = World(
+            PLAN, [Placed(CoverMotor("cover", travel_time=600.0), "living"), Placed(LuxSensor("lux"), "living")]
+        )
+        world.tell("cover", "close", NOON + 10.0)
+        for second in range(0, 900, 7):
+            world.run_until(NOON + 10.0 + second)
+            if looks:
+                world.device("cover")
+        return world.chronicle.text()
+
+    assert text(looks=True) == text(looks=False)
+
+
 def test_the_power_meter_says_the_sum_of_what_is_on() -> None:
     """Also of what draws power by itself."""
     devices = [
@@ -229,6 +246,13 @@ def test_commands_without_end_do_not_fill_the_agenda() -> None:
     assert max(planned) < 200
 
 
+def test_a_command_of_any_length_is_kept_short() -> None:
+    """The chronicle is bounded."""
+    world = World(PLAN, [Placed(Lamp("lamp"), "hall")])
+    (told,) = world.tell("lamp", "x" * 100_000, 1.0)
+    assert told.what == "x" * 200
+
+
 @pytest.mark.parametrize(
     ("build", "problem"),
     [
@@ -236,6 +260,7 @@ def test_commands_without_end_do_not_fill_the_agenda() -> None:
         (lambda: World(PLAN, [Placed(Lamp("lamp"), "attic")]), "attic"),
         (lambda: World(PLAN, [Placed(ContactSensor("door"), "hall", door="attic")]), "attic"),
         (lambda: World(PLAN, [], [anna(Habit(1.0, "attic"))]), "attic"),
+        (lambda: World(PLAN, [], [anna(starts_in="attic")]), "attic"),
         (lambda: World(PLAN, [], errands=[Errand(1.0, "lamp", "on")]), "no device 'lamp'"),
         (lambda: World(PLAN, []).tell("lamp", "on", 1.0), "no device 'lamp'"),
         (lambda: World(PLAN, []).device("lamp"), "no device 'lamp'"),

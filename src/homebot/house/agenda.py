@@ -8,7 +8,7 @@ from collections.abc import Callable
 __all__ = ["Agenda"]
 
 SLACK = 64
-"""Called-off entries that are kept until they are worth a sweep; with as many again as there are valid ones."""
+"""Entries called off that are no work worth a sweep; they are swept once they are more than these and half of all."""
 
 
 class Agenda:

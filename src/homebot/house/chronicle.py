@@ -36,7 +36,8 @@ class Event:
         days, rest = divmod(milliseconds, int(DAY) * 1000)
         hours, rest = divmod(rest, 3_600_000)
         minutes, rest = divmod(rest, 60_000)
-        return f"{days} {hours:02}:{minutes:02}:{rest // 1000:02}.{rest % 1000:03} {self.who} {self.verb} {self.what}"
+        what = self.what if self.what.isprintable() else ascii(self.what)  # one event, one line
+        return f"{days} {hours:02}:{minutes:02}:{rest // 1000:02}.{rest % 1000:03} {self.who} {self.verb} {what}"
 
 
 class Chronicle:

@@ -71,7 +71,7 @@ class _Lamp(KindSettings):
     is_on: bool | None = None
     brightness: Fraction | None = None
     kelvin: Positive | None = None
-    rated_watts: NotNegative | None = None
+    rated_watts: Positive | None = None
     rated_lux: NotNegative | None = None
 
     def build(self, at: Surroundings) -> Machine:

@@ -22,7 +22,7 @@ class Lamp(Machine):
         is_on: Whether it shines.
         brightness: How bright it is while on, 0 to 1.
         kelvin: Colour temperature.
-        rated_watts: What it draws at full brightness.
+        rated_watts: What it draws at full brightness, above 0: a lamp that draws nothing is dark.
         rated_lux: The light that it then gives its room.
     """
 

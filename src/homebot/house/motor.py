@@ -33,9 +33,13 @@ class WindowMotor(Machine):
     @property
     def position(self) -> float:
         """Where it is at :attr:`now`: 0 is closed, 1 is open."""
+        return self.position_at(self.now)
+
+    def position_at(self, now: float) -> float:
+        """Return where it is at *now*, no earlier than :attr:`now`, if it is told nothing until then."""
         if not self._moves:
             return self._target
-        way = min((self.now - self._started_at) / self.travel_time, abs(self._target - self._start))
+        way = min((now - self._started_at) / self.travel_time, abs(self._target - self._start))
         return self._start + (way if self._target > self._start else -way)
 
     def state(self) -> str:

@@ -55,10 +55,6 @@ class Robot(Machine):
         """The room it is in, or ``moving``."""
         return "moving" if self._ahead else self.room
 
-    def watts(self) -> float:
-        """None from the house: it drives on its battery."""
-        return 0.0
-
     def restore(self) -> str:
         """``go`` to the room it is in."""
         return f"go {self.room}"

@@ -17,10 +17,11 @@ from homebot.house.chronicle import Chronicle, Event, Verb
 from homebot.house.daylight import DAY, daylight, weather
 from homebot.house.device import Machine
 from homebot.house.faults import truth
+from homebot.house.household import Household
 from homebot.house.lamp import Lamp
 from homebot.house.lock import DoorLock
 from homebot.house.motor import CoverMotor
-from homebot.house.people import Person, Visit
+from homebot.house.people import Person
 from homebot.house.rooms import OUTSIDE, Rooms
 from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
 from homebot.house.thermostat import Thermostat
@@ -32,6 +33,9 @@ SAMPLE = 300.0
 
 DARK = 30.0
 """Lux below which people want a lamp."""
+
+LONGEST_COMMAND = 200
+"""Characters; what is beyond is cut off, since the chronicle keeps commands."""
 
 DOOR_CLOSES = 3.0
 DOOR_LOCKS = 15.0
@@ -66,16 +70,6 @@ class Errand:
     at: float
     device_id: str
     command: str
-
-
-@dataclass(eq=False)
-class _Body:
-    """Where a person is."""
-
-    person: Person
-    room: str
-    asleep: bool
-    walk: int = 0
 
 
 @dataclass(eq=False)
@@ -130,7 +124,6 @@ class World:
             if item.device.device_id in self._things:
                 raise UsageError(f"two devices are called {item.device.device_id!r}")
             self._things[item.device.device_id] = _Thing(item, truth(item.device))
-        self._bodies = [_Body(person, person.starts_in, person.asleep) for person in people]
         self._errands = errands
         self._seed = seed
         self._first_day = first_day
@@ -140,6 +133,7 @@ class World:
         self._in_room = {room: [t for t in self._things.values() if t.placed.room == room] for room in rooms.rooms}
         self._was_dark: dict[str, bool] = {}
         self._agenda = Agenda()
+        self._household = Household(people, rooms, self._agenda, lambda: self.now, self)
         self._agenda.add(0.0, partial(self._begin_day, 0))
         self._agenda.add(0.0, self._sample)
         for thing in self._things.values():
@@ -191,7 +185,7 @@ class World:
 
     def people_in(self, room: str) -> tuple[str, ...]:
         """Return who is in *room*, asleep or not."""
-        return tuple(body.person.name for body in self._bodies if body.room == room)
+        return self._household.people_in(room)
 
     def lux(self, room: str) -> float:
         """Return how bright *room* is: the sun through its windows and covers, and its lamps.
@@ -202,19 +196,48 @@ class World:
         if room not in self._in_room:
             raise UsageError(f"there is no room {room!r}")
         things = self._in_room[room]
-        covers = [thing.real.position for thing in things if isinstance(thing.real, CoverMotor)]
+        covers = [thing.real.position_at(self.now) for thing in things if isinstance(thing.real, CoverMotor)]
         let_in = sum(covers) / len(covers) if covers else 1.0
         sun = daylight(self.now, self._first_day, self._latitude) * self._rooms.rooms[room].window * let_in
         lamps = [t.real for t in things if isinstance(t.real, Lamp) and t.placed.device.watts() > 0]
         return sun + sum(lamp.lux() for lamp in lamps)
 
+    def passed(self, name: str, left: str, entered: str) -> None:
+        """Somebody went through a door: its contact says so, its lock is worked. For the household alone."""
+        self._note(name, "enters", entered)
+        for thing in (*self._in_room[left], *self._in_room[entered]):
+            if {thing.placed.room, thing.placed.door} != {left, entered}:
+                continue
+            if isinstance(thing.real, ContactSensor):
+                self._feel(thing, 1.0)
+                thing.open_until = self.now + DOOR_CLOSES
+                self._agenda.add(thing.open_until, partial(self._close, thing))
+            elif isinstance(thing.real, DoorLock):
+                self._switch(thing, "unlock")
+                thing.open_until = self.now + DOOR_LOCKS
+                self._agenda.add(thing.open_until, partial(self._close, thing))
+
+    def lay_down(self, name: str, room: str) -> None:
+        """Somebody sleeps. For the household alone."""
+        self._note(name, "sleeps", room)
+
+    def stirred(self, room: str) -> None:
+        """Motion sensors see who moves in *room*, and hands reach for its lamps. For the household alone."""
+        awake = self._household.awake_in(room)
+        for thing in self._in_room[room]:
+            if isinstance(thing.real, MotionSensor):
+                self._feel(thing, float(awake))
+        if not self._by_hand or room == OUTSIDE:
+            return
+        wish = "off" if not awake else "on" if self.lux(room) < DARK else ""
+        for thing in self._in_room[room]:
+            if wish and isinstance(thing.real, Lamp) and thing.real.state() != wish:
+                self._switch(thing, wish)
+
     def _check(self) -> None:
         for thing in self._things.values():
             for room in (thing.placed.room, thing.placed.door or thing.placed.room):
                 self._rooms.path(room, room)
-        for body in self._bodies:
-            for habit in body.person.day:
-                self._rooms.path(body.room, habit.room)
         for errand in self._errands:
             self._thing(errand.device_id)
 
@@ -230,75 +253,22 @@ class World:
         self.now = max(self.now, now)
 
     def _begin_day(self, day: int) -> None:
-        for body in self._bodies:
-            for visit in body.person.plan(day, str(self._seed)):
-                self._agenda.add(visit.at, partial(self._set_out, body, visit))
+        self._household.begin_day(day, str(self._seed))
         for errand in self._errands:
             thing = self._things[errand.device_id]
             self._agenda.add(day * DAY + errand.at, partial(self._command, thing, errand.command))
         self._agenda.add((day + 1) * DAY, partial(self._begin_day, day + 1))
 
-    # People
-
-    def _set_out(self, body: _Body, visit: Visit) -> None:
-        body.walk += 1
-        body.asleep = False
-        self._walk(body, body.walk, visit, self._rooms.path(body.room, visit.room))
-
-    def _walk(self, body: _Body, walk: int, visit: Visit, way: tuple[str, ...]) -> None:
-        if walk != body.walk:
-            return  # they changed their mind on the way
-        if way[0] != body.room:
-            self._go_through(body, way[0])
-        if len(way) == 1:
-            body.asleep = visit.asleep
-            if body.asleep:
-                self._note(body.person.name, "sleeps", body.room)
-        else:
-            seconds = self._rooms.metres(way[0], way[1]) / body.person.speed
-            self._agenda.add(self.now + seconds, partial(self._walk, body, walk, visit, way[1:]))
-        self._settle(body.room)
-
-    def _go_through(self, body: _Body, room: str) -> None:
-        left, body.room = body.room, room
-        self._note(body.person.name, "enters", room)
-        for thing in (*self._in_room[left], *self._in_room[room]):
-            if {thing.placed.room, thing.placed.door} != {left, room}:
-                continue
-            if isinstance(thing.real, ContactSensor):
-                self._feel(thing, 1.0)
-                thing.open_until = self.now + DOOR_CLOSES
-                self._agenda.add(thing.open_until, partial(self._close, thing, "door"))
-            elif isinstance(thing.real, DoorLock):
-                self._switch(thing, "unlock")
-                thing.open_until = self.now + DOOR_LOCKS
-                self._agenda.add(thing.open_until, partial(self._close, thing, "lock"))
-        self._settle(left)
-
-    def _close(self, thing: _Thing, what: str) -> None:
+    def _close(self, thing: _Thing) -> None:
         if self.now < thing.open_until:
             return  # somebody else came through
-        if what == "door":
+        if isinstance(thing.real, ContactSensor):
             self._feel(thing, 0.0)
         else:
             self._switch(thing, "lock")
 
-    def _settle(self, room: str) -> None:
-        """Let motion sensors see who moves in *room*, and hands reach for its lamps."""
-        awake = sum(body.room == room and not body.asleep for body in self._bodies)
-        for thing in self._in_room[room]:
-            if isinstance(thing.real, MotionSensor):
-                self._feel(thing, float(awake))
-        if not self._by_hand or room == OUTSIDE:
-            return
-        wish = "off" if not awake else "on" if self.lux(room) < DARK else ""
-        for thing in self._in_room[room]:
-            if wish and isinstance(thing.real, Lamp) and thing.real.state() != wish:
-                self._switch(thing, wish)
-
-    # Devices
-
     def _command(self, thing: _Thing, command: str) -> None:
+        command = command[:LONGEST_COMMAND]
         self._note(thing.placed.device.device_id, "told", command)
         self._act(thing, lambda device: tuple(step.report for step in device.obey(command, self.now)))
 
@@ -338,8 +308,6 @@ class World:
             if isinstance(thing.real, PowerMeter):
                 self._feel(thing, total)
 
-    # Sun and weather
-
     def _sample(self) -> None:
         outside = weather(self.now, self._first_day)
         for thing in self._things.values():
@@ -350,7 +318,7 @@ class World:
             self._show_light(room)
             is_dark = self.lux(room) < DARK
             if is_dark and self._was_dark.get(room) is False:
-                self._settle(room)
+                self.stirred(room)
             self._was_dark[room] = is_dark
         self._agenda.add(self.now + SAMPLE, self._sample)
 
