@@ -1,8 +1,10 @@
 """A real MQTT broker in a test: fresh per test, watched, and ready to fail on demand."""
 
+from homebot.testing.mqtt.blocking_broker import BlockingTestBroker
+from homebot.testing.mqtt.broker import TestBroker
 from homebot.testing.mqtt.core import ClientView
+from homebot.testing.mqtt.fault_control import BlockingFaults, Faults
 from homebot.testing.mqtt.faults import Fault
-from homebot.testing.mqtt.fixture import BlockingFaults, BlockingTestBroker, Faults, TestBroker
 from homebot.testing.mqtt.hosting import serve_blocking_broker, serve_broker
 from homebot.testing.mqtt.packet_log import PacketLog, PacketRecord
 from homebot.testing.mqtt.seen import SeenMessage

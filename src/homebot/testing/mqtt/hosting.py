@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from homebot.mqtt.broker import BrokerLimits
+from homebot.testing.mqtt.blocking_broker import BlockingTestBroker
+from homebot.testing.mqtt.broker import TestBroker
 from homebot.testing.mqtt.core import BrokerCore
-from homebot.testing.mqtt.fixture import BlockingTestBroker, TestBroker
 from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["serve_blocking_broker", "serve_broker"]

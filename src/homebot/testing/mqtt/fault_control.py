@@ -1,0 +1,108 @@
+"""The faults as a test makes them: awaited, or blocking."""
+
+from __future__ import annotations
+
+from typing import final
+
+from homebot.mqtt.packets import ReasonCode
+from homebot.testing.mqtt.core import BrokerCore
+from homebot.testing.mqtt.faults import Fault, FaultRules
+from homebot.testing.mqtt.thread import BrokerThread
+
+__all__ = ["BlockingFaults", "Faults"]
+
+
+class _Rules:
+    """The faults that are rules: they can be made and lifted without waiting."""
+
+    def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
+        self._core = core
+        self._thread = thread
+
+    @property
+    def _rules(self) -> FaultRules:
+        return self._core.rules
+
+    def drop_acks(self, client: str | None = None) -> Fault:
+        """Let PUBACK, PUBREC and PUBCOMP vanish on their way to the client (None: to everybody)."""
+        return self._rules.drop_acks(client)
+
+    def delay_acks(self, seconds: float, client: str | None = None) -> Fault:
+        """Let PUBACK, PUBREC and PUBCOMP come *seconds* late."""
+        return self._rules.delay_acks(seconds, client)
+
+    def half_packet(self, client: str | None = None) -> Fault:
+        """Cut the next packet to the client in the middle and close its connection."""
+        return self._rules.half_packet(client)
+
+    def slow_reader(self, client: str | None = None) -> Fault:
+        """Let the client take no bytes until the fault is lifted; then it gets all that waited."""
+        return self._rules.slow_reader(client)
+
+    def refuse_subscribe(
+        self,
+        filter: str,  # noqa: A002 - the protocol's own word
+        client: str | None = None,
+        reason: ReasonCode = ReasonCode.NOT_AUTHORIZED,
+    ) -> Fault:
+        """Answer subscriptions to exactly this filter with *reason*."""
+        return self._rules.refuse_subscribe(filter, client, reason)
+
+    def refuse_publish(
+        self,
+        filter: str,  # noqa: A002 - the protocol's own word
+        client: str | None = None,
+        reason: ReasonCode = ReasonCode.NOT_AUTHORIZED,
+    ) -> Fault:
+        """Do not forward messages on topics that match; answer with *reason*, before MQTT 5 with success."""
+        return self._rules.refuse_publish(filter, client, reason)
+
+    def lift_all(self) -> None:
+        """End every fault."""
+        self._rules.lift_all()
+
+
+@final
+class Faults(_Rules):
+    """What can go wrong. Rules hold until lifted, or to the end of their ``with``; the others happen at once."""
+
+    async def drop_connection(self, client: str) -> None:
+        """Close the client's connection without a DISCONNECT; its will is published.
+
+        Raises:
+            UsageError: It is not connected.
+        """
+        await self._thread.run(self._core.drop, client)
+
+    async def disconnect(self, client: str, reason: ReasonCode = ReasonCode.ADMINISTRATIVE_ACTION) -> None:
+        """Send the client away; one that speaks MQTT 5 is told *reason*.
+
+        Raises:
+            UsageError: It is not connected.
+        """
+        await self._thread.run(self._core.disconnect, client, reason)
+
+    async def take_over(self, client: str) -> None:
+        """Send the client away as when another one connects with its id (0x8E).
+
+        Raises:
+            UsageError: It is not connected.
+        """
+        await self.disconnect(client, ReasonCode.SESSION_TAKEN_OVER)
+
+
+@final
+class BlockingFaults(_Rules):
+    """:class:`Faults` for tests without an event loop."""
+
+    def drop_connection(self, client: str) -> None:
+        """As :meth:`Faults.drop_connection`."""
+        self._thread.call(self._core.drop, client)
+
+    def disconnect(self, client: str, reason: ReasonCode = ReasonCode.ADMINISTRATIVE_ACTION) -> None:
+        """As :meth:`Faults.disconnect`."""
+        self._thread.call(self._core.disconnect, client, reason)
+
+    def take_over(self, client: str) -> None:
+        """As :meth:`Faults.take_over`."""
+        self.disconnect(client, ReasonCode.SESSION_TAKEN_OVER)
