@@ -334,3 +334,17 @@ def test_a_seed_fixes_the_packet_identifiers() -> None:
     """Without one they begin anywhere, so that a restarted process does not meet those of its predecessor."""
     first, again, other = (Requests(Random(seed)).new_id() for seed in (1, 1, 2))  # noqa: S311 - no secret
     assert first == again != other
+
+
+async def test_a_seed_fixes_assigned_client_ids() -> None:
+    """Without one nobody can guess them."""
+    assigned = []
+    for random in (Random(1), Random(1), None, None):  # noqa: S311 - as above
+        async with MemoryBroker(random=random) as broker:
+            client = RawClient(broker)
+            client.say(Connect(""))
+            await anyio.sleep(0.001)
+            assigned.append(broker.links[0].peer.client_id)
+    first, again, secret, other = assigned
+    assert first == again
+    assert len({first, secret, other}) == 3

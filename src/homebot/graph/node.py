@@ -88,7 +88,7 @@ class Node:
         self.namespace = self.full_name.removesuffix(f"/{name}") or "/"
         self.log: structlog.typing.FilteringBoundLogger = structlog.get_logger(node=self.full_name)
         self._tasks: TaskGroup | None = None
-        self._scopes: set[anyio.CancelScope] = set()
+        self._scopes: dict[anyio.CancelScope, None] = {}  # in the order of starting, so that runs are alike
         self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
         self._entities: dict[int, _Entity] = {}
         self._closed = False
@@ -298,13 +298,13 @@ class Node:
     async def _run(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
         """Run one of the node's tasks in a scope of its own: closing the node ends its tasks, not who runs the node."""
         with anyio.CancelScope() as scope:
-            self._scopes.add(scope)
+            self._scopes[scope] = None
             try:
                 await function()
             except SystemExit as exc:
                 raise ExitError(self.full_name, exc) from exc
             finally:
-                self._scopes.discard(scope)
+                self._scopes.pop(scope, None)
 
     def _show(self, entity: _Entity) -> None:
         self._entities[id(entity)] = entity

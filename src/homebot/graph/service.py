@@ -41,7 +41,7 @@ class ServiceSlot:
         self.service_type = service_type
         self.server: Service[Any, Any] | None = None
         self.users = 0
-        self._waiters: set[asyncio.Future[None]] = set()
+        self._waiters: dict[asyncio.Future[None], None] = {}  # in the order of coming, so that runs are alike
 
     def set_server(self, server: Service[Any, Any] | None) -> None:
         """Make *server* the one that serves, and wake whoever waits for a change."""
@@ -57,11 +57,11 @@ class ServiceSlot:
     async def wait_for_change(self) -> None:
         """Wait until a server or a client came or went."""
         waiter = asyncio.get_running_loop().create_future()
-        self._waiters.add(waiter)
+        self._waiters[waiter] = None
         try:
             await waiter
         finally:
-            self._waiters.discard(waiter)
+            self._waiters.pop(waiter, None)
 
 
 class Service(Generic[RequestT, ResponseT]):

@@ -114,7 +114,7 @@ class MqttConnection:
         self._wanted: dict[str, Subscription] = {}
         self._made: set[str] = set()
         self._refused: dict[str, str] = {}
-        self._unwanted: set[str] = set()
+        self._unwanted: dict[str, None] = {}
         self._state = ConnectionState(LinkPhase.CLOSED)
         self._changed = anyio.Event()
         self._tasks: TaskGroup | None = None
@@ -207,7 +207,7 @@ class MqttConnection:
         for subscription in subscriptions:
             self._wanted[subscription.filter] = subscription
             self._made.discard(subscription.filter)
-            self._unwanted.discard(subscription.filter)
+            self._unwanted.pop(subscription.filter, None)
         names = [subscription.filter for subscription in subscriptions]
         try:
             refused = await self._make(names)
@@ -222,12 +222,13 @@ class MqttConnection:
             self._wanted.pop(name, None)
             self._made.discard(name)
             self._refused.pop(name, None)
-        self._unwanted.update(filters)
+        self._unwanted.update(dict.fromkeys(filters))
         try:
             await self._client.unsubscribe(*filters)
         except LinkError:
             return
-        self._unwanted.difference_update(filters)
+        for name in filters:
+            self._unwanted.pop(name, None)
 
     async def receive(self) -> list[MqttMessage]:
         """All messages that are there, in order, from whatever link; waits for the first.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Collection, Mapping
-from random import Random
+from random import Random, SystemRandom
 from types import TracebackType
 from typing import Final, Self, final
 
@@ -43,7 +43,8 @@ class MemoryBroker:
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds.
         refuse_filters: Filters whose subscription is answered with 0x80; only without *policy*.
         policy: Who may publish and subscribe what.
-        random: Where its clients take their first packet identifiers from; a seeded one makes every run the same.
+        random: Where assigned client ids and its clients' first packet identifiers come from; a seeded one makes every
+            run the same.
 
     Attributes:
         host: A name to put into options, which nothing on a network answers to.
@@ -76,7 +77,7 @@ class MemoryBroker:
         self._authentication = Authentication(credentials)
         self._keep_alive = keep_alive
         self._policy = policy or RefusedFilters(refuse_filters)
-        self._random = Random() if random is None else random  # noqa: S311 - packet identifiers are no secret
+        self._random = random or SystemRandom()
         self._hub: Hub | None = None
         self._running = False
         self._links: dict[MemoryLink, None] = {}
@@ -164,7 +165,9 @@ class MemoryBroker:
             return
         if self._hub is None:
             clock = self._clock or LoopClock()
-            self._hub = Hub(clock, self._limits, self._authentication, self._policy, self._keep_alive)
+            self._hub = Hub(
+                clock, self._limits, self._authentication, self._policy, self._keep_alive, random=self._random
+            )
         self._running = True
         self._hub.deadlines.wake = self._wake_at
         self._tick()

@@ -44,7 +44,7 @@ class Holding:
         self._hub = hub
         self._link = link
         self._go_on = go_on
-        self._slow: set[Session] = set()
+        self._slow: dict[Session, None] = {}
         self._end: Deadline | None = None
 
     @property
@@ -54,9 +54,9 @@ class Holding:
 
     def wait_for(self, slow: Iterable[Session]) -> None:
         """Wait until every one of *slow* has caught up or gone, or the time is over."""
-        self._slow.update(slow)
+        self._slow.update(dict.fromkeys(slow))
         for session in self._slow:
-            session.held_publishers.add(self)
+            session.held_publishers[self] = None
         if self._end is None:
             self._hub.counters.holds += 1
             until = self._hub.clock.monotonic() + self._hub.limits.hold_time
@@ -86,7 +86,7 @@ class Holding:
 
     def caught_up(self, session: Session) -> None:
         """*session* has room again or has gone."""
-        self._slow.discard(session)
+        self._slow.pop(session, None)
         if not self._slow and self._end is not None:
             self._end.cancel()
             self._end = self._hub.deadlines.at(self._hub.clock.monotonic(), self._over)
@@ -94,7 +94,7 @@ class Holding:
     def stop(self) -> None:
         """Wait no more; what waits is left to be taken."""
         for session in self._slow:
-            session.held_publishers.discard(self)
+            session.held_publishers.pop(self, None)
         self._slow.clear()
         if self._end is not None:
             self._end.cancel()

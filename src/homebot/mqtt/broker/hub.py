@@ -6,6 +6,7 @@ Everything runs in order on one thread; no method waits.
 from __future__ import annotations
 
 from collections.abc import Callable
+from random import Random, SystemRandom
 from typing import TYPE_CHECKING, final
 
 import structlog
@@ -42,6 +43,7 @@ class Hub:
         policy: Who may publish and subscribe what; by default everybody everything.
         keep_alive: The longest keep-alive interval a client may have, in seconds; None leaves it to them.
         on_message: Told of each message that is forwarded, wills included; must not raise.
+        random: Where assigned client ids come from; by default nobody can guess them.
 
     Attributes:
         peers: Logged-in connections by client id.
@@ -56,12 +58,14 @@ class Hub:
         policy: Policy | None = None,
         keep_alive: int | None = None,
         on_message: Callable[[Message], None] | None = None,
+        random: Random | None = None,
     ) -> None:
         self.clock = clock
         self.limits = limits
         self.authentication = authentication or Authentication()
         self.policy = policy or RefusedFilters()
         self.keep_alive = keep_alive
+        self.random = random or SystemRandom()
         self.counters = Counters()
         self.deadlines = Deadlines()
         self._on_message = on_message

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from uuid import uuid4
 
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.packets import (
@@ -81,7 +80,7 @@ def accept(connect: Connect, hub: Hub) -> Login:
     if is_v5:
         expiry = expiry_of(properties.session_expiry_interval or 0)
     return Login(
-        client_id=connect.client_id or f"auto-{uuid4().hex}",
+        client_id=connect.client_id or f"auto-{hub.random.getrandbits(128):032x}",
         assigned=not connect.client_id,
         expiry=expiry,
         keep_alive=keep_alive,

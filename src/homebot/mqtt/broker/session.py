@@ -60,7 +60,7 @@ class Session:
         self.subscriptions: dict[str, Subscription] = {}
         self.received: set[int] = set()
         self.overrun = False
-        self.held_publishers: set[HeldPublisher] = set()
+        self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
         self._clock = clock
         self._limits = limits
         self._counters = counters
@@ -251,6 +251,6 @@ class Session:
             self._resend.remove(packet_id)
 
     def _release_publishers(self) -> None:
-        publishers, self.held_publishers = self.held_publishers, set()
+        publishers, self.held_publishers = self.held_publishers, {}
         for publisher in publishers:
             publisher.caught_up(self)
