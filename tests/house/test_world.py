@@ -200,7 +200,7 @@ def test_a_house_run_in_steps_is_the_house_run_at_once() -> None:
     assert "".join(f"{event}\n" for event in heard) == at_once.chronicle.text()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(
     st.lists(
         st.tuples(
