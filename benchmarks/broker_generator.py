@@ -1,7 +1,7 @@
 """One publisher and its subscribers, in a process of their own that shares no interpreter with what is measured.
 
-Each line of standard input is a job, each line of standard output its result. The publisher stays at most a window ahead
-of the slowest subscriber, so that nobody has a reason to drop a message, and every one is accounted for.
+Each line of standard input is a job, each line of standard output its result. The publisher stays at most a window
+ahead of the slowest subscriber, so that nobody has a reason to drop a message, and every one is accounted for.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Every type of packet against the mqtt5 package: it reads what we write, and we read what it then writes as the same."""
+"""Every type of packet against the mqtt5 package: it reads what we write, and we read what it writes as the same."""
 
 from __future__ import annotations
 
