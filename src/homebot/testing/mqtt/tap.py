@@ -44,7 +44,7 @@ class Tap:
         self._limit = hub.limits.write_buffer
         self._held = bytearray()
         self._cut = self._begun = False
-        self._in: PacketReader | None = PacketReader(ProtocolVersion.V311)
+        self._in: PacketReader | None = PacketReader(ProtocolVersion.V311, hub.limits.max_packet_size)
         self._version = ProtocolVersion.V311
         self._name = ""  # as the client gave it
         self._peer = Peer(hub, self)

@@ -20,7 +20,7 @@ _Ts = TypeVarTuple("_Ts")
 @contextmanager
 def broker_thread() -> Iterator[BrokerThread]:
     """Start the thread; it ends with the block."""
-    with start_blocking_portal("asyncio", name="mqtt-broker") as portal:
+    with start_blocking_portal("asyncio") as portal:
         thread = BrokerThread(portal)
         served, _ = portal.start_task(thread.serve)
         try:
