@@ -16,7 +16,7 @@ from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.client import MqttClient, Subscription
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.memory_requests import Requests
-from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.message import MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions, Will
 from homebot.mqtt.packets import (
     Connect,
@@ -348,3 +348,33 @@ async def test_a_seed_fixes_assigned_client_ids() -> None:
     first, again, secret, other = assigned
     assert first == again
     assert len({first, secret, other}) == 3
+
+
+@pytest.mark.parametrize("qos", [0, 1, 2])
+async def test_what_cannot_be_said_is_the_callers_mistake_and_harms_nobody(
+    broker: MemoryBroker, options: MqttOptions, qos: int
+) -> None:
+    client = broker.make_client(options)
+    properties = MessageProperties(content_type="x" * 70_000)
+    async with client.connected():
+        for _ in range(200):  # more than may be open at once
+            with pytest.raises(UsageError):
+                await client.publish("t", qos=qos, properties=properties)
+        await client.publish("t", qos=qos)
+
+
+async def test_a_publish_that_is_given_up_makes_room(broker: MemoryBroker, options: MqttOptions) -> None:
+    client = broker.make_client(options)
+    async with client.connected():
+        broker.link_of("hub").freeze()
+        async with anyio.create_task_group() as tasks:
+            for _ in range(200):
+                tasks.start_soon(_publish, client)
+            await anyio.sleep(1)
+            tasks.cancel_scope.cancel()
+        broker.link_of("hub").thaw()
+        await client.publish("t", qos=1)
+
+
+async def _publish(client: MqttClient) -> None:
+    await client.publish("t", qos=1)

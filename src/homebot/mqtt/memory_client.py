@@ -158,10 +158,7 @@ class MemoryClient:
         try:
             talk.check_alive()
             packet_id = self._requests.new_id()
-            packet = packet._replace(packet_id=packet_id)
-            if packet.qos == 2:
-                self._requests.hold(packet)
-            answer = await talk.answer_to(packet, packet_id, "publish")
+            answer = await talk.answer_to(packet._replace(packet_id=packet_id), packet_id, "publish")
         finally:
             talk.window.release()
         reason = answer.reason if isinstance(answer, Puback | Pubrec | Pubcomp) else 0

@@ -25,6 +25,7 @@ from homebot.mqtt.packets import (
     ProtocolVersion,
     Puback,
     Pubcomp,
+    Publish,
     Pubrec,
     Suback,
     Unsuback,
@@ -145,18 +146,23 @@ class Conversation:
         """Send *request* and wait for its last answer.
 
         Raises:
-            LinkError: None came.
+            UsageError: The request cannot be said in MQTT.
+            LinkError: No answer came.
         """
+        data = encode(request, self.version)
         answer = self._requests.expect(packet_id)
+        if isinstance(request, Publish) and request.qos == 2:
+            self._requests.hold(request)
+        overdue = self._loop.call_later(self._options.timeout, _expire, answer)
         try:
-            self.say(request)
-            with anyio.fail_after(self._options.timeout):
-                return await answer
+            self.put(data)
+            return await answer
         except TimeoutError:
             raise LinkError(f"no answer to a {what} within {self._options.timeout:g} s") from None
         except LinkError as error:
             raise LinkError(f"{what} failed, the link is lost: {error}") from None
         finally:
+            overdue.cancel()
             self._requests.forget(packet_id)
 
     def data_received(self, data: bytes) -> None:
@@ -264,3 +270,8 @@ class Conversation:
         self.window.close(f"publish failed, the link is lost: {reason}")
         self._gone.set()
         self.drained()
+
+
+def _expire(answer: asyncio.Future[Answer]) -> None:
+    if not answer.done():
+        answer.set_exception(TimeoutError())
