@@ -15,9 +15,14 @@ import pytest
 import pytest_asyncio
 import structlog
 from blockbuster import blockbuster_ctx
+from hypothesis import settings
 
 from homebot.mqtt.broker import Broker
 from homebot.testing import VirtualTimeLoop
+
+# How fast an example runs is no test's business: the machine may be busy.
+settings.register_profile("homebot", deadline=None)
+settings.load_profile("homebot")
 
 
 def pytest_configure(config: pytest.Config) -> None:
