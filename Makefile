@@ -14,7 +14,7 @@ run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest -n 2 --cov --cov-report=term $(ARGS)
+	$(BIN)/python -m pytest -n 3 --dist worksteal --cov --cov-report=term $(ARGS)
 
 # Damaged packets for the broker; `make fuzz SEED=...` repeats a run.
 fuzz: $(VENV)/.dev
