@@ -45,7 +45,7 @@ lock:
 test-lowest:
 	$(PYTHON) -m venv .venv-lowest
 	.venv-lowest/bin/pip install --quiet --disable-pip-version-check -c constraints-lowest.txt -e ".[dev,all]"
-	.venv-lowest/bin/python -m pytest -n 2 -p no:cacheprovider $(ARGS)
+	.venv-lowest/bin/python -m pytest -n 3 -p no:cacheprovider $(ARGS)
 
 clean:
 	rm -rf $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
