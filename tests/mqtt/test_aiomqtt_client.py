@@ -76,12 +76,6 @@ class Peer:
         await self.send(Connack(session_present=session_present, properties=granted))
         return connect
 
-    async def reset(self) -> None:
-        """Close without good manners; an anyio before 4.13 says good-bye all the same."""
-        raw = self._stream.extra(SocketAttribute.raw_socket)  # noqa: S610 - no database
-        raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-        await anyio.aclose_forcefully(self._stream)
-
     async def closed(self) -> None:
         """Wait until the client has closed the connection."""
         try:
@@ -557,13 +551,15 @@ async def test_who_speaks_no_version_at_all_is_not_called_old(nonsense: bytes, p
 async def test_a_broker_that_cuts_the_connection_instead_of_answering_gets_a_hint() -> None:
     """Brokers do so where TLS, or a client certificate, is missing."""
 
-    async def rude(peer: Peer) -> None:
-        await peer.expect(Connect)
-        await peer.reset()
+    async def cut(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.read(1)
+        writer.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        writer.transport.abort()  # a reset, not a good-bye
 
-    async with broker(rude, rude) as port:
-        with pytest.raises(LinkError, match=r"(cut|closed) the connection instead of answering; is this a port"):
-            async with make(port).connected():
+    async with await asyncio.start_server(cut, "127.0.0.1", 0) as server:
+        hint = r"cut the connection instead of answering; is this a port for TLS \(mqtts://\)\?"
+        with pytest.raises(LinkError, match=hint):
+            async with make(server.sockets[0].getsockname()[1]).connected():
                 pass
 
 
