@@ -6,7 +6,6 @@ come due as soon as nothing else is to be done.
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Collection, Mapping
 from random import Random, SystemRandom
 from types import TracebackType
@@ -19,6 +18,7 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker import BrokerLimits, BrokerStats, Hub, Policy, RefusedFilters
 from homebot.mqtt.broker.authentication import Authentication
+from homebot.mqtt.broker.hub_timer import HubTimer
 from homebot.mqtt.memory_client import MemoryClient
 from homebot.mqtt.memory_link import LinkUser, MemoryLink, MemorySocket
 from homebot.mqtt.options import MqttOptions
@@ -83,7 +83,7 @@ class MemoryBroker:
         self._links: dict[MemoryLink, None] = {}
         self._dialled = 0
         self._empty = anyio.Event()
-        self._timer: asyncio.TimerHandle | None = None
+        self._timer: HubTimer | None = None
 
     @property
     def url(self) -> str:
@@ -169,8 +169,8 @@ class MemoryBroker:
                 clock, self._limits, self._authentication, self._policy, self._keep_alive, random=self._random
             )
         self._running = True
-        self._hub.deadlines.wake = self._wake_at
-        self._tick()
+        self._timer = HubTimer(self._hub)
+        self._timer.start()
         _log.debug("broker.listening", url=self.url)
 
     async def stop(self, *, abrupt: bool = False) -> None:
@@ -193,9 +193,8 @@ class MemoryBroker:
             while self._links:
                 self._empty = anyio.Event()
                 await self._empty.wait()
-        hub.deadlines.wake = None
         if self._timer is not None:
-            self._timer.cancel()
+            self._timer.stop()
             self._timer = None
         _log.debug("broker.stopped", url=self.url)
 
@@ -215,21 +214,3 @@ class MemoryBroker:
         self._links.pop(link, None)
         if not self._links:
             self._empty.set()
-
-    def _tick(self) -> None:
-        hub = self._hub
-        if hub is None:
-            return
-        try:
-            hub.deadlines.run(hub.clock.monotonic())
-        finally:
-            earliest = hub.deadlines.earliest
-            if earliest is not None:
-                self._wake_at(earliest)
-
-    def _wake_at(self, when: float) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-        if self._hub is not None:
-            delay = max(0.0, when - self._hub.clock.monotonic())
-            self._timer = asyncio.get_running_loop().call_later(delay, self._tick)

@@ -20,6 +20,7 @@ from homebot.mqtt.broker.authentication import Authentication, is_loopback
 from homebot.mqtt.broker.connection import Connection
 from homebot.mqtt.broker.endpoint import Endpoint
 from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.hub_timer import HubTimer
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.message import Message
@@ -113,7 +114,7 @@ class Broker:
         self._server: asyncio.Server | None = None
         self._connections: set[Connection] = set()
         self._empty: anyio.Event | None = None
-        self._timer: asyncio.TimerHandle | None = None
+        self._timer: HubTimer | None = None
 
     def __repr__(self) -> str:
         return f"Broker({self.url!r})"
@@ -196,8 +197,8 @@ class Broker:
             backlog=_BACKLOG,
             ssl_handshake_timeout=None if self._tls is None else self._limits.connect_timeout,
         )
-        hub.deadlines.wake = self._wake_at
-        self.tick()
+        self._timer = HubTimer(hub)
+        self._timer.start()
         _log.debug("broker.listening", url=self.url)
 
     async def stop(self, *, abrupt: bool = False) -> None:
@@ -222,9 +223,8 @@ class Broker:
         for connection in list(self._connections):
             connection.abort()
         await self._gone()
-        self._hub.deadlines.wake = None
         if self._timer is not None:
-            self._timer.cancel()
+            self._timer.stop()
             self._timer = None
         _log.debug("broker.stopped", url=self.url)
 
@@ -242,15 +242,8 @@ class Broker:
 
     def tick(self) -> None:
         """Do what is due by the clock; needed only by those who move a clock of their own by hand."""
-        hub = self._hub
-        if hub is None:
-            return
-        try:
-            hub.deadlines.run(hub.clock.monotonic())
-        finally:
-            earliest = hub.deadlines.earliest
-            if earliest is not None:
-                self._wake_at(earliest)
+        if self._timer is not None:
+            self._timer.tick()
 
     async def _bind(self, loop: asyncio.AbstractEventLoop) -> socket.socket:
         family, address = await self._resolve(loop)
@@ -299,11 +292,3 @@ class Broker:
         while self._connections:
             self._empty = anyio.Event()
             await self._empty.wait()
-
-    def _wake_at(self, when: float) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-        hub = self._hub
-        if hub is not None:
-            delay = max(0.0, when - hub.clock.monotonic())
-            self._timer = asyncio.get_running_loop().call_later(delay, self.tick)
