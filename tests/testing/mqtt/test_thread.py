@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import anyio
 import pytest
@@ -53,9 +55,34 @@ async def test_a_cancelled_caller_cancels_the_work(thread: BrokerThread) -> None
         await ended.wait()
 
 
-async def test_a_thread_that_does_not_run_says_so(thread: BrokerThread) -> None:
+async def test_a_thread_that_does_not_run_says_so() -> None:
     with pytest.raises(RuntimeError, match="does not run"):
-        await BrokerThread(thread._portal).run(fails)
+        await BrokerThread().run(fails)
+
+
+def test_who_waits_when_the_thread_ends_is_told_so() -> None:
+    begun = threading.Event()
+
+    async def work() -> None:
+        begun.set()
+        await anyio.sleep_forever()
+
+    with ThreadPoolExecutor() as others:
+        with broker_thread() as thread:
+            call = others.submit(thread.call, work)
+            assert begun.wait(5)
+        with pytest.raises(RuntimeError, match="has ended"):
+            call.result(5)
+    with pytest.raises(RuntimeError, match="does not run"):
+        thread.call(work)
+
+
+def test_the_thread_refuses_to_block_itself(thread: BrokerThread) -> None:
+    async def work() -> None:
+        thread.call(fails)
+
+    with pytest.raises(RuntimeError, match="would block"):
+        thread.call(work)
 
 
 async def test_a_predicate_that_fails_the_test_fails_it_at_once(mqtt_broker: TestBroker) -> None:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import Awaitable, Callable, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
-from typing import Never, TypeVar, TypeVarTuple, Unpack, final
+from typing import Generic, Never, TypeVar, TypeVarTuple, Unpack, final
 
 import anyio
 from anyio.abc import TaskGroup, TaskStatus
-from anyio.from_thread import BlockingPortal, start_blocking_portal
+from anyio.from_thread import start_blocking_portal
 
 __all__ = ["BrokerThread", "broker_thread"]
 
@@ -20,8 +22,8 @@ _Ts = TypeVarTuple("_Ts")
 @contextmanager
 def broker_thread() -> Iterator[BrokerThread]:
     """Start the thread; it ends with the block."""
+    thread = BrokerThread()
     with start_blocking_portal("asyncio") as portal:
-        thread = BrokerThread(portal)
         served, _ = portal.start_task(thread.serve)
         try:
             yield thread
@@ -32,23 +34,23 @@ def broker_thread() -> Iterator[BrokerThread]:
 
 @final
 class BrokerThread:
-    """Runs coroutines on the thread's loop. What they raise reaches the caller and harms nobody else.
+    """Runs coroutines on the thread's loop. What they raise reaches the caller and harms nobody else."""
 
-    Args:
-        portal: The way in for callers that may block.
-    """
-
-    def __init__(self, portal: BlockingPortal) -> None:
-        self._portal = portal
+    def __init__(self) -> None:
         self._tasks: TaskGroup | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._ident = 0
 
     async def serve(self, *, task_status: TaskStatus[None]) -> None:
-        """Run what :meth:`run` brings, until :meth:`close`; once, on the thread's loop."""
-        self._loop = asyncio.get_running_loop()
-        async with anyio.create_task_group() as self._tasks:
-            task_status.started()
-            await anyio.sleep_forever()
+        """Run what :meth:`call` and :meth:`run` bring, until :meth:`close`; once, on the thread's loop."""
+        self._ident = threading.get_ident()
+        try:
+            async with anyio.create_task_group() as self._tasks:
+                self._loop = asyncio.get_running_loop()
+                task_status.started()
+                await anyio.sleep_forever()
+        finally:
+            self._loop = self._tasks = None
 
     async def close(self) -> None:
         """End :meth:`serve`."""
@@ -56,12 +58,22 @@ class BrokerThread:
             self._tasks.cancel_scope.cancel()
 
     def call(self, function: Callable[[Unpack[_Ts]], Awaitable[_T]], *args: *_Ts) -> _T:
-        """Run ``function(*args)`` and wait for it, without an event loop."""
+        """Run ``function(*args)`` and wait for it, without an event loop.
 
-        async def work() -> Callable[[], _T]:
-            return await _outcome(function, *args)
-
-        return self._portal.call(work)()
+        Raises:
+            RuntimeError: The thread has ended, or is the caller's own.
+        """
+        if threading.get_ident() == self._ident:
+            raise RuntimeError("this would block the thread of the brokers, which it runs on")
+        answer: Future[Callable[[], _T]] = Future()
+        job = _Job(lambda: function(*args), answer.set_result)
+        loop = self._start(job)
+        try:
+            outcome = answer.result()
+        except BaseException:  # Ctrl-C
+            loop.call_soon_threadsafe(job.cancel)
+            raise
+        return outcome()
 
     async def run(self, function: Callable[[Unpack[_Ts]], Awaitable[_T]], *args: *_Ts) -> _T:
         """Run ``function(*args)`` and wait for it, on any asyncio loop; takes no lock, so it blocks nobody.
@@ -69,29 +81,72 @@ class BrokerThread:
         Raises:
             RuntimeError: The thread has ended.
         """
-        loop, tasks, home = self._loop, self._tasks, asyncio.get_running_loop()
-        if loop is None or tasks is None:
-            raise RuntimeError("the thread of the brokers does not run")
+        home = asyncio.get_running_loop()
         answer: asyncio.Future[Callable[[], _T]] = home.create_future()
-        scope = anyio.CancelScope()
 
-        async def work() -> None:
-            with scope:
-                outcome = await _outcome(function, *args)
-                if not home.is_closed():
-                    home.call_soon_threadsafe(_answer, answer, outcome)
+        def ended(outcome: Callable[[], _T]) -> None:
+            if not home.is_closed():
+                home.call_soon_threadsafe(_answer, answer, outcome)
 
-        loop.call_soon_threadsafe(tasks.start_soon, work)
+        job = _Job(lambda: function(*args), ended)
+        loop = self._start(job)
         try:
             return (await answer)()
         except asyncio.CancelledError:
-            loop.call_soon_threadsafe(scope.cancel)
+            loop.call_soon_threadsafe(job.cancel)
             raise
 
+    def _start(self, job: _Job[_T]) -> asyncio.AbstractEventLoop:
+        loop = self._loop
+        if loop is None:
+            raise RuntimeError("the thread of the brokers does not run")
+        loop.call_soon_threadsafe(self._spawn, job)
+        return loop
 
-async def _outcome(function: Callable[[Unpack[_Ts]], Awaitable[_T]], *args: *_Ts) -> Callable[[], _T]:
+    def _spawn(self, job: _Job[_T]) -> None:
+        if self._tasks is None:
+            job.abandon()
+        else:
+            self._tasks.start_soon(job.work)
+
+
+@final
+class _Job(Generic[_T]):
+    """One call; all its methods are for the thread's loop.
+
+    Args:
+        function: What to run.
+        ended: Told once what came of it: a function that returns or raises it.
+    """
+
+    def __init__(self, function: Callable[[], Awaitable[_T]], ended: Callable[[Callable[[], _T]], object]) -> None:
+        self._function = function
+        self._ended = ended
+        self._scope: anyio.CancelScope | None = None
+        self._cancelled = False
+
+    async def work(self) -> None:
+        outcome: Callable[[], _T] = _raiser(RuntimeError("the thread of the brokers has ended"))
+        try:
+            with anyio.CancelScope() as self._scope:
+                if self._cancelled:
+                    self._scope.cancel()
+                outcome = await _outcome(self._function)
+        finally:
+            self._ended(outcome)
+
+    def abandon(self) -> None:
+        self._ended(_raiser(RuntimeError("the thread of the brokers has ended")))
+
+    def cancel(self) -> None:
+        self._cancelled = True
+        if self._scope is not None:
+            self._scope.cancel()
+
+
+async def _outcome(function: Callable[[], Awaitable[_T]]) -> Callable[[], _T]:
     try:
-        value = await function(*args)
+        value = await function()
     except asyncio.CancelledError:
         raise
     except BaseException as error:  # noqa: BLE001 - also pytest.fail() in a test's predicate is the caller's
