@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from homebot.devices import RawMessage
 from homebot.errors import WireError
-from homebot.gateways.mqtt.convention import Announcement, Convention
+from homebot.gateways.mqtt.convention import Announcement, TopicLayout
 from homebot.graph import Publisher
 
 __all__ = ["Channel", "Channels"]
@@ -65,7 +65,7 @@ class Channels:
         conventions: Who may know a topic; the first that does is believed.
     """
 
-    def __init__(self, conventions: Iterable[Convention]) -> None:
+    def __init__(self, conventions: Iterable[TopicLayout]) -> None:
         self._conventions = tuple(conventions)
         self._channels: dict[str, Channel] = {}
 

@@ -1,13 +1,16 @@
-"""What a convention knows: how one family of devices uses MQTT topics. Pure: topics in, values out."""
+"""What a convention knows: how one family of devices uses MQTT. Pure: topics and payloads in, values out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
+
+from pydantic import BaseModel
 
 from homebot.devices import KeyValue
+from homebot.gateways.mqtt.description import Heard, Publication
 
-__all__ = ["Announcement", "Convention"]
+__all__ = ["Announcement", "Convention", "TopicLayout"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +34,8 @@ class Announcement:
     metadata: tuple[KeyValue, ...] = ()
 
 
-class Convention(Protocol):
-    """One way of using topics; found by the entry-point group ``homebot.mqtt_conventions``."""
+class TopicLayout(Protocol):
+    """A convention in which a topic alone tells which device speaks there, and what it says are plain words."""
 
     def filters(self) -> tuple[str, ...]:
         """Return the topic filters to subscribe to; no command topic of the convention may match them."""
@@ -43,5 +46,40 @@ class Convention(Protocol):
 
         Raises:
             WireError: The topic belongs to this convention but breaks its rules.
+        """
+        ...
+
+
+class Convention(Protocol):
+    """One way in which devices announce themselves; the plug-in group is ``homebot.mqtt_conventions``.
+
+    A plug-in is a class that is called with the settings of its table, an instance of :attr:`Settings`. Where a device
+    tells who it is in several messages, the object keeps those of unfinished devices, bounded; it reads no clock, does
+    no input or output, and the same messages in the same order give the same result.
+
+    Attributes:
+        Settings: The model of its table.
+        name: Its name, for example ``homeassistant``.
+        rejected: Announcements that broke its rules, so far.
+    """
+
+    Settings: ClassVar[type[BaseModel]]
+    name: ClassVar[str]
+    rejected: int
+
+    def filters(self) -> tuple[str, ...]:
+        """Return the filters of its announcements, to be subscribed to one after the other, each awaited, at QoS 0."""
+        ...
+
+    def births(self) -> tuple[Publication, ...]:
+        """Return what to publish, once subscribed and at every reconnect, so that devices announce themselves."""
+        ...
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+        """Take a message that matches one of the filters, and return what it tells of devices; often nothing.
+
+        Raises:
+            WireError: The message belongs to this convention but breaks its rules; names field and value. What was
+                taken before stays.
         """
         ...

@@ -25,7 +25,7 @@ from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, W
 from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
 from homebot.gateways.mqtt.channels import Channel, Channels
-from homebot.gateways.mqtt.convention import Announcement, Convention
+from homebot.gateways.mqtt.convention import Announcement, TopicLayout
 from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import EntityKind, Node
@@ -314,6 +314,6 @@ def _topic_level(text: str) -> str:
     return re.sub(r"[+#/\0]", "_", text) or "unknown"
 
 
-def _convention(name: str, root: str) -> Convention:
-    convention: Convention = load_plugin(CONVENTIONS, name)(root)
+def _convention(name: str, root: str) -> TopicLayout:
+    convention: TopicLayout = load_plugin(CONVENTIONS, name)(root)
     return convention

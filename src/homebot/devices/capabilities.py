@@ -1,0 +1,173 @@
+"""The capabilities of the vocabulary: Matter's clusters, each with one value in one unit.
+
+Source: Matter 1.6 application clusters; what Matter has no cluster for is named as Home Assistant names it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal, TypeAlias
+
+__all__ = ["CAPABILITIES", "CapabilityType", "ValueKind"]
+
+ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers"]
+
+
+@dataclass(frozen=True, slots=True)
+class CapabilityType:
+    """What every capability of one name means.
+
+    Attributes:
+        name: The name, for example ``on_off``.
+        kind: What its values are.
+        meaning: What a value says, in words.
+        cluster: Number of the Matter cluster; None where Matter has none.
+        unit: Of a number; empty where it has none, or each device names its own.
+        bounds: Smallest and largest number; empty where there is none.
+        options: The texts that it may be; empty where each device names its own.
+    """
+
+    name: str
+    kind: ValueKind
+    meaning: str
+    cluster: int | None = None
+    unit: str = ""
+    bounds: tuple[float, ...] = ()
+    options: tuple[str, ...] = ()
+
+
+_PERCENT = (0.0, 100.0)
+_OPENINGS = ("open", "closed", "opening", "closing", "stopped")
+
+_CONTROLS = (
+    CapabilityType("on_off", "bool", "whether it is on", 0x0006),
+    CapabilityType("level", "number", "how bright or strong; 0 only where it is off", 0x0008, "%", _PERCENT),
+    CapabilityType("color_temperature", "number", "warm to cold white", 0x0300, "K", (1000.0, 40_000.0)),
+    CapabilityType("color", "numbers", "hue in degrees, 0 to 360, and saturation in percent", 0x0300),
+    CapabilityType("effect", "text", "what it plays"),
+    CapabilityType("position", "number", "how far open; 0 is closed", 0x0102, "%", _PERCENT),
+    CapabilityType("tilt", "number", "how far its slats are open", 0x0102, "%", _PERCENT),
+    CapabilityType("movement", "text", "where it is or goes; told: open, closed, stopped", 0x0102, options=_OPENINGS),
+    CapabilityType(
+        "lock",
+        "text",
+        "how the bolt is; told: locked, unlocked, or open to draw the latch too",
+        0x0101,
+        options=("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed"),
+    ),
+    CapabilityType("heating_setpoint", "number", "temperature to heat to", 0x0201, "°C"),
+    CapabilityType("cooling_setpoint", "number", "temperature to cool to", 0x0201, "°C"),
+    CapabilityType("local_temperature", "number", "temperature where the thermostat measures", 0x0201, "°C"),
+    CapabilityType("thermostat_mode", "text", "what it may do: off, heat, cool, auto, …", 0x0201),
+    CapabilityType("thermostat_action", "text", "what it does now: heating, idle, …", 0x0201),
+    CapabilityType("preset_mode", "text", "which of its own programmes"),
+    CapabilityType("swing_mode", "text", "how its vanes move", 0x0202),
+    CapabilityType("humidity_setpoint", "number", "humidity to reach", None, "%", _PERCENT),
+    CapabilityType("water_heater_mode", "text", "what it may do: off, eco, …", 0x0094),
+    CapabilityType("humidifier_mode", "text", "which of its own programmes"),
+    CapabilityType("fan_speed", "number", "how fast; 0 is off", 0x0202, "%", _PERCENT),
+    CapabilityType("fan_mode", "text", "which of its own speeds", 0x0202),
+    CapabilityType("oscillation", "bool", "whether it swings", 0x0202),
+    CapabilityType("direction", "text", "which way it turns", 0x0202, options=("forward", "reverse")),
+    CapabilityType("valve", "text", "how the valve is; told: open, closed, stopped", 0x0081, options=_OPENINGS),
+    CapabilityType(
+        "vacuum",
+        "text",
+        "what it does; told: cleaning, paused, idle (stop), returning, spot",
+        0x0061,
+        options=("cleaning", "docked", "returning", "paused", "idle", "error", "spot"),
+    ),
+    CapabilityType(
+        "mower",
+        "text",
+        "what it does; told: mowing, paused, docked",
+        None,
+        options=("mowing", "paused", "docked", "returning", "error"),
+    ),
+    CapabilityType("alarm", "text", "how the alarm is; told: disarmed, armed_home, armed_away, …"),
+    CapabilityType("siren_tone", "text", "what it sounds like"),
+    CapabilityType("volume", "number", "how loud", 0x0008, "%", _PERCENT),
+)
+
+_EVENTS = (
+    CapabilityType("press", "text", "what was pressed and how; an event, never a state", 0x003B),
+    CapabilityType("push", "bool", "told true: press this button"),
+    CapabilityType("scene", "bool", "told true: call this scene", 0x0062),
+    CapabilityType("scan", "text", "which tag was read; an event"),
+    CapabilityType("locate", "bool", "told true: make yourself heard", 0x0003),
+)
+
+_SETTINGS = (
+    CapabilityType("option", "text", "one of its options", 0x0050),
+    CapabilityType("number", "number", "a number with a meaning of its own"),
+    CapabilityType("text", "text", "a text with a meaning of its own"),
+    CapabilityType("value", "text", "what it says, with a meaning of its own"),
+    CapabilityType("state", "bool", "whether what it watches is so, with a meaning of its own"),
+    CapabilityType("raw", "text", "what it says where that cannot be understood"),
+    CapabilityType("version", "text", "the version it runs", 0x0028),
+    CapabilityType("latest_version", "text", "the version it could run", 0x002A),
+    CapabilityType("image", "text", "a picture is there; it is not carried on the graph"),
+    CapabilityType("place", "text", "where the tracked one is: home, not_home or a zone"),
+    CapabilityType("reachable", "bool", "whether the device can be reached", 0x0039),
+)
+
+_CONDITIONS = (
+    CapabilityType("contact", "bool", "whether it is open", 0x0045),
+    CapabilityType("occupancy", "bool", "whether somebody is there or moves", 0x0406),
+    CapabilityType("smoke", "bool", "whether there is smoke", 0x005C),
+    CapabilityType("carbon_monoxide_alarm", "bool", "whether there is carbon monoxide", 0x005C),
+    CapabilityType("gas", "bool", "whether there is gas"),
+    CapabilityType("water_leak", "bool", "whether it is wet", 0x0045),
+    CapabilityType("rain", "bool", "whether it rains", 0x0045),
+    CapabilityType("freeze", "bool", "whether it freezes", 0x0045),
+    CapabilityType("heat", "bool", "whether it is too hot"),
+    CapabilityType("tamper", "bool", "whether somebody tampers with it"),
+    CapabilityType("vibration", "bool", "whether it shakes"),
+    CapabilityType("sound", "bool", "whether it hears something"),
+    CapabilityType("moving", "bool", "whether it moves"),
+    CapabilityType("running", "bool", "whether it runs"),
+    CapabilityType("problem", "bool", "whether it has a problem"),
+    CapabilityType("safety", "bool", "whether it is unsafe"),
+    CapabilityType("light_detected", "bool", "whether it sees light"),
+    CapabilityType("power_detected", "bool", "whether there is power"),
+    CapabilityType("plugged_in", "bool", "whether it is plugged in"),
+    CapabilityType("connectivity", "bool", "whether it is connected"),
+    CapabilityType("unlocked", "bool", "whether the lock that it watches is open"),
+    CapabilityType("battery_low", "bool", "whether its battery is low", 0x002F),
+    CapabilityType("battery_charging", "bool", "whether its battery charges", 0x002F),
+    CapabilityType("update_available", "bool", "whether there is a newer version", 0x002A),
+)
+
+_MEASUREMENTS = (
+    CapabilityType("temperature", "number", "temperature", 0x0402, "°C"),
+    CapabilityType("humidity", "number", "relative humidity", 0x0405, "%", _PERCENT),
+    CapabilityType("illuminance", "number", "brightness of the place", 0x0400, "lx"),
+    CapabilityType("pressure", "number", "air pressure", 0x0403, "hPa"),
+    CapabilityType("flow", "number", "flow", 0x0404, "m³/h"),
+    CapabilityType("power", "number", "electrical power drawn", 0x0090, "W"),
+    CapabilityType("energy", "number", "electrical energy drawn", 0x0091, "kWh"),
+    CapabilityType("voltage", "number", "voltage", 0x0090, "V"),
+    CapabilityType("current", "number", "current", 0x0090, "A"),
+    CapabilityType("frequency", "number", "frequency", 0x0090, "Hz"),
+    CapabilityType("battery", "number", "charge of its battery", 0x002F, "%", _PERCENT),
+    CapabilityType("carbon_dioxide", "number", "carbon dioxide", 0x040D, "ppm"),
+    CapabilityType("carbon_monoxide", "number", "carbon monoxide", 0x040C, "ppm"),
+    CapabilityType("pm25", "number", "fine dust", 0x042A, "µg/m³"),
+    CapabilityType("pm10", "number", "dust", 0x042D, "µg/m³"),
+    CapabilityType("pm1", "number", "finest dust", 0x042C, "µg/m³"),
+    CapabilityType("volatile_organic_compounds", "number", "volatile organic compounds", 0x042E, "µg/m³"),
+    CapabilityType("air_quality_index", "number", "air quality", 0x005B),
+    CapabilityType("soil_moisture", "number", "moisture of the soil", 0x0430, "%", _PERCENT),
+    CapabilityType("signal_strength", "number", "strength of its radio signal", 0x0036, "dBm"),
+    CapabilityType("measurement", "number", "a measured number with a meaning of its own"),
+)
+
+
+def _by_name(*groups: Iterable[CapabilityType]) -> Mapping[str, CapabilityType]:
+    return MappingProxyType({one.name: one for group in groups for one in group})
+
+
+CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTINGS, _CONDITIONS, _MEASUREMENTS)
+"""Every capability by name. A device whose value fits none has ``value``, ``measurement`` or ``state``."""

@@ -1,0 +1,42 @@
+"""A command to a part of a device, in the words of the vocabulary."""
+
+from __future__ import annotations
+
+from homebot.devices.value import Value
+from homebot.messages.message import Message
+from homebot.messages.service_type import ServiceType
+
+__all__ = ["Command", "SendCommand", "SendCommandResponse"]
+
+
+class Command(Message):
+    """Make a capability have a value. Always absolute: to say it twice changes nothing.
+
+    Attributes:
+        key: What the gateway calls the device.
+        part: Which part of it.
+        capability: Which capability.
+        value: What it shall be, in the vocabulary's unit.
+        transition: Seconds that the change shall take, where the device can do that.
+    """
+
+    key: str
+    part: str
+    capability: str
+    value: Value
+    transition: float = 0.0
+
+
+class SendCommandResponse(Message):
+    """What became of a command at the gateway; that the device obeyed is not proven by it.
+
+    Attributes:
+        success: Whether the network took it.
+        message: Why not.
+    """
+
+    success: bool
+    message: str = ""
+
+
+SendCommand = ServiceType("homebot/srv/SendCommand", Command, SendCommandResponse)

@@ -1,0 +1,118 @@
+"""The service types of the vocabulary: Matter's device types, and the other words people use for them.
+
+Source: Matter 1.6 device library. Types that Matter does not have begin with ``x_``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+__all__ = ["DEVICE_TYPES", "DeviceType", "wanted_types"]
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceType:
+    """What a part may be.
+
+    Attributes:
+        name: The name, for example ``light``.
+        matter: Numbers of the Matter device types it stands for; empty where Matter has none.
+        words: Other words that find it, singular.
+    """
+
+    name: str
+    matter: tuple[int, ...] = ()
+    words: tuple[str, ...] = ()
+
+
+_TYPES = (
+    DeviceType("light", (0x0100, 0x0101, 0x010C, 0x010D), ("lamp", "bulb", "luminaire", "lighting")),
+    DeviceType("plug", (0x010A, 0x010B), ("outlet", "socket", "smart plug")),
+    DeviceType("switch", (0x010F, 0x0110), ("relay",)),
+    DeviceType(
+        "window_covering",
+        (0x0202,),
+        ("cover", "covering", "blind", "shade", "shutter", "curtain", "awning", "roller", "window"),
+    ),
+    DeviceType("closure", (0x0230,), ("opener", "gate", "garage door", "door", "window", "damper")),
+    DeviceType("door_lock", (0x000A,), ("lock",)),
+    DeviceType("thermostat", (0x0301,), ("climate", "heating", "radiator", "radiator valve", "trv")),
+    DeviceType("room_air_conditioner", (0x0072, 0x0309), ("air conditioner", "ac", "climate", "heat pump")),
+    DeviceType("fan", (0x002B, 0x002D, 0x007A), ("air purifier", "extractor hood", "ventilator")),
+    DeviceType("water_valve", (0x0042,), ("valve",)),
+    DeviceType("robotic_vacuum_cleaner", (0x0074,), ("vacuum", "vacuum cleaner", "robot vacuum")),
+    DeviceType("water_heater", (0x050F,), ("boiler",)),
+    DeviceType("pump", (0x0303,)),
+    DeviceType("contact_sensor", (0x0015,), ("contact", "opening sensor", "door", "window", "garage door")),
+    DeviceType("occupancy_sensor", (0x0107,), ("motion", "occupancy", "presence", "motion sensor", "presence sensor")),
+    DeviceType("temperature_sensor", (0x0302,), ("temperature", "thermometer")),
+    DeviceType("humidity_sensor", (0x0307,), ("humidity", "hygrometer")),
+    DeviceType("light_sensor", (0x0106,), ("illuminance", "light level", "lux")),
+    DeviceType("pressure_sensor", (0x0305,), ("pressure", "barometer")),
+    DeviceType("flow_sensor", (0x0306,), ("flow",)),
+    DeviceType("air_quality_sensor", (0x002C,), ("air quality",)),
+    DeviceType("soil_sensor", (0x0045,), ("soil",)),
+    DeviceType("smoke_co_alarm", (0x0076,), ("smoke", "smoke alarm", "smoke detector", "co alarm")),
+    DeviceType("water_leak_detector", (0x0043,), ("leak", "water leak", "flood", "leak sensor")),
+    DeviceType("rain_sensor", (0x0044,), ("rain",)),
+    DeviceType("water_freeze_detector", (0x0041,), ("freeze",)),
+    DeviceType("generic_switch", (0x000F, 0x0148), ("button", "remote", "doorbell")),
+    DeviceType("electrical_meter", (0x0514, 0x0510), ("power meter", "energy meter", "meter")),
+    DeviceType("camera", (0x0142,)),
+    DeviceType("siren", (0x0146,), ("chime", "alarm siren")),
+    DeviceType("speaker", (0x0022,), ("loudspeaker",)),
+    DeviceType("video_player", (0x0028,), ("tv", "television")),
+    DeviceType("x_humidifier", (), ("humidifier", "dehumidifier")),
+    DeviceType("x_lawn_mower", (), ("mower", "lawn mower")),
+    DeviceType("x_alarm_panel", (), ("alarm", "alarm panel")),
+    DeviceType("x_scene", (), ("scene",)),
+    DeviceType("x_robot", (), ("robot",)),
+    DeviceType("x_tracker", (), ("tracker", "device tracker")),
+    DeviceType("x_tag_reader", (), ("tag reader", "nfc reader", "rfid reader")),
+    DeviceType("x_battery", (), ("battery",)),
+    DeviceType("x_sensor", (), ("sensor",)),
+    DeviceType("x_binary_sensor", (), ("binary sensor",)),
+    DeviceType("x_setting", (), ("setting", "select", "number", "text")),
+    DeviceType("x_update", (), ("update", "firmware")),
+    DeviceType("x_unknown", (), ("unknown",)),
+)
+
+DEVICE_TYPES: Mapping[str, DeviceType] = MappingProxyType({one.name: one for one in _TYPES})
+"""Every device type by name."""
+
+
+def wanted_types(word: str) -> frozenset[str]:
+    """Return the device types that *word* may mean: ``light``, ``lights`` and ``lamp`` are one, ``window`` is three.
+
+    Upper and lower case, ``_``, ``-`` and blanks are the same, and so are singular and plural. Empty for a word of no
+    type.
+    """
+    spelled = " ".join(word.casefold().replace("_", " ").replace("-", " ").split())
+    for form in (spelled, *_singulars(spelled)):
+        if form in _BY_WORD:
+            return _BY_WORD[form]
+    return frozenset()
+
+
+def _singulars(word: str) -> tuple[str, ...]:
+    forms = []
+    if word.endswith("ies"):
+        forms.append(word[:-3] + "y")
+    if word.endswith("es"):
+        forms.append(word[:-2])
+    if word.endswith("s"):
+        forms.append(word[:-1])
+    return tuple(forms)
+
+
+def _index() -> Mapping[str, frozenset[str]]:
+    found: dict[str, set[str]] = {}
+    for one in _TYPES:
+        for word in (one.name.removeprefix("x_").replace("_", " "), one.name.replace("_", " "), *one.words):
+            found.setdefault(word, set()).add(one.name)
+    return MappingProxyType({word: frozenset(names) for word, names in found.items()})
+
+
+_BY_WORD = _index()

@@ -1,0 +1,56 @@
+"""Who a device is: the set of its identifiers, each spelled in one way only. Pure.
+
+An identifier is ``mac:aabbccddeeff``, ``eui64:00158d0001abcdef`` or ``id:<text as declared>``. A hardware address at the
+end of another identifier, as in ``zigbee2mqtt_0x00158d0001abcdef``, counts as well. One in its middle does not: a bridge
+names its devices ``<bridge>_<address of the bridge>_<device>``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+__all__ = ["identifiers"]
+
+_PAIRS = re.compile(
+    r"(?:.*[^0-9a-f:-])?([0-9a-f]{2}(?:([:-])[0-9a-f]{2})(?:\2[0-9a-f]{2}){4}(?:(?:\2[0-9a-f]{2}){2})?)"
+)
+_DIGITS = re.compile(r"(?:.*[^0-9a-f])?(?:0x)?([0-9a-f]{16}|[0-9a-f]{12})", re.DOTALL)
+
+_NOBODY = frozenset({"000000000000", "ffffffffffff", "0000000000000000", "ffffffffffffffff"})
+_MAC_DIGITS = 12
+
+
+def identifiers(declared: Iterable[str]) -> tuple[str, ...]:
+    """Return the identifiers that *declared* ones stand for, without repetition, hardware addresses first.
+
+    Args:
+        declared: As the device or its bridge spelled them; empty ones are left out.
+    """
+    hardware: dict[str, None] = {}
+    others: dict[str, None] = {}
+    for text in declared:
+        spelled = text.strip()
+        address = _address(spelled.casefold())
+        if address:
+            kind = "mac" if len(address) == _MAC_DIGITS else "eui64"
+            hardware[f"{kind}:{address}"] = None
+        if spelled and re.sub("[:-]", "", spelled.casefold()).removeprefix("0x") != address:
+            others[f"id:{spelled}"] = None
+    return (*hardware, *others)
+
+
+def _address(text: str) -> str:
+    """The hardware address that *text* is or ends with; empty where there is none.
+
+    Twelve decimal digits without separators are more likely a serial number or a time.
+    """
+    if match := _PAIRS.fullmatch(text):
+        digits = re.sub("[:-]", "", match.group(1))
+    elif match := _DIGITS.fullmatch(text):
+        digits = match.group(1)
+        if digits.isdecimal() and len(digits) == _MAC_DIGITS:
+            return ""
+    else:
+        return ""
+    return "" if digits in _NOBODY else digits

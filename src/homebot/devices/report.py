@@ -1,0 +1,48 @@
+"""What a device says of itself, in the words of the vocabulary."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from homebot.devices.value import Value
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Message
+
+__all__ = ["REACHABLE", "Reading", "Report"]
+
+REACHABLE = "reachable"
+"""Capability of a whole device (part ``""``): whether it can be reached, as its convention says."""
+
+
+class Reading(Message):
+    """One value of one part.
+
+    Attributes:
+        part: Which part; see :class:`homebot.devices.Part`.
+        capability: Which capability.
+        value: Its value in the vocabulary's unit.
+    """
+
+    part: str
+    capability: str
+    value: Value
+
+
+class Report(Message):
+    """All that one message of a device told.
+
+    Attributes:
+        gateway: The gateway that heard it.
+        key: What that gateway calls the device.
+        readings: What was said, in the order of the parts.
+        retained: Whether the broker had kept it from before: what was, not what is.
+        received_at: When.
+    """
+
+    key_field: ClassVar[str | None] = "key"
+
+    gateway: str
+    key: str
+    readings: tuple[Reading, ...]
+    retained: bool
+    received_at: Time

@@ -1,0 +1,69 @@
+"""A value of a capability: what a device says of itself, or is told to become."""
+
+from __future__ import annotations
+
+from typing import Annotated, TypeAlias
+
+from pydantic import Field
+
+from homebot.messages.fields import UInt8
+from homebot.messages.message import Message
+
+__all__ = ["UNKNOWN", "PlainValue", "Value"]
+
+PlainValue: TypeAlias = bool | float | str | tuple[float, ...] | None
+"""A value in plain Python; None is *unknown*, which is a value of its own. Numbers are always ``float``."""
+
+_UNKNOWN, _BOOL, _NUMBER, _TEXT, _NUMBERS = range(5)
+
+
+class Value(Message):
+    """One value, as :class:`PlainValue` spells it in Python.
+
+    Attributes:
+        type: 0 unknown, 1 bool, 2 number, 3 text, 4 numbers; the field of that type holds the value.
+        flag: The value where it is a bool.
+        number: The value where it is a number.
+        text: The value where it is a text.
+        numbers: The value where it is several numbers, such as hue and saturation.
+    """
+
+    type: Annotated[UInt8, Field(le=_NUMBERS)] = _UNKNOWN
+    flag: bool = False
+    number: float = 0.0
+    text: str = ""
+    numbers: tuple[float, ...] = ()
+
+    @classmethod
+    def of(cls, plain: PlainValue) -> Value:
+        """Return the message that carries *plain*."""
+        match plain:
+            case None:
+                return UNKNOWN
+            case bool():
+                return _TRUE if plain else _FALSE
+            case str():
+                return cls(type=_TEXT, text=plain)
+            case tuple():
+                return cls(type=_NUMBERS, numbers=plain)
+            case _:
+                return cls(type=_NUMBER, number=float(plain))
+
+    def plain(self) -> PlainValue:
+        """Return the value in plain Python."""
+        match self.type:
+            case 1:
+                return self.flag
+            case 2:
+                return self.number
+            case 3:
+                return self.text
+            case 4:
+                return self.numbers
+            case _:
+                return None
+
+
+UNKNOWN = Value()
+_TRUE = Value(type=_BOOL, flag=True)
+_FALSE = Value(type=_BOOL, flag=False)

@@ -1,0 +1,171 @@
+"""What a convention makes of a device's announcement: a description, with the codec of each part. Pure values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, Protocol, TypeAlias
+
+from homebot.devices.part import Part
+from homebot.devices.value import PlainValue
+
+__all__ = [
+    "Availability",
+    "AvailabilityMode",
+    "AvailabilitySource",
+    "Codec",
+    "Described",
+    "DescribedPart",
+    "Fade",
+    "Heard",
+    "Publication",
+    "Withdrawn",
+]
+
+AvailabilityMode: TypeAlias = Literal["all", "any", "latest"]
+
+
+@dataclass(frozen=True, slots=True)
+class Publication:
+    """A message to publish.
+
+    Attributes:
+        topic: Where; no wildcards.
+        payload: What.
+        qos: 0, 1 or 2.
+        retain: Whether the broker shall keep it.
+    """
+
+    topic: str
+    payload: bytes
+    qos: int = 0
+    retain: bool = False
+
+
+class Codec(Protocol):
+    """How one part speaks and listens: pure, and bounded in time and memory whatever it is given."""
+
+    def topics(self) -> tuple[str, ...]:
+        """Return the topic filters that it speaks on; wildcards only where the device declared them."""
+        ...
+
+    def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
+        """Return the value of each capability that a message tells; None for one that is now unknown.
+
+        A message that tells nothing of this part, or cannot be understood, gives an empty mapping, and what was known
+        stays. An event that the broker had kept is none.
+        """
+        ...
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+        """Return what to publish so that *capability* becomes *value*.
+
+        Raises:
+            RefusedError: The part cannot do that, or the value is out of its bounds; says which it takes.
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Fade:
+    """A value that ends by itself.
+
+    Attributes:
+        capability: Whose.
+        after: Seconds after which it does.
+        value: What it then is; None for unknown.
+        only: Fade only from this value; None from any.
+    """
+
+    capability: str
+    after: float
+    value: PlainValue = None
+    only: PlainValue = None
+
+
+@dataclass(frozen=True, slots=True)
+class DescribedPart:
+    """A part and how it speaks.
+
+    Attributes:
+        part: What it is.
+        codec: How it speaks and listens.
+        asks: What to publish to be told its state.
+        fades: Values that end by themselves.
+    """
+
+    part: Part
+    codec: Codec
+    asks: tuple[Publication, ...] = ()
+    fades: tuple[Fade, ...] = ()
+
+
+class AvailabilitySource(Protocol):
+    """One topic that tells whether a device can be reached."""
+
+    topic: str
+
+    def read(self, payload: bytes) -> bool | None:
+        """Return whether it can, or None when *payload* says neither."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Availability:
+    """How a device tells whether it can be reached. Before the first word it is unknown.
+
+    Attributes:
+        sources: The topics; at least one.
+        mode: Whether ``all`` must say yes, or ``any``, or the ``latest`` word counts.
+    """
+
+    sources: tuple[AvailabilitySource, ...]
+    mode: AvailabilityMode = "latest"
+
+
+@dataclass(frozen=True, slots=True)
+class Described:
+    """A device as one announcement describes it. A later one with the same key takes its place.
+
+    Attributes:
+        key: Names the announcement: unique in its convention, and lasting, for example ``light/0x17_light``.
+        convention: Which convention it is in.
+        identifiers: Who the device is; see :func:`homebot.devices.identity.identifiers`. Announcements of one device
+            share at least one; empty where it told none.
+        name: What people call the device.
+        parts: What it offers.
+        topic: Where it was announced.
+        area: The room it was said to be in.
+        facts: Further facts, such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
+        availability: How it tells whether it can be reached; None when it does not.
+        is_sighting: Whether the announcement is a sign of life of the device itself when it comes live.
+    """
+
+    key: str
+    convention: str
+    identifiers: tuple[str, ...]
+    name: str
+    parts: tuple[DescribedPart, ...]
+    topic: str
+    area: str = ""
+    facts: Mapping[str, str] = field(default_factory=dict)
+    availability: Availability | None = None
+    is_sighting: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Withdrawn:
+    """An announcement was taken back.
+
+    Attributes:
+        key: Which; see :class:`Described`.
+        why: The reason, in words.
+        is_final: Whether the device is known to be gone. Otherwise its new announcement may follow in a moment.
+    """
+
+    key: str
+    why: str
+    is_final: bool = False
+
+
+Heard: TypeAlias = Described | Withdrawn
