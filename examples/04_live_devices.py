@@ -5,6 +5,7 @@ import asyncio
 from homebot.config import parse_config
 from homebot.devices import Devices
 from homebot.graph import Node
+from homebot.house import thesis_world
 from homebot.log import configure_logging
 from homebot.runtime import Runtime
 
@@ -13,7 +14,7 @@ async def main() -> None:
     """Run the simulated house and follow its devices."""
     configure_logging(level="warning")
     config = parse_config({"gateways": {"mqtt": {"root": "home425"}}, "door": {"port": 0}}, "example")
-    async with Runtime(config, with_house=True) as runtime, Node(runtime.graph, "onlooker") as node:
+    async with Runtime(config, house=thesis_world()) as runtime, Node(runtime.graph, "onlooker") as node:
         try:
             async with asyncio.timeout(2):
                 async for change in Devices(node).follow():

@@ -24,7 +24,7 @@ def test_what_was_due_is_said_before_the_answer_to_a_command() -> None:
     """A motor that arrived meanwhile says so first."""
     motor = WindowMotor("motor", travel_time=3.0)
     motor.obey("open", 0.0)
-    assert [step.report for step in motor.obey("close", 10.0)] == ["open", "closing"]
+    assert motor.obey("close", 10.0) == ("open", "closing")
 
 
 @pytest.mark.parametrize("text", ["", "bright", "nan", "inf", "-0.1", "1.1"])

@@ -34,7 +34,7 @@ def dice(seed: int = 1) -> random.Random:
 
 
 def said(device: Machine, command: str, now: float) -> list[str]:
-    return [step.report for step in device.obey(command, now)]
+    return list(device.obey(command, now))
 
 
 def test_a_lossy_device_loses_commands_and_words() -> None:
@@ -135,14 +135,20 @@ def test_a_flapper_says_the_opposite_and_takes_it_back() -> None:
 
 
 def test_an_unplugged_device_hears_does_and_says_nothing() -> None:
-    """Until its plug is back."""
+    """Until its plug is back; then it says how it is."""
     lamp = Unplugged(Lamp("lamp", is_on=True), dice(), since=10.0, until=20.0)
     assert said(lamp, "on", 5.0) == ["on"]
     lamp.advance(12.0)
     assert (said(lamp, "off", 12.0), lamp.by_hand("off", 12.0), lamp.watts()) == ([], (), 0.0)
-    assert said(lamp, "off", 20.0) == ["off"]
-    contact = Unplugged(ContactSensor("door"), dice(), since=0.0)
-    assert (contact.sense(1.0, 1.0), contact.state()) == ((), "closed")
+    assert said(lamp, "off", 20.0) == ["on", "off"]
+
+
+def test_a_sensor_without_power_feels_when_it_is_back_what_is_still_so() -> None:
+    """And says only that."""
+    contact = Unplugged(ContactSensor("door"), dice(), since=0.0, until=9.0)
+    assert (contact.sense(1.0, 1.0), contact.state(), contact.has_power) == ((), "closed", False)
+    assert contact.advance(10.0) == ("open",)
+    assert contact.has_power
 
 
 def test_faults_combine_from_the_device_outwards() -> None:

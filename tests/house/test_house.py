@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 import anyio
 
 from homebot.clock import LoopClock
-from homebot.house import Lamp, SimulatedDevice, SimulatedHouse, WindowMotor
+from homebot.house import Lamp, SimulatedHouse, WindowMotor, World
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import Subscription
@@ -17,7 +17,7 @@ from homebot.mqtt.options import MqttOptions
 
 
 @asynccontextmanager
-async def house_on(broker: Broker, *devices: SimulatedDevice) -> AsyncIterator[MqttConnection]:
+async def house_on(broker: Broker, world: World) -> AsyncIterator[MqttConnection]:
     """The house runs; yields a client that hears what its devices say."""
     async with (
         MqttConnection(MqttOptions.from_url(broker.url), AiomqttClient, status_topic=None) as listener,
@@ -25,7 +25,7 @@ async def house_on(broker: Broker, *devices: SimulatedDevice) -> AsyncIterator[M
     ):
         await listener.wait_connected()
         await listener.subscribe(Subscription("villa/+/+/out", qos=1))
-        await tasks.start(SimulatedHouse(broker.url, "villa", devices, LoopClock()).serve)
+        await tasks.start(SimulatedHouse(broker.url, "villa", world, LoopClock()).serve)
         yield listener
         tasks.cancel_scope.cancel()
 
@@ -42,7 +42,7 @@ async def said(listener: MqttConnection, count: int) -> list[str]:
 
 async def test_devices_say_how_they_are_and_obey() -> None:
     """A lamp at once; what it does not know it ignores."""
-    async with Broker() as broker, house_on(broker, Lamp("lamp", is_on=True)) as listener:
+    async with Broker() as broker, house_on(broker, World.of(Lamp("lamp", is_on=True))) as listener:
         assert await said(listener, 1) == ["villa/lights/lamp/out on"]
         await listener.publish("villa/lights/lamp/in", b"\xff", qos=1)
         await listener.publish("villa/lights/lamp/in", b"off", qos=1)
@@ -51,7 +51,7 @@ async def test_devices_say_how_they_are_and_obey() -> None:
 
 async def test_a_heartbeat_repeats_the_last_word_also_on_the_way() -> None:
     """A window that is opening is not open yet."""
-    async with Broker() as broker, house_on(broker, WindowMotor("motor", travel_time=2.5)) as listener:
+    async with Broker() as broker, house_on(broker, World.of(WindowMotor("motor", travel_time=2.5))) as listener:
         assert await said(listener, 1) == ["villa/windows/motor/out closed"]
         await listener.publish("villa/windows/motor/in", b"open", qos=1)
         words = [word.rpartition(" ")[2] for word in await said(listener, 3)]
@@ -60,7 +60,7 @@ async def test_a_heartbeat_repeats_the_last_word_also_on_the_way() -> None:
 
 async def test_devices_come_back_with_the_broker_and_say_how_they_are() -> None:
     """Whatever they could not say meanwhile."""
-    async with Broker() as broker, house_on(broker, Lamp("lamp")) as listener:
+    async with Broker() as broker, house_on(broker, World.of(Lamp("lamp"))) as listener:
         await said(listener, 1)
         await broker.restart(keep_sessions=False)
         assert await said(listener, 1) == ["villa/lights/lamp/out off"]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.house.device import Step
 from homebot.house.lamp import Lamp
 
 
 def test_a_lamp_is_dimmed_by_a_number() -> None:
     """It draws and gives light in proportion."""
     lamp = Lamp("lamp", rated_watts=10.0, rated_lux=200.0)
-    assert lamp.obey("0.5", 1.0) == (Step(0.0, "0.5"),)
+    assert lamp.obey("0.5", 1.0) == ("0.5",)
     assert (lamp.state(), lamp.watts(), lamp.lux()) == ("on", 5.0, 100.0)
 
 
@@ -27,7 +26,7 @@ def test_a_lamp_dimmed_to_nothing_is_off_and_remembers_how_bright_it_was() -> No
 def test_a_lamp_takes_a_colour_temperature_in_kelvin() -> None:
     """Also while it is off."""
     lamp = Lamp("lamp")
-    assert lamp.obey("4000 K", 1.0) == (Step(0.0, "4000 K"),)
+    assert lamp.obey("4000 K", 1.0) == ("4000 K",)
     assert (lamp.kelvin, lamp.is_on) == (4000.0, False)
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import random
 
-from homebot.house.device import Step
 from homebot.house.lock import DoorLock
 
 
 def test_a_lock_turns_and_says_where_it_ended() -> None:
     """It is locked until the bolt is in."""
     lock = DoorLock("lock", travel_time=2.0)
-    assert lock.obey("unlock", 1.0) == (Step(0.0, "unlocking"),)
+    assert lock.obey("unlock", 1.0) == ("unlocking",)
     assert lock.is_locked
     assert lock.advance(3.0) == ("unlocked",)
     assert not lock.is_locked

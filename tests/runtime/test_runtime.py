@@ -18,6 +18,7 @@ from homebot.config import Config, parse_config
 from homebot.devices import DEVICE_CHANGES, DeviceChange
 from homebot.errors import ConfigError
 from homebot.graph import Node
+from homebot.house import thesis_world
 from homebot.messages import Log
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
@@ -132,7 +133,7 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
 
 async def test_the_simulated_house_is_discovered_and_acted_on() -> None:
     """The main job, in one process: three devices, and the lamp that is on goes off."""
-    runtime = Runtime(config(gateways={"mqtt": {"root": "home425"}}, apps={"light_service": {}}), with_house=True)
+    runtime = Runtime(config(gateways={"mqtt": {"root": "home425"}}, apps={"light_service": {}}), house=thesis_world())
     found: set[str] = set()
     async with runtime, Node(runtime.graph, "watcher") as watcher:
         changes = watcher.create_subscription(DeviceChange, DEVICE_CHANGES, qos_profile=10)
@@ -299,7 +300,7 @@ async def test_a_whole_home_runs_in_memory_and_in_virtual_time() -> None:
     async with MemoryBroker() as broker:
         tables = config(gateways={"mqtt": {"root": "home425"}}, apps={"light_service": {}})
         async with (
-            Runtime(tables, with_house=True, with_door=False, broker=broker) as runtime,
+            Runtime(tables, house=thesis_world(), with_door=False, broker=broker) as runtime,
             Node(runtime.graph, "witness") as witness,
         ):
             assert (runtime.broker_url, runtime.door) == ("mqtt://memory:1883", None)

@@ -7,14 +7,14 @@ import sys
 
 import structlog
 
-from homebot.house import thesis_devices
+from homebot.house import thesis_world
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
 
 
 async def a_day(seed: int) -> str:
     """Also with chance in it: the broker is away for a while, so that everybody's back-off draws lots."""
     async with (
-        virtual_house_of("light_service", devices=thesis_devices(), seed=seed) as house,
+        virtual_house_of("light_service", world=thesis_world(), seed=seed) as house,
         EventLog.of(house) as log,
     ):
         await house.run_until("08:00")

@@ -16,7 +16,7 @@ import pytest
 
 from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
-from homebot.house import WindowMotor, thesis_devices
+from homebot.house import WindowMotor, World, thesis_world
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
 from homebot.testing.event_log import MAX_EVENTS
 
@@ -54,7 +54,7 @@ async def test_an_app_hears_devices_and_is_heard_without_a_second_passing() -> N
 @pytest.mark.virtual_time
 async def test_what_is_due_at_the_end_has_happened() -> None:
     """A window takes three seconds, and is open after three seconds."""
-    async with virtual_house_of(devices=[WindowMotor("w", travel_time=3.0)]) as house, EventLog.of(house) as log:
+    async with virtual_house_of(world=World.of(WindowMotor("w", travel_time=3.0))) as house, EventLog.of(house) as log:
         await house.says("home425/windows/w/in", "open")
         await house.run_for(2.999)
         assert said(log, "home425/windows/w/out") == ["opening"]
@@ -90,7 +90,7 @@ async def test_a_house_may_begin_at_any_time() -> None:
 
 @pytest.mark.virtual_time
 async def test_a_day_of_the_thesis_house_passes_with_every_heartbeat_in_it() -> None:
-    async with virtual_house_of("light_service", devices=thesis_devices()) as house:
+    async with virtual_house_of("light_service", world=thesis_world()) as house:
         await house.run_for(timedelta(days=1).total_seconds())
         assert house.broker.stats.messages_received > 3 * 24 * 3600 / 300
 
@@ -105,7 +105,7 @@ async def test_what_cannot_be_is_refused(bad: dict[str, Any]) -> None:
 
 @pytest.mark.virtual_time
 async def test_a_night_without_broker_is_survived() -> None:
-    async with virtual_house_of("light_service", devices=thesis_devices()) as house:
+    async with virtual_house_of("light_service", world=thesis_world()) as house:
         await house.run_until("22:00")
         await house.broker.stop(abrupt=True)
         await house.run_until("06:00")

@@ -1,6 +1,8 @@
 """The simulated house, for a first look and for tests."""
 
-from homebot.house.devices import Lamp, SimulatedDevice, Step, WindowMotor
-from homebot.house.house import SimulatedHouse, thesis_devices
+from homebot.house.devices import Lamp, WindowMotor
+from homebot.house.house import SimulatedHouse
+from homebot.house.thesis import thesis_world
+from homebot.house.world import World
 
-__all__ = ["Lamp", "SimulatedDevice", "SimulatedHouse", "Step", "WindowMotor", "thesis_devices"]
+__all__ = ["Lamp", "SimulatedHouse", "WindowMotor", "World", "thesis_world"]

@@ -11,7 +11,7 @@ from homebot.house.daylight import DAY
 
 __all__ = ["Chronicle", "Event", "Verb"]
 
-Verb = Literal["says", "told", "switch", "enters", "sleeps"]
+Verb = Literal["says", "told", "switch", "power", "enters", "sleeps"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,9 +21,9 @@ class Event:
     Attributes:
         at: Seconds since the first midnight.
         who: A device or a person.
-        verb: A device ``says`` a report, is ``told`` a command, or hands ``switch`` it; a person ``enters`` a room or
-            ``sleeps`` there.
-        what: The report, command or room.
+        verb: A device ``says`` a report, is ``told`` a command, hands ``switch`` it, or its ``power`` goes ``off`` or
+            ``on``; a person ``enters`` a room or ``sleeps`` there.
+        what: The report, command, state or room.
     """
 
     at: float

@@ -5,44 +5,9 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import ClassVar
 
-__all__ = ["Machine", "SimulatedDevice", "Step", "number", "spoken"]
-
-HOUR = 3600.0
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One thing a device says while it obeys.
-
-    Attributes:
-        after: Seconds that pass before.
-        report: What it then says of itself.
-    """
-
-    after: float
-    report: str
-
-
-class SimulatedDevice(Protocol):
-    """A device of the thesis's layout, as the wire sees it.
-
-    Attributes:
-        service_type: What it offers.
-        device_id: Its name.
-    """
-
-    service_type: str
-    device_id: str
-
-    def state(self) -> str:
-        """Return what it says of itself when nobody asks."""
-        ...
-
-    def obey(self, command: str) -> tuple[Step, ...]:
-        """Take *command* and return what it says on the way; nothing when it does not know the command."""
-        ...
+__all__ = ["Machine", "number", "spoken"]
 
 
 @dataclass(eq=False)
@@ -52,32 +17,37 @@ class Machine(ABC):
     Time 0 is the midnight before the house starts.
 
     Attributes:
+        kind: What it is, as houses are described.
         device_id: Its name.
         service_type: What it offers.
         now: The time it was last told.
     """
 
+    kind: ClassVar[str]
     device_id: str
     service_type: str = field(default="", kw_only=True)
     now: float = field(default=0.0, init=False)
+
+    @property
+    def has_power(self) -> bool:
+        """Whether it has power at :attr:`now`; without it, it neither hears nor speaks."""
+        return True
 
     @abstractmethod
     def state(self) -> str:
         """Return what it says of itself when nobody asks."""
 
-    def obey(self, command: str, now: float | None = None) -> tuple[Step, ...]:
-        """Take *command*.
+    def obey(self, command: str, now: float) -> tuple[str, ...]:
+        """Take *command* at *now*.
 
         Args:
             command: A word, or a number as text; what it does not know it ignores.
-            now: The time. Without it the device is played forward, for at most an hour, and its steps tell when.
+            now: The time.
 
         Returns:
-            What it says at once, with the reports that were due before; what comes later comes from :meth:`advance`.
+            What it says at once, behind the reports that were due before; what comes later comes from :meth:`advance`.
         """
-        if now is None:
-            return self._played(command)
-        return tuple(Step(0.0, report) for report in (*self.advance(now), *self._take(command)))
+        return (*self.advance(now), *self._take(command))
 
     def advance(self, now: float) -> tuple[str, ...]:
         """Let time pass until *now* and return the reports due on the way, oldest first."""
@@ -102,7 +72,7 @@ class Machine(ABC):
 
     def by_hand(self, command: str, now: float) -> tuple[str, ...]:
         """Let somebody work it with their hands, as *command* would; return what it says at once."""
-        return tuple(step.report for step in self.obey(command, now))
+        return self.obey(command, now)
 
     def watts(self) -> float:
         """Return the power it draws, in watts."""
@@ -120,16 +90,6 @@ class Machine(ABC):
     def _happen(self) -> tuple[str, ...]:
         """Do what :meth:`next_event` announced; must move that on."""
         return ()
-
-    def _played(self, command: str) -> tuple[Step, ...]:
-        end = self.now + HOUR
-        steps = [Step(0.0, report) for report in self._take(command)]
-        spoken_at = self.now
-        while (at := self.next_event()) is not None and at <= end:
-            for report in self.advance(at):
-                steps.append(Step(self.now - spoken_at, report))
-                spoken_at = self.now
-        return tuple(steps)
 
 
 def number(text: str, low: float, high: float) -> float | None:

@@ -1,8 +1,8 @@
-"""Every kind of simulated device, each from its own file. Pure; time and wire are the house's business."""
+"""Every kind of simulated device, each from its own file. Pure: time and wire are not their business."""
 
 from __future__ import annotations
 
-from homebot.house.device import Machine, SimulatedDevice, Step
+from homebot.house.device import Machine
 from homebot.house.lamp import Lamp
 from homebot.house.lock import DoorLock
 from homebot.house.motor import CoverMotor, WindowMotor
@@ -21,8 +21,6 @@ __all__ = [
     "Pose",
     "PowerMeter",
     "Robot",
-    "SimulatedDevice",
-    "Step",
     "Thermostat",
     "WindowMotor",
 ]

@@ -6,6 +6,7 @@ wraps, and :func:`truth` the device at the bottom, whose state is what really is
 
 from __future__ import annotations
 
+import math
 import random
 from collections import deque
 from collections.abc import Iterable
@@ -51,6 +52,11 @@ class Fault(Machine):
         self.lost = 0
         self._held: deque[tuple[float, str]] = deque()
 
+    @property
+    def has_power(self) -> bool:
+        """Whether the device has."""
+        return self.device.has_power
+
     def state(self) -> str:
         """What the device says."""
         return self.device.state()
@@ -94,7 +100,7 @@ class Fault(Machine):
 
     def _pass(self, command: str) -> tuple[str, ...]:
         """Let the device obey."""
-        return self._all_heard(step.report for step in self.device.obey(command, self.now))
+        return self._all_heard(self.device.obey(command, self.now))
 
     def _all_heard(self, reports: Iterable[str]) -> tuple[str, ...]:
         return tuple(word for report in reports for word in self._heard(report))
@@ -250,31 +256,53 @@ class Unplugged(Fault):
         super().__init__(device, rng)
         self.since = since
         self.until = until
+        self._changes = [at for at in (since, until) if device.now < at < math.inf] if since < until else []
+        self._missed: float | None = None
 
     @property
-    def is_plugged(self) -> bool:
+    def has_power(self) -> bool:
         """Whether it has power at :attr:`now`."""
-        return not self.since <= self.now < self.until
+        return not self.since <= self.now < self.until and self.device.has_power
 
     def watts(self) -> float:
         """None without power."""
-        return self.device.watts() if self.is_plugged else 0.0
+        return self.device.watts() if self.has_power else 0.0
 
     def by_hand(self, command: str, now: float) -> tuple[str, ...]:
         """Do nothing without power."""
         reports = self.advance(now)
-        return reports + (super().by_hand(command, now) if self.is_plugged else ())
+        return reports + (super().by_hand(command, now) if self.has_power else ())
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
-        """Feel nothing without power."""
+        """Feel nothing without power; what is still so when it returns is felt then."""
         reports = self.advance(now)
-        return reports + (self._all_heard(self.device.sense(value, now)) if self.is_plugged else ())
+        if not self.has_power:
+            self._missed = value
+            return reports
+        return reports + self._all_heard(self.device.sense(value, now))
+
+    def next_event(self) -> float | None:
+        """Also when the power goes or returns."""
+        inner = super().next_event()
+        own = self._changes[0] if self._changes else None
+        return inner if own is None else own if inner is None else min(own, inner)
 
     def _take(self, command: str) -> tuple[str, ...]:
-        return self._pass(command) if self.is_plugged else ()
+        return self._pass(command) if self.has_power else ()
+
+    def _happen(self) -> tuple[str, ...]:
+        reports = super()._happen()
+        if not self._changes or self._changes[0] > self.now:
+            return reports
+        if self._changes.pop(0) != self.until:
+            return reports
+        if self._missed is not None:
+            self.device.sense(self._missed, self.now)
+            self._missed = None
+        return (self.state(),)  # all it says when it starts
 
     def _heard(self, report: str) -> tuple[str, ...]:
-        return (report,) if self.is_plugged else ()
+        return (report,) if self.has_power else ()
 
 
 def truth(device: Machine) -> Machine:

@@ -1,132 +1,183 @@
-"""The simulated house: each device is an MQTT client of its own and knows nothing of homebot."""
+"""A world on MQTT: one loop moves the world, and each of its devices is a client of the broker by itself."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from random import Random
 
 import anyio
 from anyio.abc import TaskStatus
+from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock
-from homebot.errors import LinkError, UsageError
-from homebot.house.devices import Lamp, SimulatedDevice, WindowMotor
+from homebot.errors import UsageError
+from homebot.house.chronicle import Event
+from homebot.house.daylight import DAY
+from homebot.house.dialect import DIALECTS, Dialect, Nameplate
+from homebot.house.faults import truth
+from homebot.house.presence import HouseCounters, Presence
+from homebot.house.world import Placed, World
+from homebot.log import LogLimit
 from homebot.mqtt.aiomqtt_client import AiomqttClient
-from homebot.mqtt.client import MqttClient, Subscription
-from homebot.mqtt.connection import LinkPhase, MqttConnection
-from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.client import MqttClient
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.options import MqttOptions, Will
+from homebot.mqtt.topics import validate_topic
 
-__all__ = ["SimulatedHouse", "thesis_devices"]
+__all__ = ["HEARTBEAT", "SimulatedHouse"]
 
 HEARTBEAT = 2.0
 """Seconds between two reports where nothing else is said: short, so that one who looks on sees life."""
 
+STRIDE = 3600.0
+"""Seconds of the world that pass in one turn of the loop, where a clock was set or a computer slept."""
+
 SHORTEST_KEEP_ALIVE = 30
-
-
-def thesis_devices() -> tuple[SimulatedDevice, ...]:
-    """Return the devices of the thesis's experiment: two lamps, of which one is on, and a window motor."""
-    return (Lamp("roomlights405", is_on=True), Lamp("roomlights406"), WindowMotor("windowmotor405"))
+LONGEST_KEEP_ALIVE = 65_535
 
 
 class SimulatedHouse:
-    """Simulated devices on a real broker.
+    """Carries a world over a broker.
+
+    The world's first day is the day, in UTC, on which the house is served: its time is what the clock says since that
+    day's midnight. What happened since then is not said, but devices begin as it left them.
 
     Args:
         url: The broker, ``mqtt://host:port``.
         home: First level of the devices' topics.
-        devices: The devices.
-        clock: The time they live by.
-        make_client: Makes their MQTT clients.
+        world: What is carried; nobody else may move it meanwhile.
+        clock: The time it lives by.
+        make_client: Makes the devices' MQTT clients.
         random: Source of their reconnects' jitter; a seeded one makes every run the same.
-        heartbeat: Seconds after which a device repeats its state, as real ones do.
+        heartbeat: Seconds after which devices repeat their last word, as real ones do.
+        dialects: How devices speak, by the names that the world's devices have for it.
+
+    Attributes:
+        world: The same.
+        counters: What went over the wire.
 
     Raises:
-        UsageError: The heartbeat is not above 0.
+        UsageError: The heartbeat is not above 0, a device's name cannot be one on MQTT, or there is no such dialect.
     """
 
     def __init__(
         self,
         url: str,
         home: str,
-        devices: Sequence[SimulatedDevice],
+        world: World,
         clock: Clock,
         *,
         make_client: Callable[[MqttOptions], MqttClient] = AiomqttClient,
         random: Random | None = None,
         heartbeat: float = HEARTBEAT,
+        dialects: Mapping[str, Dialect] = DIALECTS,
     ) -> None:
-        if heartbeat <= 0:
+        if not heartbeat > 0:
             raise UsageError(f"a heartbeat of {heartbeat:g} s is not above 0")
+        self.world = world
+        self.counters = HouseCounters()
         self._url = url
         self._home = home
-        self._devices = devices
         self._clock = clock
         self._make_client = make_client
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
         self._heartbeat = heartbeat
+        self._dialects = dialects
+        self._lines = LogLimit(clock)
+        self._midnight = clock.now() // DAY * DAY
+        self._presences: dict[str, Presence] = {}
+        self._stirred = anyio.Event()
+        for placed in world.devices.values():
+            self._plate(placed)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Let the devices live until cancelled."""
+        """Let the house live until cancelled."""
+        self._midnight = self._clock.now() // DAY * DAY
+        self.world.run_until(self._now())
+        self._presences = {name: self._presence(placed) for name, placed in self.world.devices.items()}
         async with anyio.create_task_group() as tasks:
-            for device in self._devices:
-                tasks.start_soon(self._live, device)
+            for presence in self._presences.values():
+                tasks.start_soon(presence.live)
+            tasks.start_soon(self._beat)
             task_status.started()
+            await self._move()
 
-    async def _live(self, device: SimulatedDevice) -> None:
-        # Whoever speaks this often needs no pings in between.
-        keep_alive = max(SHORTEST_KEEP_ALIVE, min(math.ceil(2 * self._heartbeat), 65_535))
-        name = f"{self._home}-{device.device_id}"
-        options = MqttOptions.from_url(self._url, client_id=name, keep_alive=keep_alive)
-        base = f"{self._home}/{device.service_type}/{device.device_id}"
-        async with MqttConnection(
+    def catch_up(self) -> None:
+        """Bring the world to the present, or an hour nearer to it."""
+        self._show(self.world.run_until(min(self._now(), self.world.now + STRIDE)))
+
+    def tell(self, device_id: str, command: str) -> None:
+        """Give *command* to a device, as its radio does.
+
+        Raises:
+            UsageError: There is no such device.
+        """
+        self._show(self.world.tell(device_id, command, self._now()))
+        self._stirred.set()
+
+    def press(self, device_id: str, command: str) -> None:
+        """Let hands work a device, as *command* would.
+
+        Raises:
+            UsageError: There is no such device.
+        """
+        self._show(self.world.press(device_id, command, self._now()))
+        self._stirred.set()
+
+    async def _move(self) -> None:
+        while True:
+            self.catch_up()
+            self._stirred = anyio.Event()
+            wait = self.world.next_event() - self._now()
+            if wait > 0:
+                with anyio.move_on_after(wait):
+                    await self._stirred.wait()
+            else:
+                await checkpoint()
+
+    async def _beat(self) -> None:
+        while True:
+            await anyio.sleep(self._heartbeat)
+            for presence in self._presences.values():
+                presence.repeat()
+
+    def _now(self) -> float:
+        return self._clock.now() - self._midnight
+
+    def _show(self, events: Iterable[Event]) -> None:
+        for event in events:
+            if event.verb == "says":
+                self._presences[event.who].say(event.what)
+            elif event.verb == "power":
+                self._presences[event.who].power(on=event.what == "on")
+
+    def _presence(self, placed: Placed) -> Presence:
+        device, plate = placed.device, self._plate(placed)
+        dialect = self._dialects[placed.dialect]
+        will = dialect.will(plate)
+        options = MqttOptions.from_url(
+            self._url,
+            client_id=f"{self._home}-{device.device_id}",
+            # Whoever speaks this often needs no pings in between.
+            keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 2 * self._heartbeat), LONGEST_KEEP_ALIVE)),
+            will=None if will is None else Will(will.topic, will.payload, qos=1, retain=will.retain),
+        )
+        connection = MqttConnection(
             options, self._make_client, status_topic=None, clock=self._clock, random=self._random
-        ) as connection:
-            await connection.subscribe(Subscription(f"{base}/in", qos=1))
-            voice = _Voice(connection, f"{base}/out", device.state())
-            async with anyio.create_task_group() as tasks:
-                tasks.start_soon(_report_on_connect, connection, voice)
-                tasks.start_soon(_report_steadily, voice, self._heartbeat)
-                tasks.start_soon(_obey, device, connection, voice)
+        )
+        tell = partial(self.tell, device.device_id)
+        presence = Presence(plate, dialect, connection, device.state(), tell, self.counters, self._lines)
+        presence.power(on=device.has_power)
+        return presence
 
-
-class _Voice:
-    """What a device says, and says again: its last word, which on the way from one state to the next is neither."""
-
-    def __init__(self, connection: MqttConnection, topic: str, word: str) -> None:
-        self._connection = connection
-        self._topic = topic
-        self._word = word
-
-    async def say(self, word: str) -> None:
-        self._word = word
-        await self.repeat()
-
-    async def repeat(self) -> None:
-        try:
-            await self._connection.publish(self._topic, self._word.encode(), qos=1)
-        except LinkError:
-            return  # said again at the next link, which is how small devices live
-
-
-async def _report_on_connect(connection: MqttConnection, voice: _Voice) -> None:
-    async for state in connection.states():
-        if state.phase is LinkPhase.CONNECTED:
-            await voice.repeat()
-
-
-async def _report_steadily(voice: _Voice, heartbeat: float) -> None:
-    while True:
-        await anyio.sleep(heartbeat)
-        await voice.repeat()
-
-
-async def _obey(device: SimulatedDevice, connection: MqttConnection, voice: _Voice) -> None:
-    while True:
-        commands = await connection.receive()
-        for command in commands:
-            for step in device.obey(command.payload.decode(errors="replace")):
-                await anyio.sleep(step.after)
-                await voice.say(step.report)
-        connection.ack(commands)
+    def _plate(self, placed: Placed) -> Nameplate:
+        """Return who a device is, if it can be on the wire."""
+        device = placed.device
+        if placed.dialect not in self._dialects:
+            raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}; known are {', '.join(self._dialects)}")
+        plate = Nameplate(self._home, truth(device).kind, device.device_id, device.service_type, placed.room)
+        for message in self._dialects[placed.dialect].said(plate, device.state()):
+            validate_topic(message.topic)
+        return plate

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from homebot.house.device import Machine, number, spoken
 
@@ -26,6 +27,7 @@ class Lamp(Machine):
         rated_lux: The light that it then gives its room.
     """
 
+    kind: ClassVar[str] = "lamp"
     is_on: bool = False
     brightness: float = 1.0
     kelvin: float = 2700.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from homebot.house.device import Machine
 
@@ -23,6 +24,7 @@ class DoorLock(Machine):
         rng: Decides which.
     """
 
+    kind: ClassVar[str] = "lock"
     is_locked: bool = True
     travel_time: float = 2.0
     jams: float = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from homebot.house.device import Machine, number, spoken
 
@@ -21,6 +22,7 @@ class WindowMotor(Machine):
         travel_time: Seconds from one end to the other, above 0.
     """
 
+    kind: ClassVar[str] = "window"
     is_open: bool = False
     travel_time: float = 3.0
     service_type: str = field(default="windows", kw_only=True)
@@ -87,6 +89,7 @@ class WindowMotor(Machine):
 class CoverMotor(WindowMotor):
     """A shutter or blind: as a window's motor, but slower, and open at first. Its position is the light it lets in."""
 
+    kind: ClassVar[str] = "cover"
     is_open: bool = True
     travel_time: float = 20.0
     service_type: str = field(default="covers", kw_only=True)

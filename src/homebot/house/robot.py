@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from homebot.errors import UsageError
 from homebot.house.device import Machine
@@ -40,6 +41,7 @@ class Robot(Machine):
         speed: Metres a second, above 0.
     """
 
+    kind: ClassVar[str] = "robot"
     rooms: Rooms = field(repr=False)
     room: str
     speed: float = 0.5

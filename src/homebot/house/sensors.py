@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from homebot.house.device import Machine, spoken
 
@@ -17,6 +18,7 @@ class ContactSensor(Machine):
         is_open: What it sensed last.
     """
 
+    kind: ClassVar[str] = "contact"
     is_open: bool = False
     service_type: str = field(default="contacts", kw_only=True)
 
@@ -41,6 +43,7 @@ class MotionSensor(Machine):
         hold: Seconds without motion after which it is ``clear``.
     """
 
+    kind: ClassVar[str] = "motion"
     hold: float = 60.0
     service_type: str = field(default="motions", kw_only=True)
 
@@ -81,6 +84,7 @@ class LuxSensor(Machine):
         share: The change that is worth a word, as a share of the last; never under 1 lux.
     """
 
+    kind: ClassVar[str] = "lux"
     lux: float = 0.0
     share: float = 0.2
     service_type: str = field(default="light_levels", kw_only=True)
@@ -107,6 +111,7 @@ class PowerMeter(Machine):
         step: The change in watts that is worth a word.
     """
 
+    kind: ClassVar[str] = "power_meter"
     total: float = 0.0
     step: float = 1.0
     service_type: str = field(default="power_meters", kw_only=True)

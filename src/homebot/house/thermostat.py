@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from homebot.house.device import Machine, number, spoken
 
@@ -33,6 +34,7 @@ class Thermostat(Machine):
         rated_watts: What heating draws.
     """
 
+    kind: ClassVar[str] = "thermostat"
     celsius: float = 20.0
     target: float = 20.0
     outside: float = 10.0

@@ -1,7 +1,7 @@
 """The world of a simulated house: its people, its devices and the sun, on one time line.
 
-Everything happens in :meth:`World.run_until` and :meth:`World.tell`, in time order, and is written into one chronicle.
-The same house with the same seed, told the same commands at the same times, writes the same text.
+Everything happens in :meth:`World.run_until`, :meth:`World.tell` and :meth:`World.press`, in time order, and is written
+into one chronicle. The same house with the same seed, told the same commands at the same times, writes the same text.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from homebot.house.lamp import Lamp
 from homebot.house.lock import DoorLock
 from homebot.house.motor import CoverMotor
 from homebot.house.people import Person
-from homebot.house.rooms import OUTSIDE, Rooms
+from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
 from homebot.house.thermostat import Thermostat
 
@@ -50,11 +50,13 @@ class Placed:
         device: The device, with its faults.
         room: Where it is.
         door: For a contact or a lock: the room on the other side of the door it is on.
+        dialect: How it speaks where it is carried over a wire, by name.
     """
 
     device: Machine
     room: str
     door: str = ""
+    dialect: str = "thesis"
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +141,15 @@ class World:
         for thing in self._things.values():
             self._plan_wake(thing)
 
+    @classmethod
+    def of(cls, *devices: Machine) -> World:
+        """Return a house of one room with *devices* in it, and nobody.
+
+        Raises:
+            UsageError: Two devices have one name.
+        """
+        return cls(Rooms({OUTSIDE: Room(window=1.0), "room": Room()}, []), [Placed(each, "room") for each in devices])
+
     @property
     def devices(self) -> Mapping[str, Placed]:
         """The devices by name, in the order they were given."""
@@ -171,6 +182,14 @@ class World:
         mark = self.chronicle.count
         self.run_until(now)
         self._command(thing, command)
+        return self.chronicle.since(mark)
+
+    def press(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
+        """As :meth:`tell`, but by hand: as somebody does at the device itself, as *command* would."""
+        thing = self._thing(device_id)
+        mark = self.chronicle.count
+        self.run_until(now)
+        self._switch(thing, command)
         return self.chronicle.since(mark)
 
     def device(self, device_id: str) -> Machine:
@@ -270,9 +289,10 @@ class World:
     def _command(self, thing: _Thing, command: str) -> None:
         command = command[:LONGEST_COMMAND]
         self._note(thing.placed.device.device_id, "told", command)
-        self._act(thing, lambda device: tuple(step.report for step in device.obey(command, self.now)))
+        self._act(thing, lambda device: device.obey(command, self.now))
 
     def _switch(self, thing: _Thing, command: str) -> None:
+        command = command[:LONGEST_COMMAND]
         self._note(thing.placed.device.device_id, "switch", command)
         self._act(thing, lambda device: device.by_hand(command, self.now))
 
@@ -281,8 +301,11 @@ class World:
 
     def _act(self, thing: _Thing, act: Callable[[Machine], tuple[str, ...]]) -> None:
         device = thing.placed.device
-        drew = device.watts()
-        for report in act(device):
+        drew, had_power = device.watts(), device.has_power
+        reports = act(device)
+        if device.has_power != had_power:
+            self._note(device.device_id, "power", "on" if device.has_power else "off")
+        for report in reports if device.has_power else ():
             self._note(device.device_id, "says", report)
         self._plan_wake(thing)
         if isinstance(thing.real, Lamp | CoverMotor):

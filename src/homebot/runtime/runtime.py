@@ -21,11 +21,12 @@ from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock
 from homebot.config import Config
 from homebot.discovery import Directory
+from homebot.errors import ConfigError
 from homebot.gateways import Gateway
 from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Graph, Node, RosoutFeed
-from homebot.house import SimulatedHouse, thesis_devices
+from homebot.house import SimulatedHouse, World
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime.embedded_broker import embedded_broker
@@ -39,6 +40,10 @@ STOPPING = "runtime.stopping"
 
 THESIS_HOME = "home425"
 
+NO_BROKER_FOR_HOUSE = (
+    "none is on homebot's own broker (an mqtt gateway without url), where a simulated house could live"
+)
+
 _log = structlog.get_logger(node="/homebot")
 
 
@@ -49,7 +54,7 @@ class Runtime:
 
     Args:
         config: What to run.
-        with_house: Whether the simulated house lives on the embedded broker.
+        house: A simulated house to carry over the embedded broker; at midnight of the day, in UTC, as it is.
         with_door: Whether tools come in; without it, and with *broker*, nothing needs a socket.
         clock: The time to go by; by default that of the running loop.
         broker: Stands in for the embedded broker. All MQTT goes through it, in memory; it is the caller's to run.
@@ -62,21 +67,23 @@ class Runtime:
         door: Where tools come in; None before it is open.
 
     Raises:
-        ConfigError: A class cannot be found, or a table is wrong.
+        ConfigError: A class cannot be found, a table is wrong, or there is a *house* but no embedded broker.
     """
 
     def __init__(
         self,
         config: Config,
         *,
-        with_house: bool = False,
+        house: World | None = None,
         with_door: bool = True,
         clock: Clock | None = None,
         broker: MemoryBroker | None = None,
         random: Random | None = None,
     ) -> None:
         self._plan = make_plan(config)
-        self._with_house = with_house
+        if house is not None and not any(_wants_broker(gateway) for gateway in self._plan.gateways):
+            raise ConfigError(config.source, "gateways", NO_BROKER_FOR_HOUSE)
+        self._simulated = house
         self._with_door = with_door
         self._broker = broker
         self._random = random
@@ -129,8 +136,8 @@ class Runtime:
         yield "rosapi", self._rosapi
         if self._with_door:
             yield "door", self._open_door
-        if self._with_house and self.broker_url is not None:
-            yield "house", self._house(self.broker_url, _root(gateways))
+        if self._simulated is not None and self.broker_url is not None:
+            yield "house", self._house(self._simulated, self.broker_url, _root(gateways))
 
     def _greeting(self) -> str:
         if self.door is None:
@@ -196,12 +203,10 @@ class Runtime:
             self.door = Door(node, self._plan.door)
             await self.door.run(task_status=task_status)
 
-    def _house(self, url: str, home: str) -> Work:
+    def _house(self, world: World, url: str, home: str) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             make_client = AiomqttClient if self._broker is None else self._broker.make_client
-            house = SimulatedHouse(
-                url, home, thesis_devices(), self._clock, make_client=make_client, random=self._random
-            )
+            house = SimulatedHouse(url, home, world, self._clock, make_client=make_client, random=self._random)
             await house.serve(task_status=task_status)
 
         return work

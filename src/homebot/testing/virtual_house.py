@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from datetime import UTC, datetime
 from random import Random
@@ -13,7 +13,7 @@ import anyio
 from homebot.clock import LoopClock
 from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
-from homebot.house import SimulatedDevice, SimulatedHouse
+from homebot.house import SimulatedHouse, World
 from homebot.mqtt.client import Subscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -31,7 +31,7 @@ START = "2026-01-01 00:00"
 """When time begins in a virtual house, in UTC, unless told otherwise."""
 
 HEARTBEAT = 300.0
-"""Seconds after which a simulated device repeats its state: what plugged-in devices do, and little work for a day."""
+"""Seconds after which a simulated device says its last word again: as plugged-in devices do, and little work."""
 
 _KEEP_ALIVE = 3_600
 
@@ -42,12 +42,26 @@ class VirtualHouse(TestHouse):
     Attributes:
         broker: Its broker; a test may stop it, or cut and freeze links.
         clock: Its time.
+        simulated: What carries its world.
     """
 
-    def __init__(self, runtime: Runtime, field: MqttConnection, broker: MemoryBroker, clock: LoopClock) -> None:
+    def __init__(
+        self,
+        runtime: Runtime,
+        field: MqttConnection,
+        broker: MemoryBroker,
+        clock: LoopClock,
+        simulated: SimulatedHouse,
+    ) -> None:
         super().__init__(runtime, field)
         self.broker = broker
         self.clock = clock
+        self.simulated = simulated
+
+    @property
+    def world(self) -> World:
+        """The simulated world that lives in it; to be looked at, for the house moves it."""
+        return self.simulated.world
 
     @property
     def now(self) -> datetime:
@@ -80,16 +94,26 @@ class VirtualHouse(TestHouse):
         await anyio.sleep(moment.timestamp() - self.clock.now())
         await self.settle()
 
+    async def press(self, device_id: str, command: str) -> None:
+        """Let hands work a simulated device, as *command* would; returns when all that follows at once has happened.
+
+        Raises:
+            UsageError: There is no such device.
+        """
+        self.simulated.press(device_id, command)
+        await self.settle()
+
     async def settle(self) -> None:
         """Wait until all that can happen now has happened; no time passes."""
+        self.simulated.catch_up()
         await _virtual_loop().settled()
 
 
 @asynccontextmanager
 async def virtual_house_of(
     *apps: str,
+    world: World | None = None,
     root: str = "home425",
-    devices: Sequence[SimulatedDevice] = (),
     start: str | datetime = START,
     seed: int = 0,
     heartbeat: str | float = HEARTBEAT,
@@ -98,11 +122,11 @@ async def virtual_house_of(
 
     Args:
         apps: Each a plug-in's name or ``module:Class``.
+        world: A simulated world that lives in it, from the midnight before *start* on; the test may play others.
         root: The home: first level of the topics.
-        devices: Simulated devices that live in it; the test may play others.
         start: When time begins; without a time zone in UTC.
         seed: Decides all that is left to chance: the same test with the same seed is the same run.
-        heartbeat: Time after which a simulated device repeats its state.
+        heartbeat: Time after which a simulated device repeats its last word.
 
     Raises:
         UsageError: The running event loop is none of virtual time, or an argument cannot be used.
@@ -120,16 +144,16 @@ async def virtual_house_of(
         await stack.enter_async_context(field)
         await field.subscribe(Subscription(f"{root}/+/+/in", qos=1))
         await field.wait_connected()
-        house = VirtualHouse(runtime, field, broker, clock)
         simulated = SimulatedHouse(
             broker.url,
             root,
-            devices,
+            World.of() if world is None else world,
             clock,
             make_client=broker.make_client,
             random=random,
             heartbeat=parse_duration(heartbeat),
         )
+        house = VirtualHouse(runtime, field, broker, clock, simulated)
         async with in_background(house.listen, simulated.serve):
             await house.settle()
             yield house

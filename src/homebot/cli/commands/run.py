@@ -9,6 +9,7 @@ from pathlib import Path
 
 from homebot.cli.until_told import on_an_event_loop, until_told
 from homebot.config import Config, load_config, parse_config
+from homebot.house import thesis_world
 from homebot.log import configure_logging
 from homebot.runtime import Runtime
 
@@ -89,6 +90,6 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
 
 
 async def _run(config: Config, *, with_house: bool, seconds: float | None) -> int:
-    runtime = Runtime(config, with_house=with_house)
+    runtime = Runtime(config, house=thesis_world() if with_house else None)
     await until_told(runtime, seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0

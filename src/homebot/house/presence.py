@@ -1,0 +1,170 @@
+"""One device of a simulated house on the wire: an MQTT client of its own, which knows nothing of homebot.
+
+What it says waits in a queue of its own, so that a slow broker stops neither the world nor other devices. What cannot
+be said while there is no link is not kept: its last word is said again at the next link, which is how small devices
+live.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+import anyio
+import structlog
+
+from homebot.errors import LinkError, RefusedError
+from homebot.house.dialect import Dialect, Nameplate, Outgoing
+from homebot.log import LogLimit
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.connection import LinkPhase, MqttConnection
+
+__all__ = ["HouseCounters", "Presence"]
+
+REFUSED = "house.publish_refused"
+
+QUEUED = 100
+"""Messages of one device that wait for the broker; the oldest goes, because a newer one is nearer to the truth."""
+
+_log = structlog.get_logger()
+
+
+@dataclass(slots=True)
+class HouseCounters:
+    """What went between the devices of a house and the broker.
+
+    Attributes:
+        published: Messages that the broker took.
+        unsaid: Words and messages that found no link.
+        overflowed: Messages that waited too long for a slow broker.
+        refused: Messages that the broker did not want.
+        told: Commands that came.
+    """
+
+    published: int = 0
+    unsaid: int = 0
+    overflowed: int = 0
+    refused: int = 0
+    told: int = 0
+
+
+@final
+class Presence:
+    """A device on the wire.
+
+    Args:
+        device: Who it is.
+        dialect: How it speaks.
+        connection: Its way to the broker.
+        word: Its first word.
+        tell: Gets each command for it.
+        counters: Shared by the house.
+        lines: Paces log lines.
+    """
+
+    def __init__(
+        self,
+        device: Nameplate,
+        dialect: Dialect,
+        connection: MqttConnection,
+        word: str,
+        tell: Callable[[str], None],
+        counters: HouseCounters,
+        lines: LogLimit,
+    ) -> None:
+        self._device = device
+        self._dialect = dialect
+        self._connection = connection
+        self._word = word
+        self._tell = tell
+        self._counters = counters
+        self._lines = lines
+        self._has_power = True
+        self._switched = anyio.Event()
+        self._queue: deque[Outgoing] = deque()
+        self._queued = anyio.Event()
+
+    def say(self, word: str) -> None:
+        """Say *word*, and again at each heartbeat and new link until there is another; never waits."""
+        self._word = word
+        if self._is_heard:
+            self._enqueue(self._dialect.said(self._device, word))
+        else:
+            self._counters.unsaid += 1
+
+    def repeat(self) -> None:
+        """Say the last word again, where it can be heard."""
+        if self._is_heard:
+            self._enqueue(self._dialect.said(self._device, self._word))
+
+    def power(self, *, on: bool) -> None:
+        """Give or take the power: without it there is no link."""
+        if on is not self._has_power:
+            self._has_power = on
+            self._switched.set()
+            self._switched = anyio.Event()
+
+    async def live(self) -> None:
+        """Be there whenever there is power, until cancelled."""
+        for topic_filter in self._dialect.filters(self._device):
+            await self._connection.subscribe(Subscription(topic_filter, qos=1))  # remembered for every link
+        while True:
+            while not self._has_power:
+                await self._switched.wait()
+            async with self._connection, anyio.create_task_group() as tasks:
+                tasks.start_soon(self._greet)
+                tasks.start_soon(self._speak)
+                tasks.start_soon(self._hear)
+                while self._has_power:
+                    await self._switched.wait()
+                tasks.cancel_scope.cancel()
+
+    @property
+    def _is_heard(self) -> bool:
+        return self._has_power and self._connection.state.phase is LinkPhase.CONNECTED
+
+    def _enqueue(self, messages: tuple[Outgoing, ...]) -> None:
+        for message in messages:
+            if len(self._queue) == QUEUED:
+                self._queue.popleft()
+                self._counters.overflowed += 1
+            self._queue.append(message)
+        self._queued.set()
+
+    async def _greet(self) -> None:
+        async for state in self._connection.states():
+            if state.phase is LinkPhase.CONNECTED:
+                self._counters.unsaid += len(self._queue)
+                self._queue.clear()
+                self._enqueue(self._dialect.birth(self._device))
+                self.repeat()
+
+    async def _speak(self) -> None:
+        while True:
+            while not self._queue:
+                self._queued = anyio.Event()
+                await self._queued.wait()
+            await self._publish(self._queue.popleft())
+
+    async def _publish(self, message: Outgoing) -> None:
+        try:
+            await self._connection.publish(message.topic, message.payload, qos=1, retain=message.retain)
+        except LinkError:
+            self._counters.unsaid += 1
+        except RefusedError as exc:
+            self._counters.refused += 1
+            if (held_back := self._lines.allows(message.topic)) is not None:
+                _log.warning(REFUSED, message=f"the broker refused {exc}", topic=message.topic, held_back=held_back)
+        else:
+            self._counters.published += 1
+
+    async def _hear(self) -> None:
+        while True:
+            messages = await self._connection.receive()
+            for message in messages:
+                for command in self._dialect.told(self._device, message.topic, message.payload):
+                    self._counters.told += 1
+                    self._tell(command)
+            self._connection.ack(messages)
