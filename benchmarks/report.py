@@ -8,7 +8,17 @@ from typing import Literal
 
 from rounds import Samples, median
 
-__all__ = ["Aim", "Comparison", "Report", "per_second", "print_report", "seconds"]
+__all__ = [
+    "Aim",
+    "Comparison",
+    "Report",
+    "compare",
+    "megabytes",
+    "milliseconds",
+    "per_second",
+    "print_report",
+    "seconds",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +119,10 @@ def per_second(figure: float) -> str:
 
 def seconds(figure: float) -> str:
     return f"{figure * 1e3:.0f} ms" if figure >= 0.01 else f"{figure * 1e6:.0f} µs"
+
+
+def milliseconds(figure: float) -> str:
+    return f"{figure * 1e3:.2f} ms"
 
 
 def megabytes(figure: float) -> str:

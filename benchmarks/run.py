@@ -19,7 +19,15 @@ from plan import Plan
 from report import print_report
 from worker import Worker, worker
 
-BENCHMARKS = ("graph_deliveries", "service_calls", "gateway_load", "round_trip", "broker_load", "start_up")
+BENCHMARKS = (
+    "graph_deliveries",
+    "service_calls",
+    "gateway_load",
+    "round_trip",
+    "broker_load",
+    "broker_fixture",
+    "start_up",
+)
 HOME_ASSISTANT_PYTHON = Path(__file__).parent.parent / ".venv-bench-ha/bin/python"
 
 
