@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from homebot.devices.device import KeyValue
+from homebot.devices.part import Part
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
@@ -16,14 +17,20 @@ class Sighting(Message):
 
     Attributes:
         gateway: Name of the gateway.
-        key: What the gateway calls the device; one device has one key at one gateway.
+        key: What the gateway calls the device, or one announcement of it: a device that is announced in several
+            messages, or through several conventions, has as many keys.
         kind: ``appeared``, ``updated`` (still there, or described anew) or ``removed``.
         why: The reason, in words.
         name: What people call the device.
         service_type: What it offers.
         address: Where it speaks.
         command_address: Where it listens; empty when it takes no commands.
-        metadata: Further facts.
+        metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
+        convention: By which convention it was announced; empty where there is one only.
+        identifiers: Who the device is; see :func:`homebot.devices.identity.identifiers`.
+        area: The room it was said to be in.
+        parts: What it offers in the words of the vocabulary; empty where only its service type is known.
+        announced_on: Where it was announced (MQTT: the topic); empty where it only spoke.
         seen_at: When.
         expires_at: When it becomes stale unless it is seen again; the gateway alone knows its protocol's habits.
         confirmed: Whether the device itself spoke, rather than a message that the broker had kept.
@@ -40,6 +47,11 @@ class Sighting(Message):
     address: str
     command_address: str
     metadata: tuple[KeyValue, ...] = ()
+    convention: str = ""
+    identifiers: tuple[str, ...] = ()
+    area: str = ""
+    parts: tuple[Part, ...] = ()
+    announced_on: str = ""
     seen_at: Time
     expires_at: Time
     confirmed: bool
