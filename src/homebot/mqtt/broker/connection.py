@@ -152,12 +152,14 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.close()
             return
         self._transport.resume_reading()
-        if self._transport.can_write_eof():
-            self._transport.write_eof()
-            self._lingering = self._loop.call_later(self._hub.limits.linger, self._transport.abort)
-        else:
-            self._lingering = self._loop.call_later(self._hub.limits.linger, self._transport.abort)
+        self._lingering = self._loop.call_later(self._hub.limits.linger, self._transport.abort)
+        if not self._transport.can_write_eof():
             self._transport.close()
+            return
+        try:
+            self._transport.write_eof()
+        except OSError:  # the far side reset the connection just now: nobody is left to read the reason
+            self._transport.abort()
 
     def abort(self) -> None:
         """Cut the connection without a word."""
