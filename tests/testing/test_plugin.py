@@ -86,3 +86,80 @@ def test_those_who_do_not_use_it_import_nothing_for_it() -> None:
     )
     loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
     assert loaded == ["homebot", "homebot.testing", "homebot.testing.plugin"]
+
+
+BREACH = """
+import asyncio, pytest
+
+async def break_it(broker):
+    reader, writer = await asyncio.open_connection(broker.host, broker.port)
+    writer.write(bytes.fromhex("100d00044d5154540402003c000161") + bytes.fromhex("d000"))
+    await reader.read()
+    writer.close()
+    await writer.wait_closed()
+
+@pytest.mark.asyncio
+async def test_a_fresh_broker(mqtt_broker):
+    await break_it(mqtt_broker)
+
+@pytest.mark.asyncio
+async def test_a_shared_broker(mqtt_broker_session):
+    await break_it(mqtt_broker_session)
+
+@pytest.mark.asyncio
+async def test_the_next_on_the_shared_broker(mqtt_broker_session):
+    pass
+
+@pytest.mark.asyncio
+@pytest.mark.mqtt_broker(allow_protocol_errors=True)
+async def test_it_is_allowed(mqtt_broker, mqtt_broker_session):
+    await break_it(mqtt_broker)
+    await break_it(mqtt_broker_session)
+
+@pytest.mark.asyncio
+async def test_after_what_was_allowed(mqtt_broker_session):
+    pass
+"""
+
+
+def test_a_test_whose_client_breaks_the_protocol_fails_unless_it_is_allowed(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(test_breach=BREACH)
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "--strict-markers")
+    result.assert_outcomes(passed=5, errors=2)
+    result.stdout.fnmatch_lines(
+        [
+            "*ERROR at teardown of test_a_fresh_broker*",
+            "mqtt_broker: client 'a' broke the protocol: a client must not send Pingresp (0x82, protocol error)",
+            "to allow it, mark the test with @pytest.mark.mqtt_broker(allow_protocol_errors=True)",
+            "*MQTT packets of mqtt_broker*",
+            "*ERROR at teardown of test_a_shared_broker*",
+            "mqtt_broker_session: client 'a' broke the protocol: *",
+        ]
+    )
+
+
+def test_a_mark_that_cannot_be_used_says_why(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        test_marks="import pytest\n\n"
+        "@pytest.mark.mqtt_broker(keepalive=5)\ndef test_a_typo(mqtt_broker): pass\n\n"
+        "@pytest.mark.mqtt_broker(5)\ndef test_a_bare_value(mqtt_broker): pass\n\n"
+        "@pytest.mark.mqtt_broker(tls=1)\ndef test_a_wrong_type(mqtt_broker_thread): pass\n"
+    )
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "--strict-markers")
+    result.assert_outcomes(errors=3)
+    result.stdout.fnmatch_lines(
+        [
+            "@pytest.mark.mqtt_broker: there is no argument 'keepalive'; did you mean 'keep_alive'?",
+            "@pytest.mark.mqtt_broker: name the arguments, as in keep_alive=5",
+            "@pytest.mark.mqtt_broker: tls is True or False, not 1",
+        ]
+    )
+
+
+def test_the_mark_nearest_to_a_test_counts_most(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        test_marks="import pytest\n\npytestmark = pytest.mark.mqtt_broker(keep_alive=5, tls=True)\n\n"
+        "@pytest.mark.mqtt_broker(tls=False)\ndef test_both(mqtt_broker):\n"
+        "    assert (mqtt_broker.settings.keep_alive, mqtt_broker.settings.tls) == (5, False)\n"
+    )
+    pytester.runpytest_subprocess("-p", "no:cacheprovider", "--strict-markers").assert_outcomes(passed=1)

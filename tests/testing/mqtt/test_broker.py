@@ -185,6 +185,7 @@ async def test_the_packet_log_is_in_words_and_without_passwords(mqtt_broker: Tes
     assert "hush" not in repr(mqtt_broker.packet_log.records)
 
 
+@pytest.mark.mqtt_broker(allow_protocol_errors=True)
 async def test_bytes_that_are_no_mqtt_are_told_in_the_log(mqtt_broker: TestBroker) -> None:
     async with await anyio.connect_tcp(mqtt_broker.host, mqtt_broker.port) as stream:
         await stream.send(b"GET / HTTP/1.1\r\n\r\n")

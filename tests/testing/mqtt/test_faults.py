@@ -24,12 +24,13 @@ from homebot.mqtt.packets import (
     Subscribe,
     encode,
 )
-from homebot.testing.mqtt import BlockingTestBroker, TestBroker, broker_thread, serve_broker
+from homebot.testing.mqtt import BlockingTestBroker, BrokerSettings, TestBroker, broker_thread, serve_broker
 
 if TYPE_CHECKING:
     from tests.testing.mqtt.conftest import Join
 
 V311 = ProtocolVersion.V311
+SMALL = BrokerSettings(limits=BrokerLimits(write_buffer=1000))
 
 
 def message(number: int, topic: str = "lamp") -> Publish:
@@ -133,7 +134,7 @@ async def test_a_slow_reader_gets_everything_that_must_come_when_it_reads_again(
 
 @pytest.fixture
 def tight_broker() -> Iterator[TestBroker]:
-    with broker_thread() as thread, serve_broker(thread, BrokerLimits(write_buffer=1000)) as broker:
+    with broker_thread() as thread, serve_broker(thread, SMALL) as broker:
         yield broker
 
 

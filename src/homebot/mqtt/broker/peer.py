@@ -57,6 +57,9 @@ class Peer:
     Args:
         hub: The broker.
         link: Where bytes go; tells this object what comes.
+
+    Attributes:
+        failure: What the client did or left undone that ended the connection; None while nothing has.
     """
 
     def __init__(self, hub: Hub, link: Link) -> None:
@@ -64,6 +67,7 @@ class Peer:
         self._link = link
         self._reader = PacketReader(ProtocolVersion.V311, hub.limits.max_connect_size)
         self._client: _Client | None = None
+        self.failure: PacketError | None = None
         self._started = False
         self._closed = False
         self._holding = Holding(hub, link, self._go_on)
@@ -257,6 +261,7 @@ class Peer:
             self._close(error.code, error.problem, publish_will=True)
 
     def _warn_of_failure(self, error: PacketError) -> None:
+        self.failure = error
         self._hub.warn(
             "broker.connection_failed",
             f"the broker cut off {self.words}: {short(error.problem)}",

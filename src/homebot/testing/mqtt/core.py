@@ -11,17 +11,20 @@ import anyio
 import anyio.lowlevel
 
 from homebot.errors import LinkError, UsageError
-from homebot.mqtt.broker import Broker, BrokerLimits, Hub, Link
+from homebot.mqtt.broker import Broker, Hub, Link, RefusedFilters
 from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.session import Session
 from homebot.mqtt.packets import Packet, Properties, ReasonCode
 from homebot.mqtt.topics import validate_topic
 from homebot.testing.mqtt.bell import Bell
+from homebot.testing.mqtt.breach import Breaches
 from homebot.testing.mqtt.faults import Fault, FaultPolicy, FaultRules
 from homebot.testing.mqtt.journal import Journal
 from homebot.testing.mqtt.packet_log import PacketLog
 from homebot.testing.mqtt.seen import Payload, encode_payload
+from homebot.testing.mqtt.settings import BrokerSettings
 from homebot.testing.mqtt.tap import Tap, TapDuties
+from homebot.testing.mqtt.tls import TestTls
 from homebot.testing.mqtt.words import PROTOCOL_NAMES
 
 __all__ = ["BrokerCore", "ClientView"]
@@ -65,30 +68,48 @@ class BrokerCore:
     """A broker, its journal, its packet log and its faults. Make it on the loop it is to live on.
 
     Args:
-        limits: The broker's bounds.
+        settings: What the test asks for.
+        tls: Needed where the settings ask for TLS.
 
     Attributes:
+        settings: As given.
+        ca_file: The authority that clients are to trust; None without TLS.
         broker: The embedded broker, on a free loopback port.
         journal: The messages of its clients.
         log: The packets.
         rules: The faults in force.
+        breaches: What clients did that MQTT does not allow.
+
+    Raises:
+        UsageError: There is no *tls*, and the settings ask for TLS.
     """
 
-    def __init__(self, limits: BrokerLimits | None = None) -> None:
+    def __init__(self, settings: BrokerSettings, tls: TestTls | None = None) -> None:
+        if settings.tls and tls is None:
+            raise UsageError("a broker that is to speak TLS needs a certificate: give it a TestTls")
         loop = asyncio.get_running_loop()
+        self.settings = settings
+        self.ca_file = tls.ca_file if tls is not None and settings.tls else None
+        self.breaches = Breaches()
         self.journal = Journal()
         self.log = PacketLog(loop.time)
         self.rules = FaultRules(self._fault_lifted)
         self._loop = loop
         self._stir = Bell()
         self._taps: set[Tap] = set()
-        duties = TapDuties(self.rules, self._note, self._taps)
+        duties = TapDuties(self.rules, self._note, self.breaches.record, self._taps)
 
         def endpoint(hub: Hub, link: Link) -> Tap:
             return Tap(duties, hub, link)
 
         self.broker = Broker(
-            limits=limits, policy=FaultPolicy(self.rules), endpoint=endpoint, on_message=self.journal.record
+            limits=settings.limits,
+            credentials=settings.credentials,
+            tls=tls.context if tls is not None and settings.tls else None,
+            keep_alive=settings.keep_alive,
+            policy=FaultPolicy(self.rules, RefusedFilters(settings.refused_filters)),
+            endpoint=endpoint,
+            on_message=self.journal.record,
         )
 
     @property

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Self, TypeVar, final
 
 from homebot.errors import UsageError
+from homebot.mqtt.broker import Policy
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import topic_matches, validate_filter
 
@@ -195,18 +196,24 @@ class FaultRules:
 
 @final
 class FaultPolicy:
-    """Fills the broker's :class:`Policy` port from the faults in force."""
+    """Fills the broker's :class:`Policy` port from the faults in force.
 
-    def __init__(self, rules: FaultRules) -> None:
+    Args:
+        rules: The faults.
+        otherwise: Asked where no fault refuses.
+    """
+
+    def __init__(self, rules: FaultRules, otherwise: Policy) -> None:
         self._rules = rules
+        self._otherwise = otherwise
 
     def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - fills the port
-        """The reason of the fault that refuses this, else success."""
-        return _strike(self._rules.subscribe_refusal(client_id, filter))
+        """The reason of the fault that refuses this, else what the policy below says."""
+        return _strike(self._rules.subscribe_refusal(client_id, filter)) or self._otherwise.subscribe(client_id, filter)
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:
-        """The reason of the fault that refuses this, else success."""
-        return _strike(self._rules.publish_refusal(client_id, topic))
+        """The reason of the fault that refuses this, else what the policy below says."""
+        return _strike(self._rules.publish_refusal(client_id, topic)) or self._otherwise.publish(client_id, topic)
 
 
 def _strike(fault: RefusedSubscribe | None) -> ReasonCode:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from homebot.mqtt.topics import validate_filter
+from homebot.testing.mqtt.breach import Breach
 from homebot.testing.mqtt.core import BrokerCore, ClientView
 from homebot.testing.mqtt.packet_log import PacketLog
+from homebot.testing.mqtt.settings import BrokerSettings
 from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["BrokerSide"]
@@ -33,8 +36,18 @@ class BrokerSide:
 
     @property
     def url(self) -> str:
-        """Such as ``mqtt://127.0.0.1:34567``."""
+        """Such as ``mqtt://127.0.0.1:34567``; ``mqtts`` with TLS."""
         return self._core.broker.url
+
+    @property
+    def ca_file(self) -> Path | None:
+        """PEM file of the authority that clients are to trust; None without TLS."""
+        return self._core.ca_file
+
+    @property
+    def settings(self) -> BrokerSettings:
+        """What the test asked for."""
+        return self._core.settings
 
     @property
     def clients(self) -> Mapping[str, ClientView]:
@@ -45,6 +58,15 @@ class BrokerSide:
     def packet_log(self) -> PacketLog:
         """The newest packets, which pytest prints when the test fails."""
         return self._core.log
+
+    @property
+    def protocol_errors(self) -> tuple[Breach, ...]:
+        """What clients did that MQTT does not allow, in its order; the first 20, those that a fault led to left out."""
+        return self._core.breaches.kept
+
+    def forget_protocol_errors(self) -> None:
+        """Forget them: they were what the test is about."""
+        self._core.breaches.clear()
 
     def forget_messages(self) -> None:
         """Forget what clients have published so far; for a broker that several tests share."""

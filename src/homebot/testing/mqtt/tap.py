@@ -9,7 +9,7 @@ from typing import Literal, final
 
 from homebot.mqtt.broker import Hub, Link, Peer
 from homebot.mqtt.packets import Connect, Packet, PacketError, PacketReader, PacketType, ProtocolVersion, ReasonCode
-from homebot.testing.mqtt.faults import DelayedAcks, DroppedAcks, FaultRules, HalfPacket, SlowReader
+from homebot.testing.mqtt.faults import DelayedAcks, DroppedAcks, Fault, FaultRules, HalfPacket, SlowReader
 
 __all__ = ["Tap", "TapDuties"]
 
@@ -23,11 +23,13 @@ class TapDuties:
     Attributes:
         rules: The faults in force.
         note: Told of each packet and event: direction, client, what.
+        failed: Told of each connection that ended by its client's fault: client, what; not after a fault struck it.
         taps: Those of the connections that are open; they add and remove themselves.
     """
 
     rules: FaultRules
     note: Callable[[Literal["in", "out", "note"], str, Packet | str], None]
+    failed: Callable[[str, PacketError], None]
     taps: set[Tap]
 
 
@@ -43,7 +45,7 @@ class Tap:
         self._link = link
         self._limit = hub.limits.write_buffer
         self._held = bytearray()
-        self._cut = self._begun = False
+        self._cut = self._begun = self._struck = self._reported = False
         self._in: PacketReader | None = PacketReader(ProtocolVersion.V311, hub.limits.max_packet_size)
         self._version = ProtocolVersion.V311
         self._name = ""  # as the client gave it
@@ -90,6 +92,7 @@ class Tap:
         self._note("note", "connection closed")
         self._duties.taps.discard(self)
         self._peer.lost()
+        self._report_failure()
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
         """Close the connection from the broker's side."""
@@ -126,8 +129,13 @@ class Tap:
 
     def close(self, *, linger: bool) -> None:
         """Send what was written, then close."""
+        self._report_failure()  # first: who reads the reason may ask for it at once
         self._flush()
         self._link.close(linger=linger)
+
+    @property
+    def _display_name(self) -> str:
+        return self.client_id or self._name or self.address
 
     @property
     def _stalled(self) -> bool:
@@ -149,7 +157,7 @@ class Tap:
         self._note("out", _read_own(piece, self._version))
         half = rules.find(HalfPacket, self.client_id)
         if half is not None:
-            half.hits += 1
+            self._strike(half)
             half.lift()
             self._put(piece[: len(piece) // 2])
             self._note("note", "fault: only half of that was sent")
@@ -158,12 +166,12 @@ class Tap:
         if piece[0] >> 4 in _ACKS:
             dropped = rules.find(DroppedAcks, self.client_id)
             if dropped is not None:
-                dropped.hits += 1
+                self._strike(dropped)
                 self._note("note", "fault: that acknowledgement was dropped")
                 return
             delayed = rules.find(DelayedAcks, self.client_id)
             if delayed is not None:
-                delayed.hits += 1
+                self._strike(delayed)
                 self._note("note", f"fault: that acknowledgement is {delayed.seconds:g} s late")
                 asyncio.get_running_loop().call_later(delayed.seconds, self._put, piece)
                 return
@@ -177,11 +185,21 @@ class Tap:
             self._link.write(piece)
             return
         if slow is not None:
-            slow.hits += 1
+            self._strike(slow)
         self._held += piece
         if len(self._held) > self._limit:
             self._held.clear()
             self.drop()
+
+    def _strike(self, fault: Fault) -> None:
+        fault.hits += 1
+        self._struck = True
+
+    def _report_failure(self) -> None:
+        failure = self._peer.failure
+        if failure is not None and not self._struck and not self._reported:
+            self._reported = True
+            self._duties.failed(self._display_name, failure)
 
     def _flush(self) -> None:
         if self._held:
@@ -190,7 +208,7 @@ class Tap:
             self._link.write(data)
 
     def _note(self, direction: Literal["in", "out", "note"], what: Packet | str) -> None:
-        self._duties.note(direction, self.client_id or self._name or self.address, what)
+        self._duties.note(direction, self._display_name, what)
 
 
 def _read_own(piece: bytes, version: ProtocolVersion) -> Packet | str:

@@ -1,0 +1,97 @@
+"""What a test may ask of its broker."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from typing import Self
+
+from homebot.errors import UsageError
+from homebot.mqtt.broker import BrokerLimits
+from homebot.mqtt.topics import validate_filter
+
+__all__ = ["BrokerSettings"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BrokerSettings:
+    """The arguments of the mark ``mqtt_broker``, checked where they are made.
+
+    Attributes:
+        user: Who may log in; None lets everybody in.
+        password: Of that user; never shown.
+        tls: Speak TLS, with a certificate for 127.0.0.1, ::1 and localhost.
+        keep_alive: The longest keep-alive of an MQTT 5 client in seconds, 1 to 65535; None leaves it to them.
+        refuse_filter: A filter, or some, whose subscription is answered with 0x80.
+        limits: The broker's bounds.
+        allow_protocol_errors: Whether clients may break the protocol without failing the test.
+
+    Raises:
+        UsageError: An argument is of the wrong type, out of its range or contradicts another.
+    """
+
+    user: str | None = None
+    password: str | None = None
+    tls: bool = False
+    keep_alive: int | None = None
+    refuse_filter: str | Collection[str] = ()
+    limits: BrokerLimits | None = None
+    allow_protocol_errors: bool = False
+
+    def __post_init__(self) -> None:
+        """Check everything: a mark is written by hand, and no type checker sees it."""
+        for name in ("user", "password"):
+            _check(name, getattr(self, name), str | None, "text", secret=name == "password")
+        if (self.user is None) != (self.password is None):
+            raise UsageError("user and password go together")
+        for name in ("tls", "allow_protocol_errors"):
+            _check(name, getattr(self, name), bool, "True or False")
+        if self.keep_alive is not None:
+            _check("keep_alive", self.keep_alive, int, "a whole number of seconds")
+            if not 1 <= self.keep_alive <= 65_535:
+                raise UsageError(f"keep_alive is 1 to 65535 seconds, not {self.keep_alive}")
+        _check("limits", self.limits, BrokerLimits | None, "a BrokerLimits")
+        _check("refuse_filter", self.refuse_filter, str | Collection, "a topic filter or a list of them")
+        for each in self.refused_filters:
+            _check("refuse_filter", each, str, "a topic filter or a list of them")
+            validate_filter(each)
+
+    def __repr__(self) -> str:
+        shown = (
+            f"{each.name}={'...' if each.name == 'password' else repr(getattr(self, each.name))}"
+            for each in fields(self)
+            if getattr(self, each.name) != each.default
+        )
+        return f"BrokerSettings({', '.join(shown)})"
+
+    @classmethod
+    def parse(cls, arguments: Mapping[str, object]) -> Self:
+        """Make them from keyword arguments that nobody has checked yet.
+
+        Raises:
+            UsageError: There is no such argument; names the one that was probably meant. Also as above.
+        """
+        known = [each.name for each in fields(cls)]
+        for name in arguments:
+            if name not in known:
+                near = get_close_matches(name, known, n=1)
+                hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(known)}"
+                raise UsageError(f"there is no argument {name!r}; {hint}")
+        return cls(**arguments)  # type: ignore[arg-type] # checked by __post_init__
+
+    @property
+    def credentials(self) -> dict[str, str] | None:
+        """Passwords by user name, as the broker takes them."""
+        return None if self.user is None or self.password is None else {self.user: self.password}
+
+    @property
+    def refused_filters(self) -> tuple[str, ...]:
+        """All filters to refuse."""
+        return (self.refuse_filter,) if isinstance(self.refuse_filter, str) else tuple(self.refuse_filter)
+
+
+def _check(name: str, value: object, kind: object, words: str, *, secret: bool = False) -> None:
+    wrong = not isinstance(value, kind) or (kind is int and isinstance(value, bool))  # type: ignore[arg-type] # a union
+    if wrong:
+        raise UsageError(f"{name} is {words}{'' if secret else f', not {value!r}'}")

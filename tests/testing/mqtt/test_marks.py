@@ -1,0 +1,118 @@
+"""The mark that says what a broker is to be like, and clients that break the protocol."""
+
+from __future__ import annotations
+
+import ssl
+from typing import TYPE_CHECKING
+
+import aiomqtt
+import anyio
+import pytest
+
+from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.broker import BrokerLimits
+from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import (
+    Connack,
+    Connect,
+    FilterRequest,
+    Pingresp,
+    ProtocolVersion,
+    Publish,
+    ReasonCode,
+    Suback,
+    Subscribe,
+)
+from homebot.testing.mqtt import BlockingTestBroker, TestBroker
+
+if TYPE_CHECKING:
+    from tests.testing.mqtt.conftest import Join
+
+
+@pytest.mark.mqtt_broker(user="u", password="right")
+async def test_a_password_is_asked_for(mqtt_broker: TestBroker) -> None:
+    with pytest.raises(aiomqtt.MqttError, match=r"Not authorized|Bad user name"):
+        await aiomqtt.Client(mqtt_broker.host, mqtt_broker.port, username="u", password="wrong").__aenter__()
+    async with aiomqtt.Client(mqtt_broker.host, mqtt_broker.port, username="u", password="right") as client:
+        await client.publish("t", "hello")
+    await mqtt_broker.expect("t", "hello")
+
+
+@pytest.mark.mqtt_broker(tls=True)
+async def test_tls_serves_clients_that_trust_its_authority(mqtt_broker: TestBroker) -> None:
+    assert mqtt_broker.url == f"mqtts://127.0.0.1:{mqtt_broker.port}"
+    assert mqtt_broker.ca_file is not None
+    trusting = ssl.create_default_context(cafile=mqtt_broker.ca_file)
+    async with aiomqtt.Client("localhost", mqtt_broker.port, tls_context=trusting) as client:
+        await client.publish("t", "from aiomqtt")
+        await mqtt_broker.expect("t", "from aiomqtt")
+    own = AiomqttClient(MqttOptions(host="127.0.0.1", port=mqtt_broker.port, tls=True, ca_file=mqtt_broker.ca_file))
+    async with own.connected():
+        await own.publish("t", b"from homebot")
+        await mqtt_broker.expect("t", "from homebot")
+
+
+@pytest.mark.mqtt_broker(tls=True)
+def test_tls_is_there_for_blocking_tests_too(mqtt_broker_thread: BlockingTestBroker) -> None:
+    assert mqtt_broker_thread.url.startswith("mqtts://")
+    assert mqtt_broker_thread.ca_file is not None
+
+
+async def test_without_tls_there_is_no_authority(mqtt_broker: TestBroker) -> None:
+    assert mqtt_broker.ca_file is None
+
+
+@pytest.mark.mqtt_broker(keep_alive=7, refuse_filter="secret/#", limits=BrokerLimits(receive_maximum=3))
+async def test_keep_alive_filters_and_limits_are_those_of_the_mark(mqtt_broker: TestBroker, join: Join) -> None:
+    lamp = await join("lamp")
+    answer = await lamp.call(Subscribe(1, (FilterRequest("secret/#", 0), FilterRequest("t", 0))))
+    assert answer == Suback(1, (ReasonCode.UNSPECIFIED_ERROR, ReasonCode.SUCCESS))
+    welcome = next(each.what for each in mqtt_broker.packet_log.records if isinstance(each.what, Connack))
+    assert (welcome.properties.server_keep_alive, welcome.properties.receive_maximum) == (7, 3)
+
+
+@pytest.mark.mqtt_broker(refuse_filter="a")
+async def test_a_fault_comes_before_the_filters_of_the_mark(mqtt_broker: TestBroker, join: Join) -> None:
+    lamp = await join("lamp")
+    with mqtt_broker.faults.refuse_subscribe("a", reason=ReasonCode.QUOTA_EXCEEDED):
+        assert await lamp.call(Subscribe(1, (FilterRequest("a", 0),))) == Suback(1, (ReasonCode.QUOTA_EXCEEDED,))
+    assert await lamp.call(Subscribe(2, (FilterRequest("a", 0),))) == Suback(2, (ReasonCode.UNSPECIFIED_ERROR,))
+
+
+@pytest.mark.mqtt_broker(allow_protocol_errors=True)
+async def test_a_breach_is_kept_with_its_client_and_reason(mqtt_broker: TestBroker, join: Join) -> None:
+    lamp = await join("lamp")
+    await lamp.send(Pingresp())
+    await lamp.take()
+    (breach,) = mqtt_broker.protocol_errors
+    assert (breach.client, breach.reason) == ("lamp", ReasonCode.PROTOCOL_ERROR)
+    assert str(breach) == ("client 'lamp' broke the protocol: a client must not send Pingresp (0x82, protocol error)")
+    mqtt_broker.forget_protocol_errors()
+    assert mqtt_broker.protocol_errors == ()
+
+
+async def test_what_a_fault_led_to_is_no_breach(mqtt_broker: TestBroker, join: Join) -> None:
+    lamp = await join("lamp")
+    with mqtt_broker.faults.drop_acks("lamp"):
+        await lamp.send(Publish("t", b"on", 1, packet_id=1))
+        await mqtt_broker.expect("t")
+    await lamp.send(Pingresp())
+    await lamp.take()
+    assert mqtt_broker.protocol_errors == ()
+
+
+async def test_a_version_that_the_broker_does_not_speak_is_no_breach(mqtt_broker: TestBroker) -> None:
+    async with await anyio.connect_tcp(mqtt_broker.host, mqtt_broker.port) as stream:
+        await stream.send(bytes.fromhex("100d 0004 4d515454 06 02 003c 0001 61"))
+        assert await stream.receive() == bytes.fromhex("2003 00 84 00")
+    assert mqtt_broker.protocol_errors == ()
+
+
+@pytest.mark.mqtt_broker(allow_protocol_errors=True)
+async def test_many_breaches_are_kept_in_part_and_counted(mqtt_broker: TestBroker, join: Join) -> None:
+    for number in range(22):
+        client = await join(f"c{number}")
+        await client.send(Connect("again", ProtocolVersion.V5))
+        await client.take()
+    assert [each.client for each in mqtt_broker.protocol_errors] == [f"c{number}" for number in range(20)]
+    assert mqtt_broker._core.breaches.untold == 2
