@@ -15,6 +15,7 @@ from homebot.cli.main import make_parser
 from homebot.cli.watchdog import Watchdog
 from homebot.config import Config
 from homebot.errors import ConfigError
+from homebot.house import World
 
 
 @pytest.fixture(autouse=True)
@@ -29,6 +30,10 @@ def config_of(*arguments: str) -> Config:
 
 
 def has_house(*arguments: str) -> bool:
+    return house_of(*arguments) is not None
+
+
+def house_of(*arguments: str) -> World | None:
     return configuration(make_parser().parse_args(["run", *arguments]))[1]
 
 
@@ -45,6 +50,27 @@ def test_a_broker_of_your_own_is_no_simulated_house() -> None:
     assert config.gateways == {"mqtt": {"url": "mqtt://broker", "root": "villa", "act": True}}
     assert config.apps == {"light_service": {}}
     assert not has_house("--mqtt", "mqtt://broker")
+
+
+def test_a_house_of_your_own_comes_in_the_place_of_the_thesis_house() -> None:
+    Path("villa.toml").write_text('rooms.hall = {}\ndevices.lamp = { kind = "lamp", room = "hall" }\n')
+    house = house_of("--house", "villa.toml")
+    assert house is not None
+    assert list(house.devices) == ["lamp"]
+    Path("homebot.toml").write_text('[gateways.mqtt]\nroot = "villa"\n')
+    assert has_house("--house", "villa.toml")
+
+
+def test_a_house_that_cannot_be_read_is_refused_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "--house", "villa.toml"]) == 1
+    assert "villa.toml: cannot be read" in capsys.readouterr().err
+
+
+def test_a_house_on_a_broker_of_your_own_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    """It is not known who listens there."""
+    Path("villa.toml").write_text("rooms.hall = {}\n")
+    assert main(["run", "--house", "villa.toml", "--mqtt", "mqtt://127.0.0.1:1"]) == 1
+    assert "gateways: none is on homebot's own broker" in capsys.readouterr().err
 
 
 def test_apps_replace_the_default_and_keep_the_house() -> None:

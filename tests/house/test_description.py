@@ -92,6 +92,8 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
     [
         ("", "rooms", "is missing"),
         (f"{HALL}[house]\nsed = 1\n", "house.sed", "is unknown; known are seed, first_day, latitude, by_hand"),
+        (f"{HALL}[house]\ndialect = 'klingon'\n", "house.dialect", "must be one of thesis, got 'klingon'"),
+        (f"{LAMP}dialect = 'klingon'\n", "devices.lamp.dialect", "must be one of thesis, got 'klingon'"),
         (f"{HALL}[house]\nlatitude = 91.0\n", "house.latitude", "less than or equal to 90"),
         (f"{HALL}window = 2.0\n", "rooms.hall.window", "less than or equal to 1"),
         ("[rooms.hall]\ndoors = ['attic']\n", "rooms.hall.doors", "there is no room 'attic'"),
@@ -134,3 +136,10 @@ def test_a_file_that_cannot_be_read_is_told_so(tmp_path: Path) -> None:
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xff")
     with pytest.raises(ConfigError, match="not UTF-8"):
         load_world(tmp_path / "bytes.toml")
+
+
+def test_a_kind_is_called_in_a_description_what_the_device_calls_itself() -> None:
+    """Where it is carried over a wire, that is all that is known of it."""
+    for kind in KINDS:
+        world = parse_world({"rooms": {"hall": {}}, "devices": {"one": {"kind": kind, "room": "hall"}}}, "test")
+        assert world.devices["one"].device.kind == kind

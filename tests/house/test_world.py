@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 from homebot.errors import UsageError
 from homebot.house.chronicle import Event
 from homebot.house.daylight import DAY
-from homebot.house.faults import Deaf, Liar, Reverter
+from homebot.house.faults import Chatterbox, Deaf, Liar, Reverter, Unplugged
 from homebot.house.lamp import Lamp
 from homebot.house.lock import DoorLock
 from homebot.house.motor import CoverMotor, WindowMotor
 from homebot.house.people import Habit, Person
+from homebot.house.robot import Robot
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
 from homebot.house.thermostat import Thermostat
@@ -273,3 +274,66 @@ def test_what_is_not_there_is_refused(build: object, problem: str) -> None:
     assert callable(build)
     with pytest.raises(UsageError, match=problem):
         build()
+
+
+def test_a_robot_is_seen_on_its_way_and_opens_doors_but_no_locks() -> None:
+    """And works no switches."""
+    world = World(
+        PLAN,
+        [
+            Placed(Robot("robot", PLAN, "living", speed=1.0), "living"),
+            Placed(ContactSensor("door"), "living", door="hall"),
+            Placed(DoorLock("lock"), "living", door="hall"),
+            Placed(MotionSensor("hall_motion", hold=10.0), "hall"),
+            Placed(MotionSensor("living_motion", hold=10.0), "living"),
+            Placed(Lamp("hall_lamp"), "hall"),
+        ],
+    )
+    world.tell("robot", "go hall", 0.0)
+    assert lines(world, 60.0) == [
+        "0 00:00:05.000 robot says hall",
+        "0 00:00:05.000 door says open",
+        "0 00:00:08.000 door says closed",
+        "0 00:00:15.000 living_motion says clear",
+    ]
+    world.tell("robot", "go living", 60.0)
+    assert lines(world, 64.0) == []
+    assert [str(event) for event in world.tell("robot", "stop", 64.0)] == [
+        "0 00:01:04.000 robot told stop",
+        "0 00:01:04.000 robot says hall",
+    ]
+    assert lines(world, 80.0) == ["0 00:01:14.000 hall_motion says clear"]
+
+
+def test_a_robot_with_a_larger_plan_leaves_the_house() -> None:
+    """Nobody sees it there."""
+    world = World.of(Robot("robot", PLAN, "living"))
+    world.tell("robot", "go hall", 0.0)
+    assert lines(world, 60.0) == ["0 00:00:10.000 robot says hall"]
+
+
+def test_somebody_from_outside_works_a_switch() -> None:
+    """As those who live there do; a deaf lamp obeys hands."""
+    world = World.of(Deaf(Lamp("lamp"), random.Random(0)))  # noqa: S311  # no secrets
+    assert [str(event) for event in world.tell("lamp", "on", 1.0)] == ["0 00:00:01.000 lamp told on"]
+    assert [str(event) for event in world.press("lamp", "on", 2.0)] == [
+        "0 00:00:02.000 lamp switch on",
+        "0 00:00:02.000 lamp says on",
+    ]
+    with pytest.raises(UsageError, match="there is no device 'door'"):
+        world.press("door", "open", 3.0)
+
+
+def test_a_device_without_power_is_silent_and_says_how_it_is_when_it_has_some_again() -> None:
+    """Whatever fault is around that one."""
+    rng = random.Random(0)  # noqa: S311  # no secrets
+    world = World.of(Chatterbox(Unplugged(Lamp("lamp"), rng, since=10.0, until=20.0), rng, times=3, every=4.0))
+    world.tell("lamp", "on", 5.0)
+    assert lines(world, 100.0) == [
+        "0 00:00:09.000 lamp says on",
+        "0 00:00:10.000 lamp power off",
+        "0 00:00:20.000 lamp power on",
+        "0 00:00:20.000 lamp says on",
+        "0 00:00:24.000 lamp says on",
+        "0 00:00:28.000 lamp says on",
+    ]

@@ -11,6 +11,7 @@ __all__ = ["add_parser"]
 _EXAMPLES = """\
   homebot run                                     embedded broker, a small simulated house, the light service
   homebot run --for 15                            the same, for 15 seconds
+  homebot run --house family.toml                 the same in a house that you describe
   homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, looking only
   homebot run --mqtt mqtt://192.168.1.10 --root home425 --act    the same, and act
   homebot run --app my_app:MyApp                  an app of your own instead of the light service
@@ -31,6 +32,11 @@ def add_parser(commands: Commands) -> None:
     )
     parser.add_argument(
         "--config", metavar="FILE", help="configuration in TOML (default: homebot.toml, if there is one)"
+    )
+    parser.add_argument(
+        "--house",
+        metavar="FILE",
+        help="simulated house in TOML, on the embedded broker (default: a small one, without --config and --mqtt)",
     )
     parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
     parser.add_argument(

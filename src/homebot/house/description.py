@@ -4,6 +4,7 @@
 
     [house]
     seed = 1
+    dialect = "thesis"                      # how devices speak on MQTT; a device may have one of its own
 
     [rooms.hall]
     doors = ["outside", "kitchen"]          # each door once, on either side
@@ -41,6 +42,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.house.device import Machine
+from homebot.house.dialect import DIALECTS
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.people import Habit, Person
 from homebot.house.rooms import OUTSIDE, Room, Rooms
@@ -83,7 +85,8 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
     house = parse_settings(_HouseTable, parts.house, source, "house")
     seed = house.seed if seed is None else seed
     rooms = _rooms(parts.rooms, source)
-    placed = [_placed(name, table, rooms, seed, source) for name, table in parts.devices.items()]
+    _known_dialect(house.dialect, source, "house.dialect")
+    placed = [_placed(name, table, rooms, seed, house.dialect, source) for name, table in parts.devices.items()]
     people = [_person(name, table, rooms, source) for name, table in parts.people.items()]
     known = {item.device.device_id for item in placed}
     errands = []
@@ -122,6 +125,7 @@ class _HouseTable(_Strict):
     first_day: int = Field(default=80, ge=1, le=366)
     latitude: float = Field(default=48.0, ge=-90.0, le=90.0)
     by_hand: bool = True
+    dialect: str = "thesis"
 
 
 class _RoomTable(_Strict):
@@ -134,6 +138,7 @@ class _RoomTable(_Strict):
 class _PlaceTable(_Strict):
     room: str
     door: str = ""
+    dialect: str | None = None
     faults: dict[str, Table] = Field(default_factory=dict)
 
 
@@ -169,21 +174,23 @@ def _rooms(tables: Mapping[str, Table], source: str) -> Rooms:
     return Rooms(rooms, tuple(doors))
 
 
-def _placed(name: str, table: Table, rooms: Rooms, seed: int, source: str) -> Placed:
+def _placed(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, source: str) -> Placed:
     key = f"devices.{name}"
     kind = table.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         raise ConfigError(source, f"{key}.kind", f"must be one of {', '.join(KINDS)}, got {kind!r}")
-    where = ("room", "door", "faults")
+    where = ("room", "door", "dialect", "faults")
     place = parse_settings(_PlaceTable, {k: v for k, v in table.items() if k in where}, source, key)
     _known(place.room, rooms.rooms, source, f"{key}.room")
     _known(place.door or place.room, rooms.rooms, source, f"{key}.door")
+    dialect = dialect if place.dialect is None else place.dialect
+    _known_dialect(dialect, source, f"{key}.dialect")
     own = {k: v for k, v in table.items() if k not in {*where, "kind"}}
     dice = random.Random(f"{seed}/{name}")  # noqa: S311  # dice of a game, no secrets
     device = parse_settings(KINDS[kind], own, source, key).build(Surroundings(name, place.room, rooms, dice))
     for fault, fault_table in place.faults.items():
         device = _faulty(device, fault, fault_table, dice, source, f"{key}.faults.{fault}")
-    return Placed(device, place.room, place.door)
+    return Placed(device, place.room, place.door, dialect)
 
 
 def _faulty(device: Machine, fault: str, table: Table, dice: random.Random, source: str, key: str) -> Machine:
@@ -205,6 +212,11 @@ def _person(name: str, table: Table, rooms: Rooms, source: str) -> Person:
             raise ConfigError(source, where, str(exc)) from exc
     day = tuple(Habit(_seconds(habit.at), habit.room, habit.jitter, habit.asleep) for habit in person.day)
     return Person(name, day, person.starts_in, person.asleep, person.speed)
+
+
+def _known_dialect(dialect: str, source: str, key: str) -> None:
+    if dialect not in DIALECTS:
+        raise ConfigError(source, key, f"must be one of {', '.join(DIALECTS)}, got {dialect!r}")
 
 
 def _known(room: str, rooms: Mapping[str, Room], source: str, key: str) -> None:

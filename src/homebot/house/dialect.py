@@ -49,11 +49,13 @@ class Outgoing:
         topic: Where to.
         payload: What.
         retain: Whether the broker keeps it for those who come later.
+        qos: How sure it has to be that it comes, 0 to 2.
     """
 
     topic: str
     payload: bytes
     retain: bool = False
+    qos: int = 1
 
 
 class Dialect(Protocol):

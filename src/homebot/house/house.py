@@ -41,8 +41,9 @@ LONGEST_KEEP_ALIVE = 65_535
 class SimulatedHouse:
     """Carries a world over a broker.
 
-    The world's first day is the day, in UTC, on which the house is served: its time is what the clock says since that
-    day's midnight. What happened since then is not said, but devices begin as it left them.
+    The world's first day is the day, in UTC, on which the house is made: the world's time is what the clock says since
+    that day's midnight. What happened in the morning before is not said, but devices begin as it left them. A world
+    that has lived some days goes on with the next.
 
     Args:
         url: The broker, ``mqtt://host:port``.
@@ -86,17 +87,18 @@ class SimulatedHouse:
         self._heartbeat = heartbeat
         self._dialects = dialects
         self._lines = LogLimit(clock)
-        self._midnight = clock.now() // DAY * DAY
-        self._presences: dict[str, Presence] = {}
+        self._midnight = _first_midnight(clock.now(), world.now)
         self._stirred = anyio.Event()
-        for placed in world.devices.values():
-            self._plate(placed)
+        self._is_served = False
+        self._presences = {name: self._presence(placed) for name, placed in world.devices.items()}
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Let the house live until cancelled."""
-        self._midnight = self._clock.now() // DAY * DAY
         self.world.run_until(self._now())
-        self._presences = {name: self._presence(placed) for name, placed in self.world.devices.items()}
+        for name, presence in self._presences.items():
+            device = self.world.device(name)
+            presence.begin(device.state(), has_power=device.has_power)
+        self._is_served = True
         async with anyio.create_task_group() as tasks:
             for presence in self._presences.values():
                 tasks.start_soon(presence.live)
@@ -105,8 +107,9 @@ class SimulatedHouse:
             await self._move()
 
     def catch_up(self) -> None:
-        """Bring the world to the present, or an hour nearer to it."""
-        self._show(self.world.run_until(min(self._now(), self.world.now + STRIDE)))
+        """Bring the world to the present, or an hour nearer to it; nothing before it is served."""
+        if self._is_served:
+            self._show(self.world.run_until(min(self._now(), self.world.now + STRIDE)))
 
     def tell(self, device_id: str, command: str) -> None:
         """Give *command* to a device, as its radio does.
@@ -154,30 +157,29 @@ class SimulatedHouse:
                 self._presences[event.who].power(on=event.what == "on")
 
     def _presence(self, placed: Placed) -> Presence:
-        device, plate = placed.device, self._plate(placed)
+        device = placed.device
+        if placed.dialect not in self._dialects:
+            raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}; known are {', '.join(self._dialects)}")
         dialect = self._dialects[placed.dialect]
+        plate = Nameplate(self._home, truth(device).kind, device.device_id, device.service_type, placed.room)
+        for message in dialect.said(plate, device.state()):
+            validate_topic(message.topic)
         will = dialect.will(plate)
         options = MqttOptions.from_url(
             self._url,
             client_id=f"{self._home}-{device.device_id}",
-            # Whoever speaks this often needs no pings in between.
-            keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 2 * self._heartbeat), LONGEST_KEEP_ALIVE)),
-            will=None if will is None else Will(will.topic, will.payload, qos=1, retain=will.retain),
+            # Whoever speaks this often needs few pings in between.
+            keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 12 * self._heartbeat), LONGEST_KEEP_ALIVE)),
+            will=None if will is None else Will(will.topic, will.payload, will.qos, will.retain),
         )
         connection = MqttConnection(
             options, self._make_client, status_topic=None, clock=self._clock, random=self._random
         )
         tell = partial(self.tell, device.device_id)
-        presence = Presence(plate, dialect, connection, device.state(), tell, self.counters, self._lines)
-        presence.power(on=device.has_power)
-        return presence
+        return Presence(plate, dialect, connection, tell, self.counters, self._lines)
 
-    def _plate(self, placed: Placed) -> Nameplate:
-        """Return who a device is, if it can be on the wire."""
-        device = placed.device
-        if placed.dialect not in self._dialects:
-            raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}; known are {', '.join(self._dialects)}")
-        plate = Nameplate(self._home, truth(device).kind, device.device_id, device.service_type, placed.room)
-        for message in self._dialects[placed.dialect].said(plate, device.state()):
-            validate_topic(message.topic)
-        return plate
+
+def _first_midnight(now: float, lived: float) -> float:
+    """Return the midnight from which the world's time counts, so that it is not before what was *lived*."""
+    time_of_day = now % DAY
+    return now - time_of_day - DAY * max(0, math.ceil((lived - time_of_day) / DAY))

@@ -8,8 +8,8 @@ live.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from typing import final
 
 import anyio
@@ -58,7 +58,6 @@ class Presence:
         device: Who it is.
         dialect: How it speaks.
         connection: Its way to the broker.
-        word: Its first word.
         tell: Gets each command for it.
         counters: Shared by the house.
         lines: Paces log lines.
@@ -69,7 +68,6 @@ class Presence:
         device: Nameplate,
         dialect: Dialect,
         connection: MqttConnection,
-        word: str,
         tell: Callable[[str], None],
         counters: HouseCounters,
         lines: LogLimit,
@@ -77,7 +75,7 @@ class Presence:
         self._device = device
         self._dialect = dialect
         self._connection = connection
-        self._word = word
+        self._word = ""
         self._tell = tell
         self._counters = counters
         self._lines = lines
@@ -85,6 +83,11 @@ class Presence:
         self._switched = anyio.Event()
         self._queue: deque[Outgoing] = deque()
         self._queued = anyio.Event()
+
+    def begin(self, word: str, *, has_power: bool) -> None:
+        """Begin with *word*, said at the first link; before :meth:`live`."""
+        self._word = word
+        self._has_power = has_power
 
     def say(self, word: str) -> None:
         """Say *word*, and again at each heartbeat and new link until there is another; never waits."""
@@ -95,9 +98,9 @@ class Presence:
             self._counters.unsaid += 1
 
     def repeat(self) -> None:
-        """Say the last word again, where it can be heard."""
+        """Say the last word again, where it can be heard; what is lost comes with the next."""
         if self._is_heard:
-            self._enqueue(self._dialect.said(self._device, self._word))
+            self._enqueue(replace(message, qos=0) for message in self._dialect.said(self._device, self._word))
 
     def power(self, *, on: bool) -> None:
         """Give or take the power: without it there is no link."""
@@ -125,7 +128,7 @@ class Presence:
     def _is_heard(self) -> bool:
         return self._has_power and self._connection.state.phase is LinkPhase.CONNECTED
 
-    def _enqueue(self, messages: tuple[Outgoing, ...]) -> None:
+    def _enqueue(self, messages: Iterable[Outgoing]) -> None:
         for message in messages:
             if len(self._queue) == QUEUED:
                 self._queue.popleft()
@@ -139,7 +142,7 @@ class Presence:
                 self._counters.unsaid += len(self._queue)
                 self._queue.clear()
                 self._enqueue(self._dialect.birth(self._device))
-                self.repeat()
+                self._enqueue(self._dialect.said(self._device, self._word))
 
     async def _speak(self) -> None:
         while True:
@@ -150,7 +153,7 @@ class Presence:
 
     async def _publish(self, message: Outgoing) -> None:
         try:
-            await self._connection.publish(message.topic, message.payload, qos=1, retain=message.retain)
+            await self._connection.publish(message.topic, message.payload, qos=message.qos, retain=message.retain)
         except LinkError:
             self._counters.unsaid += 1
         except RefusedError as exc:

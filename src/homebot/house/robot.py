@@ -55,11 +55,16 @@ class Robot(Machine):
 
     def state(self) -> str:
         """The room it is in, or ``moving``."""
-        return "moving" if self._ahead else self.room
+        return "moving" if self.drives else self.room
 
     def restore(self) -> str:
         """``go`` to the room it is in."""
         return f"go {self.room}"
+
+    @property
+    def drives(self) -> bool:
+        """Whether it is on its way."""
+        return bool(self._ahead)
 
     def pose(self) -> Pose:
         """Return where it is at :attr:`now`."""

@@ -22,6 +22,7 @@ from homebot.house.lamp import Lamp
 from homebot.house.lock import DoorLock
 from homebot.house.motor import CoverMotor
 from homebot.house.people import Person
+from homebot.house.robot import Robot
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
 from homebot.house.thermostat import Thermostat
@@ -74,6 +75,14 @@ class Errand:
     command: str
 
 
+@dataclass(frozen=True, slots=True)
+class _Drive:
+    """Where a robot is, and whether it drives; the same for all that is no robot."""
+
+    room: str = ""
+    drives: bool = False
+
+
 @dataclass(eq=False)
 class _Thing:
     """A device, what is under its faults, and how long the door it is on stays open."""
@@ -81,6 +90,9 @@ class _Thing:
     placed: Placed
     real: Machine
     open_until: float = 0.0
+
+
+_NOWHERE = _Drive()
 
 
 class World:
@@ -224,13 +236,9 @@ class World:
     def passed(self, name: str, left: str, entered: str) -> None:
         """Somebody went through a door: its contact says so, its lock is worked. For the household alone."""
         self._note(name, "enters", entered)
-        for thing in (*self._in_room[left], *self._in_room[entered]):
-            if {thing.placed.room, thing.placed.door} != {left, entered}:
-                continue
+        for thing in self._on_door(left, entered):
             if isinstance(thing.real, ContactSensor):
-                self._feel(thing, 1.0)
-                thing.open_until = self.now + DOOR_CLOSES
-                self._agenda.add(thing.open_until, partial(self._close, thing))
+                self._open(thing)
             elif isinstance(thing.real, DoorLock):
                 self._switch(thing, "unlock")
                 thing.open_until = self.now + DOOR_LOCKS
@@ -242,10 +250,8 @@ class World:
 
     def stirred(self, room: str) -> None:
         """Motion sensors see who moves in *room*, and hands reach for its lamps. For the household alone."""
+        self._show_motion(room)
         awake = self._household.awake_in(room)
-        for thing in self._in_room[room]:
-            if isinstance(thing.real, MotionSensor):
-                self._feel(thing, float(awake))
         if not self._by_hand or room == OUTSIDE:
             return
         wish = "off" if not awake else "on" if self.lux(room) < DARK else ""
@@ -278,6 +284,19 @@ class World:
             self._agenda.add(day * DAY + errand.at, partial(self._command, thing, errand.command))
         self._agenda.add((day + 1) * DAY, partial(self._begin_day, day + 1))
 
+    def _on_door(self, one: str, other: str) -> list[_Thing]:
+        """What is on the door between two rooms; nothing where they are one."""
+        near = (*self._things_in(one), *self._things_in(other)) if one != other else ()
+        return [thing for thing in near if {thing.placed.room, thing.placed.door} == {one, other}]
+
+    def _things_in(self, room: str) -> list[_Thing]:
+        return self._in_room.get(room, [])  # a robot may have a larger plan
+
+    def _open(self, contact: _Thing) -> None:
+        self._feel(contact, 1.0)
+        contact.open_until = self.now + DOOR_CLOSES
+        self._agenda.add(contact.open_until, partial(self._close, contact))
+
     def _close(self, thing: _Thing) -> None:
         if self.now < thing.open_until:
             return  # somebody else came through
@@ -301,7 +320,7 @@ class World:
 
     def _act(self, thing: _Thing, act: Callable[[Machine], tuple[str, ...]]) -> None:
         device = thing.placed.device
-        drew, had_power = device.watts(), device.has_power
+        drew, had_power, before = device.watts(), device.has_power, _drive(thing.real)
         reports = act(device)
         if device.has_power != had_power:
             self._note(device.device_id, "power", "on" if device.has_power else "off")
@@ -312,6 +331,8 @@ class World:
             self._show_light(thing.placed.room)
         if device.watts() != drew:
             self._show_power()
+        if (after := _drive(thing.real)) != before:
+            self._show_drive(before.room, after.room)
 
     def _plan_wake(self, thing: _Thing) -> None:
         device = thing.placed.device
@@ -319,6 +340,20 @@ class World:
 
     def _let_pass(self, device: Machine) -> tuple[str, ...]:
         return device.advance(self.now)
+
+    def _show_drive(self, left: str, entered: str) -> None:
+        """A robot set out, arrived or stopped; it works no locks."""
+        for thing in self._on_door(left, entered):
+            if isinstance(thing.real, ContactSensor):
+                self._open(thing)
+        for room in dict.fromkeys((left, entered)):
+            self._show_motion(room)
+
+    def _show_motion(self, room: str) -> None:
+        drives = sum(_drive(thing.real) == _Drive(room, drives=True) for thing in self._things.values())
+        for thing in self._things_in(room):
+            if isinstance(thing.real, MotionSensor):
+                self._feel(thing, float(self._household.awake_in(room) + drives))
 
     def _show_light(self, room: str) -> None:
         for thing in self._in_room[room]:
@@ -347,3 +382,7 @@ class World:
 
     def _note(self, who: str, verb: Verb, what: str) -> None:
         self.chronicle.add(Event(self.now, who, verb, what))
+
+
+def _drive(device: Machine) -> _Drive:
+    return _Drive(device.room, device.drives) if isinstance(device, Robot) else _NOWHERE

@@ -21,6 +21,7 @@ __all__ = ["VirtualTimeLoop"]
 Ts = TypeVarTuple("Ts")
 
 RESOLUTION = 1e-6  # seconds; timers closer than this fire together. Far above the steps of a float at 30 years
+SELDOM = 50  # turns of a busy loop after which files are looked at all the same
 STUCK_AFTER = 5.0  # real seconds in which a thread or a signal may still wake a loop that has no timer
 
 
@@ -67,10 +68,15 @@ class _JumpingSelector(selectors.DefaultSelector):
     def __init__(self) -> None:
         super().__init__()
         self.waiters: deque[asyncio.Future[None]] = deque()
+        self._unasked = 0
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
         if timeout is None and not self.waiters:
             return self._select_or_give_up()
+        if timeout == 0 and self._unasked < SELDOM:  # there is something to do: the system call would double its cost
+            self._unasked += 1
+            return []
+        self._unasked = 0
         ready = super().select(0)
         if timeout == 0 or ready:
             return ready

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from homebot.cli.until_told import on_an_event_loop, until_told
 from homebot.config import Config, load_config, parse_config
-from homebot.house import thesis_world
+from homebot.house import World, thesis_world
+from homebot.house.description import load_world
 from homebot.log import configure_logging
 from homebot.runtime import Runtime
 
@@ -23,18 +24,20 @@ DEFAULT_APPS = ("light_service",)
 
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 when a part was given up on the way."""
-    config, with_house = configuration(options)
+    config, house = configuration(options)
     configure_logging(options.log_format)
-    return on_an_event_loop(_run(config, with_house=with_house, seconds=options.seconds))
+    return on_an_event_loop(_run(config, house, seconds=options.seconds))
 
 
-def configuration(options: argparse.Namespace) -> tuple[Config, bool]:
-    """Return what *options* ask for, and whether the simulated house belongs to it.
+def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
+    """Return what *options* ask for, and the simulated house that belongs to it, if any.
 
     Raises:
         ConfigError: The file cannot be used, or a value is wrong.
     """
-    base, with_house = _base(options)
+    base, house = _base(options)
+    if options.house:
+        house = load_world(Path(options.house))
     tables = base.model_dump()
     is_changed = bool(options.mqtt or options.root or options.act or options.app)
     mqtt = tables["gateways"].setdefault("mqtt", {}) if options.mqtt or options.root or options.act else {}
@@ -49,7 +52,7 @@ def configuration(options: argparse.Namespace) -> tuple[Config, bool]:
     if options.door:
         tables["door"].update(host=options.door[0], port=options.door[1])
     source = f"{base.source} and command line" if is_changed and base.source != COMMAND_LINE else base.source
-    return with_door_token(parse_config(tables, source)), with_house
+    return with_door_token(parse_config(tables, source)), house
 
 
 def with_door_token(config: Config) -> Config:
@@ -60,17 +63,17 @@ def with_door_token(config: Config) -> Config:
     return config.model_copy(update={"door": {**config.door, "token": token}})
 
 
-def _base(options: argparse.Namespace) -> tuple[Config, bool]:
+def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
     path = Path(options.config) if options.config else DEFAULT_CONFIG
     if options.config or path.exists():
-        return load_config(path), False
+        return load_config(path), None
     apps: dict[str, object] = {} if options.app else {name: {} for name in DEFAULT_APPS}
     if options.mqtt:
         home = {"name": options.root} if options.root else {}
-        return parse_config({"home": home, "gateways": {"mqtt": {}}, "apps": apps}, COMMAND_LINE), False
+        return parse_config({"home": home, "gateways": {"mqtt": {}}, "apps": apps}, COMMAND_LINE), None
     root = options.root or THESIS_ROOT
     tables = {"home": {"name": root}, "gateways": {"mqtt": {"root": root}}, "apps": apps}
-    return parse_config(tables, COMMAND_LINE), True
+    return parse_config(tables, COMMAND_LINE), thesis_world()
 
 
 def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
@@ -89,7 +92,7 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
     apps[name] = {"class": wanted}
 
 
-async def _run(config: Config, *, with_house: bool, seconds: float | None) -> int:
-    runtime = Runtime(config, house=thesis_world() if with_house else None)
+async def _run(config: Config, house: World | None, *, seconds: float | None) -> int:
+    runtime = Runtime(config, house=house)
     await until_told(runtime, seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0
