@@ -103,7 +103,10 @@ class DescribedPart:
 class AvailabilitySource(Protocol):
     """One topic that tells whether a device can be reached."""
 
-    topic: str
+    @property
+    def topic(self) -> str:
+        """The topic, or a filter where the device declared one."""
+        ...
 
     def read(self, payload: bytes) -> bool | None:
         """Return whether it can, or None when *payload* says neither."""
