@@ -1,0 +1,126 @@
+"""The border for what strangers say: JSON and texts, checked and bounded. Pure."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import NoReturn
+
+from homebot.errors import WireError
+
+__all__ = ["MAX_ANNOUNCEMENT_BYTES", "MAX_STATE_BYTES", "clean_text", "parse_json", "parse_object", "shown"]
+
+MAX_ANNOUNCEMENT_BYTES = 512 * 1024
+"""Longest announcement of one device; one with a hundred parts has about 100 kB."""
+
+MAX_STATE_BYTES = 256 * 1024
+"""Longest message of a device's state that is looked at."""
+
+_MAX_DEPTH = 64
+_MAX_SHOWN = 60
+
+
+def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES) -> object:
+    """Return what *payload* says in JSON.
+
+    Of keys that are there twice the last one counts. Numbers are ``int``, or ``float`` with an end.
+
+    Args:
+        payload: UTF-8 where it is bytes.
+        limit: Longest length, in bytes or characters.
+
+    Raises:
+        WireError: It is too long, no JSON as RFC 8259 has it (no NaN, no Infinity), nested deeper than 64 levels, or
+            holds half a surrogate pair.
+    """
+    if len(payload) > limit:
+        raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
+    try:
+        text = payload.decode() if isinstance(payload, bytes) else payload
+        value: object = _DECODER.decode(text)
+    except RecursionError:
+        raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels") from None
+    except ValueError as error:
+        raise WireError(f"{shown(payload)} is no JSON: {error}") from None
+    _check_depth(text, value)
+    if "\\ud" in text or "\\uD" in text:
+        _check_surrogates(value)
+    return value
+
+
+def parse_object(payload: bytes | str, limit: int = MAX_ANNOUNCEMENT_BYTES) -> dict[str, object]:
+    """Return the JSON object that *payload* is.
+
+    Raises:
+        WireError: As :func:`parse_json`, or it is JSON but no object.
+    """
+    value = parse_json(payload, limit)
+    if not isinstance(value, dict):
+        raise WireError(f"{shown(payload)} is no JSON object")
+    return value
+
+
+def clean_text(text: str, limit: int = 120) -> str:
+    """Return *text* fit to be shown on one line: no control characters, no invisible ones, at most *limit* long.
+
+    Markup stays as it is, because it is text; who shows it must escape it.
+    """
+    if len(text) <= limit and text.isprintable():
+        return text.strip()
+    kept = "".join(one if one.isprintable() or one in _JOINERS else " " for one in text[: 4 * limit])
+    return " ".join(kept.split())[:limit].rstrip()
+
+
+def shown(value: object) -> str:
+    """Return *value* as an error message may show it: short, on one line."""
+    if isinstance(value, (str, bytes)):
+        value = value[: _MAX_SHOWN + 1]
+        text = repr(value)
+    elif isinstance(value, (dict, list)):
+        text = f"{type(value).__name__} of {len(value)}"
+    else:
+        text = f"{value:.6g}" if isinstance(value, float) else type(value).__name__
+        if value is None or isinstance(value, bool) or (isinstance(value, int) and abs(value) < _MOST_DIGITS):
+            text = str(value)
+    return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}…"
+
+
+_JOINERS = "\u200c\u200d"
+_MOST_DIGITS = 10**20
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no number in JSON")
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if math.isinf(number):
+        raise ValueError(f"{text[:20]} is too large a number")
+    return number
+
+
+_DECODER = json.JSONDecoder(parse_float=_finite, parse_constant=_refuse_constant)
+
+
+def _check_depth(text: str, value: object) -> None:
+    if text.count("[") + text.count("{") <= _MAX_DEPTH:
+        return
+    level = [value]
+    for _ in range(_MAX_DEPTH + 1):
+        level = [
+            child
+            for one in level
+            if isinstance(one, (dict, list))
+            for child in (one.values() if isinstance(one, dict) else one)
+        ]
+        if not level:
+            return
+    raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels")
+
+
+def _check_surrogates(value: object) -> None:
+    try:
+        json.dumps(value, ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        raise WireError("a text in the JSON has half a surrogate pair") from None
