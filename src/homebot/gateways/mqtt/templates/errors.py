@@ -1,0 +1,15 @@
+"""What goes wrong with a template of a stranger."""
+
+from __future__ import annotations
+
+from homebot.errors import WireError
+
+__all__ = ["NotDefinedError", "TemplateError"]
+
+
+class TemplateError(WireError):
+    """A template gives no text: it is unsupported, or fails with these values, or would do too much work."""
+
+
+class NotDefinedError(TemplateError):
+    """A message lacks what the template asks for with ``is_defined``: it is not meant for this reader, and no fault."""

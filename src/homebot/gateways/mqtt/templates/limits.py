@@ -1,0 +1,40 @@
+"""How much a template may be, may do and may make. What real devices announce stays far below all of it."""
+
+from __future__ import annotations
+
+from typing import Final
+
+__all__ = [
+    "MAX_DEPTH",
+    "MAX_FOR_DEPTH",
+    "MAX_ITEMS",
+    "MAX_NUMBER_BITS",
+    "MAX_NUMERAL",
+    "MAX_SOURCE",
+    "MAX_STEPS",
+    "MAX_TEXT",
+]
+
+MAX_SOURCE: Final = 8192
+"""Longest source, in characters."""
+
+MAX_DEPTH: Final = 64
+"""Deepest nesting of brackets in a source, and of one operation in another; far from Python's recursion limit."""
+
+MAX_FOR_DEPTH: Final = 4
+"""Deepest nesting of loops."""
+
+MAX_STEPS: Final = 10_000
+"""Most work of one rendering. A step is about a microsecond: one operation, or 256 characters that are copied."""
+
+MAX_TEXT: Final = 65_536
+"""Longest text, also the rendered one, in characters."""
+
+MAX_ITEMS: Final = 4096
+"""Most values in a list or mapping, with those in its items."""
+
+MAX_NUMBER_BITS: Final = 256
+"""Largest whole number that can be calculated with, in bits."""
+
+MAX_NUMERAL: Final = 400
+"""Longest text that is read as a number, in characters: any finite float has fewer digits."""
