@@ -7,8 +7,9 @@ BENCH = .venv-bench
 
 SEED := $(or $(SEED),$(shell date +%s))
 CASES ?= 100000
+HOUSES ?= 100
 
-.PHONY: run test fuzz check format bench lock test-lowest clean
+.PHONY: run test fuzz houses check format bench lock test-lowest clean
 
 run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
@@ -20,6 +21,10 @@ test: $(VENV)/.dev
 fuzz: $(VENV)/.dev
 	@echo "seed $(SEED), $(CASES) cases"
 	@FUZZ_SEED=$(SEED) FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -n 2 --timeout 1800 --show-capture no tests/mqtt/broker/test_fuzz_seeded.py $(ARGS)
+
+# Days of the family home, a hundred of them; `make houses HOUSES=1000` takes more.
+houses: $(VENV)/.dev
+	@HOUSES=$(HOUSES) $(BIN)/python -m pytest -n auto --timeout 600 --show-capture no tests/testing/test_family_day.py $(ARGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .

@@ -1,17 +1,22 @@
-"""Prints all that happens in a day of the thesis's house; run as a program of its own by test_virtual_house."""
+"""Prints all that happens in a day of a house; run as a program by tests, as ``a_day.py thesis|family SEED``."""
 
 from __future__ import annotations
 
 import asyncio
 import sys
+import tomllib
+from pathlib import Path
 
 import structlog
 
 from homebot.house import thesis_world
+from homebot.house.description import parse_world
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
 
+FAMILY = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8"))
 
-async def a_day(seed: int) -> str:
+
+async def thesis(seed: int) -> str:
     """Also with chance in it: the broker is away for a while, so that everybody's back-off draws lots."""
     async with (
         virtual_house_of("light_service", world=thesis_world(), seed=seed) as house,
@@ -23,12 +28,23 @@ async def a_day(seed: int) -> str:
         await house.broker.start()
         await house.run_until("12:00")
         for lamp in ("roomlights405", "roomlights406"):
-            await house.says(f"home425/lights/{lamp}/out", "on")
+            await house.press(lamp, "on")
         await house.run_until("00:00")
         return str(log)
+
+
+async def family(seed: int) -> str:
+    """The log, and behind it what the world itself wrote down."""
+    world = parse_world(FAMILY, "family.toml", seed=seed)
+    async with (
+        virtual_house_of("light_service", world=world, seed=seed) as house,
+        EventLog.of(house) as log,
+    ):
+        await house.run_for("1d")
+        return f"{log}{world.chronicle.text()}"
 
 
 if __name__ == "__main__":
     structlog.configure(logger_factory=structlog.PrintLoggerFactory(sys.stderr))
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
-        sys.stdout.write(runner.run(a_day(int(sys.argv[1]))))
+        sys.stdout.write(runner.run({"thesis": thesis, "family": family}[sys.argv[1]](int(sys.argv[2]))))

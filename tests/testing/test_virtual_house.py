@@ -141,14 +141,14 @@ async def test_the_log_is_bounded_and_counts_what_went() -> None:
 
 def test_one_seed_is_one_day_byte_for_byte_and_another_is_another() -> None:
     """In processes of their own, whose sets are in another order each."""
-    command = [sys.executable, str(A_DAY), "1"]
+    command = [sys.executable, str(A_DAY), "thesis", "1"]
     runs = [
         subprocess.Popen(command, stdout=subprocess.PIPE, env=os.environ | {"PYTHONHASHSEED": seed})
         for seed in ("1", "2")
     ]
     first, second = (run.communicate(timeout=50)[0].decode() for run in runs)
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
-        other = runner.run(runpy.run_path(str(A_DAY))["a_day"](2))
+        other = runner.run(runpy.run_path(str(A_DAY))["thesis"](2))
     assert first == second != other
     assert first.count("\n") > 3_000
     assert "mqtt home425/lights/roomlights405/in off" in first
