@@ -1,0 +1,91 @@
+"""How a config says whether its device can be reached. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py`` and ``entity.py``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import get_args
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.description import Availability, AvailabilityMode
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.said import Said
+from homebot.gateways.mqtt.homeassistant.source import Source
+from homebot.gateways.mqtt.payload import shown
+
+__all__ = ["MAX_SOURCES", "WordsOfAvailability", "read_availability"]
+
+MAX_SOURCES = 16
+"""Most topics that one device's availability may hang on."""
+
+
+@dataclass(frozen=True, slots=True)
+class WordsOfAvailability:
+    """One topic that says two words, and which they are; see :class:`AvailabilitySource`.
+
+    Attributes:
+        topic: The topic.
+        source: Where it is found in the message.
+        available: The word for yes.
+        unavailable: The word for no.
+    """
+
+    topic: str
+    source: Source
+    available: str
+    unavailable: str
+
+    def read(self, payload: bytes) -> bool | None:
+        """Return whether the device can be reached, or None when *payload* says neither."""
+        word = self.source.text(Said(payload))
+        if word == self.available:
+            return True
+        return False if word == self.unavailable else None
+
+
+def read_availability(config: Config) -> Availability | None:
+    """Return how the device tells whether it can be reached; None where it does not.
+
+    Raises:
+        WireError: Both forms are there, an entry has no valid topic, or the mode is none.
+    """
+    listed = config.values.get("availability")
+    if listed is None:
+        topic = config.state_topic("availability_topic")
+        return Availability((_words(config, topic, "availability_template"),)) if topic else None
+    if config.has("availability_topic"):
+        raise WireError("availability and availability_topic exclude each other")
+    entries = listed if isinstance(listed, list) else [listed]
+    if len(entries) > MAX_SOURCES:
+        raise WireError(f"availability has {len(entries)} topics; {MAX_SOURCES} is the limit")
+    sources = tuple(_entry(config, entry) for entry in entries)
+    return Availability(sources, _mode(config.text("availability_mode", "latest"))) if sources else None
+
+
+def _entry(config: Config, entry: object) -> WordsOfAvailability:
+    if not isinstance(entry, dict):
+        raise WireError(f"availability has {shown(entry)}, not an object")
+    fields = Config("availability", config.discovery_id, {**entry, "encoding": config.encoding})
+    topic = fields.state_topic("topic")
+    if not topic:
+        raise WireError("availability has an entry without topic")
+    return _words(fields, topic, "value_template")
+
+
+def _words(config: Config, topic: str, template_key: str) -> WordsOfAvailability:
+    return WordsOfAvailability(
+        topic,
+        Source(topic, config.template(template_key), config.encoding),
+        config.text("payload_available", "online"),
+        config.text("payload_not_available", "offline"),
+    )
+
+
+def _mode(text: str) -> AvailabilityMode:
+    for mode in get_args(AvailabilityMode):
+        if mode == text:
+            known: AvailabilityMode = mode
+            return known
+    raise WireError(f"availability_mode is {shown(text)}, not all, any or latest")

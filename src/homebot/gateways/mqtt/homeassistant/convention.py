@@ -1,0 +1,138 @@
+"""Home Assistant's MQTT discovery as a convention: configs in, descriptions out. Pure.
+
+Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.description import Described, DescribedPart, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.homeassistant.announcement import Announced, read_announcement
+from homebot.gateways.mqtt.homeassistant.availability import read_availability
+from homebot.gateways.mqtt.homeassistant.components import BUILDERS
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.device import read_device
+from homebot.gateways.mqtt.homeassistant.topic import DEVICE, ConfigTopic, parse_config_topic
+
+__all__ = ["HomeAssistantDiscovery", "HomeAssistantSettings"]
+
+_Prefix = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
+
+
+class HomeAssistantSettings(BaseModel):
+    """The table of this convention.
+
+    Attributes:
+        prefixes: Discovery prefixes; two programs in one house may use different ones.
+        announce_please: Whether to publish what Home Assistant publishes at its start, so that devices announce
+            themselves anew. A real Home Assistant in the house, and all that listens to it, hears that as well.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    prefixes: tuple[_Prefix, ...] = ("homeassistant",)
+    announce_please: bool = False
+
+
+class HomeAssistantDiscovery:
+    """Understands configs below the discovery prefixes; keeps nothing between messages.
+
+    Each config message is one :class:`Described`; those of one device share its identifiers. A later message with the
+    same component and ids takes the place of the earlier one, and a component of a whole-device message that is
+    missing there later is gone.
+
+    Args:
+        settings: Its table.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = HomeAssistantSettings
+    name: ClassVar[str] = "homeassistant"
+
+    def __init__(self, settings: HomeAssistantSettings) -> None:
+        self.rejected = 0
+        self._settings = settings
+
+    def filters(self) -> tuple[str, ...]:
+        """Return the filters of configs: two per component, because one for all loses retained messages."""
+        return tuple(
+            f"{prefix}/{component}/{levels}/config"
+            for prefix in self._settings.prefixes
+            for levels in ("+", "+/+")
+            for component in (*BUILDERS, DEVICE)
+        )
+
+    def births(self) -> tuple[Publication, ...]:
+        """Return Home Assistant's birth message per prefix, where the settings want it."""
+        if not self._settings.announce_please:
+            return ()
+        return tuple(Publication(f"{prefix}/status", b"online") for prefix in self._settings.prefixes)
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:  # noqa: ARG002 - a config counts as much when it was kept
+        """Take a config and return what it tells of its device."""
+        try:
+            return self._taken(topic, payload)
+        except WireError:
+            self.rejected += 1
+            raise
+
+    def _taken(self, topic: str, payload: bytes) -> tuple[Heard, ...]:
+        where = self._where(topic)
+        if where is None or (where.component != DEVICE and where.component not in BUILDERS):
+            return ()
+        if not payload:
+            return (Withdrawn(where.key, "its config was removed"),)
+        announced = read_announcement(where, payload)
+        if announced.is_migrating:
+            return (Withdrawn(where.key, "it changes to another form of announcement"),)
+        parts = self._parts(where, announced)
+        if not parts:
+            return (Withdrawn(where.key, "no component of it is left"),)
+        return (_described(topic, where, announced, parts),)
+
+    def _where(self, topic: str) -> ConfigTopic | None:
+        for prefix in self._settings.prefixes:
+            where = parse_config_topic(prefix, topic)
+            if where is not None:
+                return where
+        return None
+
+    def _parts(self, where: ConfigTopic, announced: Announced) -> tuple[DescribedPart, ...]:
+        """Build the parts. In a message of a whole device a broken component costs that component alone."""
+        parts: dict[str, DescribedPart] = {}
+        broken: WireError | None = None
+        for component in announced.components:
+            builder = BUILDERS.get(component.platform)
+            if builder is None:
+                continue
+            try:
+                part = builder(Config(component.platform, component.discovery_id, component.fields))
+            except WireError as error:
+                if where.component != DEVICE:
+                    raise
+                self.rejected += 1
+                broken = error
+                continue
+            parts.setdefault(part.part.id, part)
+        if broken is not None and not parts:
+            self.rejected -= 1
+            raise broken
+        return tuple(parts.values())
+
+
+def _described(topic: str, where: ConfigTopic, announced: Announced, parts: tuple[DescribedPart, ...]) -> Described:
+    device = read_device(announced.device, announced.origin)
+    return Described(
+        key=where.key,
+        convention=HomeAssistantDiscovery.name,
+        identifiers=device.identifiers,
+        name=device.name or parts[0].part.name or where.object_id,
+        parts=parts,
+        topic=topic,
+        area=device.area,
+        facts=device.facts,
+        availability=read_availability(Config(where.component, where.object_id, announced.common)),
+    )

@@ -1,0 +1,29 @@
+"""The component ``light``, in the schema that its config names. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/light/__init__.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.light_json import build_json_light
+from homebot.gateways.mqtt.payload import shown
+
+__all__ = ["build_light"]
+
+
+def build_light(config: Config) -> DescribedPart:
+    """Describe a lamp."""
+    schema = config.text("schema", "basic")
+    builder = _SCHEMAS.get(schema.lower())
+    if builder is None:
+        raise WireError(f"light: schema is {shown(schema)}, not basic, json or template")
+    return builder(config)
+
+
+_SCHEMAS: Mapping[str, Callable[[Config], DescribedPart]] = MappingProxyType({"json": build_json_light})

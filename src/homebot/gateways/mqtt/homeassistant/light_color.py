@@ -1,0 +1,136 @@
+"""Colours as lamps spell them, and the one way the vocabulary does: hue in degrees and saturation in percent. Pure.
+
+Lamps round as Home Assistant does, so that the same command gives the same bytes.
+
+Source: Home Assistant core 2025.4, ``util/color.py``; xy: Philips Hue, RGB to xy color conversion (wide gamut, D65);
+white of a colour temperature: T. Helland, How to convert temperature (K) to RGB.
+"""
+
+from __future__ import annotations
+
+import colorsys
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import TypeAlias
+
+__all__ = ["CHANNELS", "Channels", "KelvinRange", "from_hue_saturation", "kelvin_mired", "to_hue_saturation"]
+
+Channels: TypeAlias = tuple[float, ...]
+"""The numbers of one colour, in the order of :data:`CHANNELS`."""
+
+KelvinRange: TypeAlias = tuple[int, int]
+"""Warmest and coldest white."""
+
+CHANNELS: Mapping[str, str] = MappingProxyType({"hs": "hs", "xy": "xy", "rgb": "rgb", "rgbw": "rgbw", "rgbww": "rgbcw"})
+"""The colour modes, and the letters of their channels."""
+
+
+def kelvin_mired(value: float) -> int:
+    """Return mired for kelvin and kelvin for mired; *value* is above 0."""
+    return math.floor(1_000_000 / value)
+
+
+def from_hue_saturation(mode: str, hue: float, saturation: float, white: KelvinRange) -> Channels:
+    """Return a colour in the channels of *mode*: 0 to 255 each, but ``hs`` as it is, and ``xy`` with three digits."""
+    if mode == "hs":
+        return hue, saturation
+    return _FROM_RGB[mode](_rgb(hue, saturation), white)
+
+
+def to_hue_saturation(mode: str, channels: Channels, white: KelvinRange) -> tuple[float, float]:
+    """Return hue and saturation of a colour in the channels of *mode*, which are in their bounds."""
+    if mode == "hs":
+        return channels[0], channels[1]
+    hue, saturation, _ = colorsys.rgb_to_hsv(*(one / 255 for one in _TO_RGB[mode](channels, white)))
+    return round(hue * 360, 3), round(saturation * 100, 3)
+
+
+def _rgb(hue: float, saturation: float) -> Channels:
+    return tuple(round(one * 255) for one in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1))
+
+
+def _rgb_to_xy(rgb: Channels, _white: KelvinRange) -> Channels:
+    red, green, blue = (
+        ((one / 255 + 0.055) / 1.055) ** 2.4 if one / 255 > 0.04045 else one / 255 / 12.92 for one in rgb
+    )
+    x = red * 0.664511 + green * 0.154324 + blue * 0.162028
+    y = red * 0.283881 + green * 0.668433 + blue * 0.047685
+    z = red * 0.000088 + green * 0.072310 + blue * 0.986039
+    total = x + y + z
+    return (round(x / total, 3), round(y / total, 3)) if total else (0.0, 0.0)
+
+
+def _xy_to_rgb(xy: Channels, _white: KelvinRange) -> Channels:
+    x, y = xy[0], xy[1] or 1e-11
+    big_x, big_z = x / y, (1 - x - y) / y
+    linear = (
+        big_x * 1.656492 - 0.354851 - big_z * 0.255038,
+        -big_x * 0.707196 + 1.655397 + big_z * 0.036152,
+        big_x * 0.051713 - 0.121364 + big_z * 1.011530,
+    )
+    rgb = [max(0.0, 12.92 * one if one <= 0.0031308 else 1.055 * one ** (1 / 2.4) - 0.055) for one in linear]
+    largest = max(*rgb, 1.0)
+    return tuple(int(one / largest * 255) for one in rgb)
+
+
+def _rgb_to_rgbw(rgb: Channels, _white: KelvinRange) -> Channels:
+    white = min(rgb)
+    return _as_bright(rgb, (*(one - white for one in rgb), white))
+
+
+def _rgbw_to_rgb(rgbw: Channels, _white: KelvinRange) -> Channels:
+    return _as_bright(rgbw, tuple(one + rgbw[3] for one in rgbw[:3]))
+
+
+def _rgb_to_rgbww(rgb: Channels, white: KelvinRange) -> Channels:
+    warmest, coldest = (kelvin_mired(one) for one in white)
+    middle = _white_rgb(kelvin_mired(coldest + (warmest - coldest) / 2))
+    level = min(one / part if part else 0 for one, part in zip(rgb, middle, strict=True))
+    both = round(level * 255)
+    return _as_bright(rgb, (*(one - part * level for one, part in zip(rgb, middle, strict=True)), both, both))
+
+
+def _rgbww_to_rgb(rgbww: Channels, white: KelvinRange) -> Channels:
+    warmest, coldest = (kelvin_mired(one) for one in white)
+    cold, warm = rgbww[3:]
+    share = warm / (cold + warm) if cold + warm else 0.5
+    mired = coldest + share * (warmest - coldest)
+    level = max(cold, warm) / 255
+    tint = _white_rgb(kelvin_mired(mired) if mired else 0)
+    return _as_bright(rgbww, tuple(one + part * level for one, part in zip(rgbww[:3], tint, strict=True)))
+
+
+def _as_bright(wanted: Channels, channels: Channels) -> Channels:
+    """Scale *channels* so that the largest is as large as the largest wanted."""
+    largest = max(channels)
+    factor = max(wanted) / largest if largest else 0.0
+    return tuple(round(one * factor) for one in channels)
+
+
+def _white_rgb(kelvin: float) -> Channels:
+    """The colour of a white, roughly."""
+    warmth = min(max(kelvin, 1_000), 40_000) / 100
+    red = 255.0 if warmth <= 66 else 329.698727446 * (warmth - 60) ** -0.1332047592
+    if warmth <= 66:
+        green = 99.4708025861 * math.log(warmth) - 161.1195681661
+    else:
+        green = 288.1221695283 * (warmth - 60) ** -0.0755148492
+    blue = 255.0
+    if warmth < 66:
+        blue = 0.0 if warmth <= 19 else 138.5177312231 * math.log(warmth - 10) - 305.0447927307
+    return tuple(min(max(one, 0.0), 255.0) for one in (red, green, blue))
+
+
+_FROM_RGB: Mapping[str, Callable[[Channels, KelvinRange], Channels]] = {
+    "rgb": lambda rgb, _white: rgb,
+    "rgbw": _rgb_to_rgbw,
+    "rgbww": _rgb_to_rgbww,
+    "xy": _rgb_to_xy,
+}
+_TO_RGB: Mapping[str, Callable[[Channels, KelvinRange], Channels]] = {
+    "rgb": lambda rgb, _white: rgb,
+    "rgbw": _rgbw_to_rgb,
+    "rgbww": _rgbww_to_rgb,
+    "xy": _xy_to_rgb,
+}

@@ -1,0 +1,36 @@
+"""The component ``switch``. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/switch.py``.
+"""
+
+from __future__ import annotations
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag
+
+__all__ = ["build_switch"]
+
+
+def build_switch(config: Config) -> DescribedPart:
+    """Describe a switch: a plug where its class is ``outlet``."""
+    command = config.required_command()
+    payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
+    states: dict[str, bool | None] = {
+        config.text("state_on") or payloads[True]: True,
+        config.text("state_off") or payloads[False]: False,
+        "None": None,
+    }
+
+    def read(text: str) -> Readings:
+        return {"on_off": states[text]} if text in states else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (command.publication(payloads[wanted_flag("on_off", value)]),)
+
+    entity = Entity(config, "plug" if config.text("device_class") == "outlet" else "switch")
+    entity.offers("on_off", readable=entity.hears(config.source("state_topic"), read), writer=write)
+    entity.listens(command)
+    return entity.described()
