@@ -1,38 +1,47 @@
-"""A template that needs Jinja's syntax."""
+"""A template that was read: what it does, step by step."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from typing import final
 
 from homebot.gateways.mqtt.templates.errors import TemplateError
+from homebot.gateways.mqtt.templates.run import Run
+from homebot.gateways.mqtt.templates.statements import Execute
 
 __all__ = ["Program"]
 
 
 @final
 class Program:
-    """A template that needs Jinja's syntax; so far only one without any."""
+    """A template that was read.
 
-    __slots__ = ("_text", "names")
+    Args:
+        body: What it does.
+        names: The names whose meaning it asks for.
+        weight: The work of going through all of it once, in steps.
+    """
 
-    def __init__(self, text: str) -> None:
-        self.names: frozenset[str] = frozenset()
-        self._text = text
+    __slots__ = ("_body", "_weight", "names")
 
-    @classmethod
-    def parse(cls, source: str) -> Program:
-        """Return the program that *source* is.
-
-        Raises:
-            TemplateError: It is none, or needs what is unsupported.
-        """
-        if "{{" in source or "{%" in source or "{#" in source:
-            raise TemplateError("is more than a path into the message")
-        return cls(source)
+    def __init__(self, body: Sequence[Execute], names: frozenset[str], weight: int) -> None:
+        self._body = tuple(body)
+        self._weight = weight
+        self.names = names
 
     def render(self, variables: Mapping[str, object], now: datetime | None) -> str:
-        """Return its text with *variables*."""
-        del variables, now
-        return self._text
+        """Return the text that it writes; see :meth:`Template.render`."""
+        run = Run(variables, now)
+        try:
+            run.spend(self._weight)
+            for statement in self._body:
+                statement(run)
+        except RecursionError:
+            raise TemplateError("a value is nested too deeply") from None
+        except (ValueError, TypeError, ArithmeticError, LookupError, AttributeError) as error:
+            raise TemplateError(f"the values do not fit the template: {str(error)[:_MOST_SHOWN]}") from error
+        return run.written()
+
+
+_MOST_SHOWN = 80

@@ -12,6 +12,7 @@ from homebot.gateways.mqtt.templates.limits import MAX_SOURCE, MAX_TEXT
 from homebot.gateways.mqtt.templates.path import Path
 from homebot.gateways.mqtt.templates.payload_context import PayloadContext
 from homebot.gateways.mqtt.templates.program import Program
+from homebot.gateways.mqtt.templates.syntax import parse
 
 __all__ = ["Template", "compile_template"]
 
@@ -39,7 +40,7 @@ class Template:
         self._path = Path.parse(stripped)
         if self._path is None:
             try:
-                self._program = Program.parse(stripped)
+                self._program = parse(stripped)
             except TemplateError as error:
                 self.problem = error.problem
 
