@@ -18,6 +18,7 @@ from homebot.mqtt.packets import (
     ProtocolVersion,
     Puback,
     Publish,
+    Pubrec,
     ReasonCode,
     Will,
 )
@@ -123,14 +124,13 @@ def test_the_keep_alive_of_a_publisher_that_is_not_read_does_not_run_out(
 def test_after_its_time_a_slow_subscriber_gets_only_what_it_has_room_for(
     small: Hub, join: Join, later: Callable[[float], None]
 ) -> None:
-    slow, publisher, older = join("s", at=small), join("p", at=small), join("o", at=small, version=V311)
+    slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("t")
     pour(publisher, 12)
     later(10)
     reasons = [ack.reason for ack in publisher.take_only(Puback)]
     assert reasons == [ReasonCode.SUCCESS] * 2 + [ReasonCode.QUOTA_EXCEEDED] * 3
-    assert pour(older, 2, start=100) == 2
-    assert small.stats.dropped_overrun == 5
+    assert small.stats.dropped_overrun == 3
     assert drain(slow) == [str(number).encode() for number in range(1, 10)]
     assert pour(publisher, 3, start=200) == 3
     assert len(drain(slow)) == 3
@@ -223,3 +223,144 @@ def test_a_bad_message_among_those_a_lost_publisher_left_ends_them(small: Hub, j
     publisher.publish("t", b"behind", 1, 99)
     publisher.lose()
     assert len(drain(slow)) == 8
+
+
+@pytest.fixture
+def full(small: Hub, join: Join, later: Callable[[float], None]) -> tuple[MemoryClient, MemoryClient]:
+    """A subscriber that took nothing for ten seconds, its queue full; and a publisher before MQTT 5, of 9 messages."""
+    slow = join("s", at=small, session_expiry_interval=60, will=Will("will", b"s"))
+    publisher = join("o", at=small, version=V311)
+    slow.subscribe("t")
+    assert pour(publisher, 9) == 7
+    later(10)
+    assert len(publisher.take_only(Puback)) == 2
+    assert small.stats.queued_messages == 8
+    return slow, publisher
+
+
+def test_what_cannot_be_refused_is_neither_acknowledged_nor_dropped(
+    small: Hub, full: tuple[MemoryClient, MemoryClient]
+) -> None:
+    slow, publisher = full
+    assert pour(publisher, 5, start=10) == 0
+    assert small.stats.dropped_overrun == 0
+    assert drain(slow) == [str(number).encode() for number in range(1, 15)]
+    assert len(publisher.take_only(Puback)) == 5
+
+
+def test_at_qos_2_neither(small: Hub, full: tuple[MemoryClient, MemoryClient]) -> None:
+    slow, publisher = full
+    publisher.publish("t", b"10", 2, 10)
+    assert publisher.take() == []
+    assert drain(slow)[-1] == b"10"
+    assert publisher.take_only(Pubrec) == [Pubrec(10)]
+
+
+def test_other_publishers_are_not_held_by_a_full_queue_that_is_not_theirs(
+    small: Hub, join: Join, full: tuple[MemoryClient, MemoryClient]
+) -> None:
+    other = join("p", at=small, version=V311)
+    other.publish("elsewhere", b"x", 1, 1)
+    other.publish("t", b"x", 0)
+    other.publish("elsewhere", b"x", 1, 2)
+    assert other.take_only(Puback) == [Puback(1), Puback(2)]
+
+
+def test_a_subscriber_that_stays_stuck_is_cut_off_and_keeps_its_session(
+    small: Hub, join: Join, later: Callable[[float], None], full: tuple[MemoryClient, MemoryClient]
+) -> None:
+    slow, publisher = full
+    watcher = join("w", at=small)
+    watcher.subscribe("will")
+    pour(publisher, 2, start=10)
+    later(10)
+    assert slow.take_only(Disconnect)[0].reason is ReasonCode.QUOTA_EXCEEDED
+    assert small.stats.clients_stalled == 1
+    assert [message.payload for message in watcher.messages()] == [b"s"]
+    assert len(publisher.take_only(Puback)) == 2
+    assert small.stats.dropped_offline == 2  # the bound of an absent client
+    again = join("s", at=small, clean=False, present=True, session_expiry_interval=60)
+    assert drain(again) == [b"1", *(str(number).encode() for number in range(4, 12))]
+
+
+def test_a_subscriber_that_is_slow_but_alive_is_waited_for_and_not_cut_off(
+    small: Hub, later: Callable[[float], None], full: tuple[MemoryClient, MemoryClient]
+) -> None:
+    slow, publisher = full
+    assert pour(publisher, 6, start=10) == 0
+    received = []
+    for _ in range(20):
+        messages = slow.messages()
+        received += [message.payload for message in messages]
+        slow.acknowledge(*messages)  # one for each window of 10 s, which is one here
+        later(10)
+    assert not slow.link.closed
+    assert received == [str(number).encode() for number in range(1, 16)]
+    assert len(publisher.take_only(Puback)) == 6
+    assert small.stats.dropped_overrun == small.stats.clients_stalled == 0
+
+
+def test_a_publisher_that_reconnects_again_and_again_finds_no_more_room(
+    small: Hub, join: Join, full: tuple[MemoryClient, MemoryClient]
+) -> None:
+    slow, publisher = full
+    for _ in range(50):
+        assert pour(publisher, 10, start=10) == 0
+        publisher.lose()
+        publisher = join("o", at=small, version=V311)
+    assert small.stats.queued_messages == 8
+    assert drain(slow) == [str(number).encode() for number in range(1, 10)]
+
+
+def test_a_message_at_qos_2_without_room_is_taken_when_its_publisher_repeats_it(small: Hub, join: Join) -> None:
+    slow, publisher = join("s", at=small), join("o", at=small, version=V311, clean=False)
+    slow.subscribe("t", qos=1)
+    pour(publisher, 7)
+    for number in range(8, 12):
+        publisher.publish("t", str(number).encode(), 2, number)
+    publisher.lose()
+    again = join("o", at=small, version=V311, clean=False, present=True)
+    drain(slow)
+    again.publish("t", b"11", 2, 11, dup=True)
+    assert drain(slow) == [b"11"]
+
+
+def test_a_group_without_room_holds_its_publishers_and_one_with_room_does_not(
+    small: Hub, join: Join, later: Callable[[float], None]
+) -> None:
+    slow, publisher = join("s", at=small), join("o", at=small, version=V311)
+    slow.subscribe("$share/g/t")
+    pour(publisher, 9)
+    later(10)
+    publisher.take()
+    assert pour(publisher, 1, start=10) == 0
+    quick, other = join("q", at=small), join("p", at=small, version=V311)
+    quick.subscribe("$share/g/t")
+    assert pour(other, 1) == 1
+    assert len(quick.messages()) == 1
+
+
+def test_a_client_that_is_not_read_from_may_flood_itself_to_its_bound_alone(
+    small: Hub, join: Join, later: Callable[[float], None]
+) -> None:
+    client = join("both", at=small, version=V311)
+    client.subscribe("t")
+    for number in range(1, 31):
+        client.publish("t", b"x", 1, number)
+    later(10)
+    later(10)
+    assert client.link.closed
+    assert small.stats.clients_stalled == 1
+    assert small.stats.queued_messages <= 8
+
+
+def test_a_client_that_comes_back_to_a_full_queue_holds_publishers_too(small: Hub, join: Join) -> None:
+    slow, publisher = join("s", at=small, session_expiry_interval=60), join("o", at=small, version=V311)
+    slow.subscribe("t")
+    slow.lose()
+    assert pour(publisher, 10) == 10
+    assert not small.exchange.crowded
+    again = join("s", at=small, clean=False, present=True, session_expiry_interval=60)
+    assert pour(publisher, 3, start=11) == 1  # one is in flight, so there is room for one
+    assert drain(again) == [str(number).encode() for number in range(3, 14)]
+    assert len(publisher.take_only(Puback)) == 2

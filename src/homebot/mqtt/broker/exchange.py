@@ -44,6 +44,11 @@ class Exchange:
         limits: Bounds of the retained messages and subscriptions.
         counters: Counts what is not retained.
         on_message: Told of each message.
+
+    Attributes:
+        subscriptions: Who wants which topic.
+        retained: The retained messages.
+        crowded: Connected sessions whose queue was three quarters full, until it is half empty.
     """
 
     def __init__(
@@ -58,6 +63,7 @@ class Exchange:
         self._counters = counters
         self._on_message = on_message
         self.subscriptions = SubscriptionTree()
+        self.crowded: dict[Session, None] = {}
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
 
     def publish(self, message: Message) -> Receipt:
@@ -70,21 +76,39 @@ class Exchange:
         slow: list[Session] = []
         for target in route.targets:
             outcome = _deliver(target, message)
-            if outcome:
-                refused = refused or outcome is Delivery.REFUSED
+            if outcome is Delivery.SLOW:
                 slow.append(target.session)
+            elif outcome:
+                refused = True
         for group in route.groups:
             chosen, outcome = _deliver_to_one(group, message)
-            if chosen is not None and outcome:
-                refused = refused or outcome is Delivery.REFUSED
+            if outcome is Delivery.REFUSED:
+                refused = True
+            elif chosen is not None and outcome:
                 slow.append(chosen)
         if message.retain:
             message.forget_encoded()
         if refused or not retained:
-            return Receipt(ReasonCode.QUOTA_EXCEEDED, tuple(each for each in slow if not each.overrun))
+            return Receipt(ReasonCode.QUOTA_EXCEEDED, tuple(slow))
         if slow:
             return Receipt(ReasonCode.SUCCESS, tuple(slow))
         return _DELIVERED if route.targets or route.groups else _UNMATCHED
+
+    def without_room(self, topic: str) -> tuple[Session, ...]:
+        """Connected sessions that are to get *topic* at QoS 1 or 2, and whose queue is full."""
+        if not self.crowded:
+            return ()
+        for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:
+            del self.crowded[session]
+        if not any(session.full for session in self.crowded):
+            return ()
+        route = self.subscriptions.route(topic)
+        found = [target.session for target in route.targets if target.qos and target.session.full]
+        for group in route.groups:
+            connected = [session for session in group.members if session.outbound is not None]
+            if all(session.full for session in connected):
+                found += connected
+        return tuple(found)
 
     def subscribe(self, session: Session, request: FilterRequest, identifier: int) -> ReasonCode:
         """Add a subscription, or put it in place of the one with the same filter; queue its retained messages.
@@ -116,6 +140,7 @@ class Exchange:
 
     def forget(self, session: Session) -> None:
         """Remove all of a session that has ended; shared messages it did not finish go to others of the group."""
+        self.crowded.pop(session, None)
         for name in list(session.subscriptions):
             self.unsubscribe(session, name)
         for parcel in session.unsent_shares():

@@ -1,7 +1,9 @@
 """Holds a publisher back while somebody it publishes to is slow, instead of losing messages. No I/O.
 
 While it is held back, its packets wait here in their order; when too many wait, its socket is not read. The wait has
-an end: after ``limits.hold_time`` the slow sessions are marked overrun and the publisher goes on.
+an end: after ``limits.hold_time`` the slow sessions are marked overrun and the publisher goes on, to be refused what
+finds no room. One that cannot be refused (before MQTT 5) waits for room as long as the slow session settles at least
+``limits.max_inflight`` messages in that time; the connection of a session that does not is closed.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.session import Session
 from homebot.mqtt.broker.words import short
-from homebot.mqtt.packets import Packet, Publish
+from homebot.mqtt.packets import Packet, Publish, ReasonCode
 
 __all__ = ["Holding"]
 
@@ -44,7 +46,8 @@ class Holding:
         self._hub = hub
         self._link = link
         self._go_on = go_on
-        self._slow: dict[Session, None] = {}
+        self._slow: dict[Session, int] = {}  # with what it had settled when the wait began
+        self._is_endless = False
         self._end: Deadline | None = None
 
     @property
@@ -52,15 +55,25 @@ class Holding:
         """Whether packets must wait: for a slow session, or behind others that have waited."""
         return self._end is not None or bool(self.packets)
 
-    def wait_for(self, slow: Iterable[Session]) -> None:
-        """Wait until every one of *slow* has caught up or gone, or the time is over."""
-        self._slow.update(dict.fromkeys(slow))
-        for session in self._slow:
+    def wait_for(self, slow: Iterable[Session], *, endless: bool = False) -> None:
+        """Wait until every one of *slow* has caught up or gone.
+
+        Args:
+            slow: Those to wait for.
+            endless: Wait longer than the time allows, and let those go that do nothing with it.
+        """
+        self._is_endless = endless
+        for session in slow:
+            self._slow[session] = session.settled
             session.held_publishers[self] = None
         if self._end is None:
             self._hub.counters.holds += 1
-            until = self._hub.clock.monotonic() + self._hub.limits.hold_time
-            self._end = self._hub.deadlines.at(until, self._give_up)
+            self._wait_on()
+
+    def keep_first(self, packet: Packet) -> None:
+        """Let *packet* wait before all others."""
+        self.packets.appendleft(packet)
+        self._count(packet, 1)
 
     def keep(self, packet: Packet) -> None:
         """Let *packet* wait."""
@@ -105,13 +118,40 @@ class Holding:
             self.messages += sign * (packet.qos > 0)
             self.size += sign * (len(packet.topic) + len(packet.payload))
 
+    def _wait_on(self) -> None:
+        until = self._hub.clock.monotonic() + self._hub.limits.hold_time
+        self._end = self._hub.deadlines.at(until, self._time_is_up)
+
+    def _time_is_up(self) -> None:
+        if self._is_endless:
+            self._close_stalled()
+        else:
+            self._give_up()
+
+    def _close_stalled(self) -> None:
+        hub = self._hub
+        enough = hub.limits.max_inflight
+        stalled = [session for session, before in self._slow.items() if session.settled - before < enough]
+        self._slow = {session: session.settled for session in self._slow}
+        self._wait_on()
+        for session in stalled:
+            hub.counters.clients_stalled += 1
+            hub.warn(
+                "broker.client_stalled",
+                f"the broker cut off client {short(session.client_id)!r}: {session.queued} messages wait for it, and "
+                f"it acknowledged less than {enough} in {hub.limits.hold_time:g} s",
+                client_id=session.client_id,
+                queued=session.queued,
+            )
+            hub.peers[session.client_id].end(ReasonCode.QUOTA_EXCEEDED)
+
     def _give_up(self) -> None:
         for session in self._slow:
             session.overrun = True
             self._hub.warn(
                 "broker.client_too_slow",
                 f"client {short(session.client_id)!r} is too slow: {session.queued} messages wait for it; "
-                "what does not fit any more is dropped",
+                "what does not fit any more is refused",
                 client_id=session.client_id,
                 queued=session.queued,
             )

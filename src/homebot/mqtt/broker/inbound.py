@@ -35,6 +35,10 @@ class Inbound:
         hub: The broker.
         session: Whose messages.
         outbound: Where the answers go.
+
+    Attributes:
+        gone: The client is gone: what finds no room is not answered, so that it comes again.
+        refusable: The client can be told that a message was not taken; from MQTT 5 on.
     """
 
     def __init__(self, hub: Hub, session: Session, outbound: Outbound) -> None:
@@ -43,7 +47,8 @@ class Inbound:
         self._outbound = outbound
         self._aliases: dict[int, str] = {}
         self._open: set[int] = set()  # QoS 2 ids taken on this connection and not released
-        self._is_v5 = outbound.version is ProtocolVersion.V5
+        self._is_v5 = self.refusable = outbound.version is ProtocolVersion.V5
+        self.gone = False
         self._max_levels = hub.limits.max_topic_levels
 
     def check_quota(self, packet: Publish, waiting: int) -> None:
@@ -65,6 +70,17 @@ class Inbound:
                 code=ReasonCode.RECEIVE_MAXIMUM_EXCEEDED,
             )
 
+    def must_wait_for(self, packet: Publish) -> tuple[Session, ...]:
+        """The sessions that need room before *packet* can be taken; none where the client can be refused it.
+
+        Raises:
+            PacketError: The client must not have sent this.
+        """
+        if not packet.qos:
+            return ()
+        full = self._hub.exchange.without_room(self._resolve(packet))
+        return tuple(session for session in full if not (self.refusable and session.overrun))
+
     def publish(self, packet: Publish) -> tuple[Session, ...]:
         """Take a PUBLISH, answer it, and return the sessions that are now too slow for more.
 
@@ -76,7 +92,7 @@ class Inbound:
         if qos == 2:
             return self._publish_qos2(packet)
         receipt = self._forward(packet)
-        if qos:
+        if qos and not self._is_lost(receipt):
             packet_id = packet.packet_id or 0
             if self._is_v5 and receipt.reason:
                 self._outbound.send(Puback(packet_id, receipt.reason))
@@ -101,11 +117,16 @@ class Inbound:
             self._outbound.send(Pubrec(packet_id))
             return ()
         receipt = self._forward(packet)
+        if self._is_lost(receipt):
+            return ()
         if not receipt.reason.failed or not self._is_v5:
             session.received.add(packet_id)
             self._open.add(packet_id)
         self._outbound.send(Pubrec(packet_id, receipt.reason))
         return receipt.slow
+
+    def _is_lost(self, receipt: Receipt) -> bool:
+        return self.gone and receipt.reason is ReasonCode.QUOTA_EXCEEDED
 
     def _forward(self, packet: Publish) -> Receipt:
         topic, payload, qos, retain, _, _, properties = packet

@@ -32,7 +32,8 @@ class BrokerLimits:
             is connected but slow, publishers are held back from three quarters of this on.
         max_queued_bytes: The same in bytes of topic, payload and properties.
         hold_time: How long publishers are held back for a slow client; after that its share of further
-            messages is refused (0x97) until it has caught up.
+            messages is refused (0x97) until it has caught up. Publishers before MQTT 5, which cannot be refused,
+            wait on; a client that acknowledges less than max_inflight messages in this time is then cut off (0x97).
         max_held_packets: Packets of a publisher that is held back; beyond it the socket is not read.
         max_held_bytes: The same in bytes of topic and payload.
         write_buffer: Bytes waiting for a client's socket; beyond it QoS 0 messages for it are dropped.

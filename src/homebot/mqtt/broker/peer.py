@@ -133,6 +133,8 @@ class Peer:
     def _act(self, client: _Client, packet: Packet) -> None:
         if type(packet) is Publish:
             client.inbound.check_quota(packet, self._holding.messages)
+            if self._hub.exchange.crowded and self._wait_for_room(client, packet):
+                return
             slow = client.inbound.publish(packet)
             if slow:
                 self._holding.wait_for(slow)
@@ -141,6 +143,14 @@ class Peer:
             if handler is None:
                 raise _protocol_error(f"a client must not send {type(packet).__name__}")
             handler(self, client, packet)
+
+    def _wait_for_room(self, client: _Client, packet: Publish) -> bool:
+        """Whether *packet* has to wait because a queue is full."""
+        full = client.inbound.must_wait_for(packet)
+        if full:
+            self._holding.keep_first(packet)
+            self._holding.wait_for(full, endless=not client.inbound.refusable)
+        return bool(full)
 
     def _check_start(self, data: bytes) -> None:
         """Something else than MQTT, such as a browser, is not left waiting for the rest of a packet."""
@@ -318,7 +328,8 @@ class Peer:
             self._hub.sessions.detach(client.session, client.will if publish_will else None)
 
     def _take_held(self, client: _Client) -> None:
-        """Forward the messages that were held back; nobody can be kept waiting any more."""
+        """Forward the messages that were held back, as far as there is room; nobody can be kept waiting any more."""
+        client.inbound.gone = True
         try:
             while (packet := self._holding.take()) is not None:
                 if isinstance(packet, Publish):

@@ -51,9 +51,25 @@ class Session:
         received: Packet ids of QoS 2 messages taken from the client and not released.
         overrun: The client stayed too slow for too long; its queue takes no more than it has room for.
         held_publishers: Those who wait for this session to catch up.
+        settled: How many messages the client has acknowledged, or taken from the queue at QoS 0, ever.
+
+    Args:
+        client_id: As above.
+        clock: For expiry.
+        limits: Bounds of the queue and of what is in flight.
+        counters: Counts what is dropped.
+        crowded: Where a session notes itself when its queue is three quarters full and its client connected; who
+            reads it strikes it out.
     """
 
-    def __init__(self, client_id: str, clock: Clock, limits: BrokerLimits, counters: Counters) -> None:
+    def __init__(
+        self,
+        client_id: str,
+        clock: Clock,
+        limits: BrokerLimits,
+        counters: Counters,
+        crowded: dict[Session, None] | None = None,
+    ) -> None:
         self.client_id = client_id
         self.expiry = 0.0
         self.outbound: Outbound | None = None
@@ -61,6 +77,8 @@ class Session:
         self.received: set[int] = set()
         self.overrun = False
         self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
+        self.settled = 0
+        self._crowded = {} if crowded is None else crowded
         self._clock = clock
         self._limits = limits
         self._counters = counters
@@ -81,14 +99,21 @@ class Session:
         return self.outbound is not None and self._queue.high
 
     @property
+    def full(self) -> bool:
+        """Whether the client is connected and its queue takes no more."""
+        return self.outbound is not None and self._queue.full
+
+    @property
     def backlogged(self) -> bool:
         """Whether more than half of the queue is used."""
         return not self._queue.low
 
     @property
     def reluctance(self) -> int:
-        """How little a shared message is welcome: 0 connected, 1 connected but slow, 2 away."""
+        """How little a shared message is welcome: 0 connected, 1 connected but slow, 2 without room, 3 away."""
         if self.outbound is None:
+            return 3
+        if self._queue.full:
             return 2
         return int(len(self._in_flight) >= self._window or self.outbound.link.choked)
 
@@ -96,7 +121,7 @@ class Session:
         """Send a message or keep it for later.
 
         QoS 0: dropped while the client is away or its socket is full. QoS 1 and 2: queued; while the client is
-        away the oldest makes room, while it is connected and overrun the message is refused.
+        away the oldest makes room, while it is connected a message without room is refused.
         """
         outbound = self.outbound
         queue = self._queue
@@ -115,11 +140,14 @@ class Session:
         if not queue and len(self._in_flight) < self._window and not outbound.link.choked:
             self._send(outbound, parcel)
             return Delivery.TAKEN
-        if self.overrun and queue.full:
+        if queue.full:
             self._counters.dropped_overrun += 1
             return Delivery.REFUSED
         queue.append(parcel)
-        return Delivery.SLOW if queue.high and not self.overrun else Delivery.TAKEN
+        if not queue.high:
+            return Delivery.TAKEN
+        self._crowded[self] = None
+        return Delivery.TAKEN if self.overrun else Delivery.SLOW
 
     def replay(self, parcel: Parcel) -> None:
         """Queue a retained message for a new subscription, also at QoS 0; :meth:`pump` sends it.
@@ -131,6 +159,7 @@ class Session:
             self._counters.dropped_overrun += 1
         else:
             self._queue.append(parcel)
+            self._note_crowd()
 
     def resume(self, outbound: Outbound, receive_maximum: int) -> None:
         """The client is connected: send what is in flight again, then what waited."""
@@ -142,6 +171,7 @@ class Session:
                 outbound.send(Pubrel(packet_id))
             else:
                 self._resend.append(packet_id)
+        self._note_crowd()
         self.pump()
 
     def detach(self) -> None:
@@ -166,6 +196,7 @@ class Session:
                     self._send(outbound, parcel)
                 else:
                     outbound.publish(parcel)
+                    self.settled += 1
             else:
                 break
         if (self.overrun or self.held_publishers) and queue.low:
@@ -222,6 +253,10 @@ class Session:
         self._queue.append(parcel)
         return Delivery.TAKEN
 
+    def _note_crowd(self) -> None:
+        if self._queue.high:
+            self._crowded[self] = None
+
     def _send(self, outbound: Outbound, parcel: Parcel) -> None:
         packet_id = self._last_id
         while True:
@@ -238,6 +273,7 @@ class Session:
             del self._in_flight[packet_id]
 
     def _forget(self, packet_id: int) -> None:
+        self.settled += 1
         del self._in_flight[packet_id]
         if self._resend:
             self._not_again(packet_id)

@@ -67,7 +67,7 @@ class Sessions:
         if len(self._sessions) >= self._limits.max_sessions and self._away:
             self._counters.sessions_evicted += 1
             self.end(next(iter(self._away)))
-        session = Session(client_id, self._clock, self._limits, self._counters)
+        session = Session(client_id, self._clock, self._limits, self._counters, self._exchange.crowded)
         self._sessions[client_id] = session
         return session, False
 

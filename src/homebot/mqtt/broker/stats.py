@@ -19,13 +19,15 @@ class Counters:
         messages_sent: PUBLISH packets written to clients.
         dropped_qos0: QoS 0 messages not sent to a client whose socket was full.
         dropped_offline: The oldest messages pushed out of the queue of an absent client.
-        dropped_overrun: Messages not queued for a connected client that stayed too slow.
+        dropped_overrun: Messages refused for a connected client that stayed too slow, or whose publisher had gone.
         dropped_too_large: Messages larger than the client's Maximum Packet Size.
         dropped_expired: Messages whose expiry interval passed before they were sent.
         dropped_refused: Publishes a policy refused.
         retained_refused: Messages not retained for want of room.
         sessions_evicted: Sessions pushed out for want of room.
         holds: Times a publisher was held back for a slow client.
+        clients_stalled: Connections closed because the client took next to nothing while publishers that cannot be
+            told no waited for it.
     """
 
     connections_accepted: int = 0
@@ -42,6 +44,7 @@ class Counters:
     retained_refused: int = 0
     sessions_evicted: int = 0
     holds: int = 0
+    clients_stalled: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,7 @@ class BrokerStats:
     retained_refused: int
     sessions_evicted: int
     holds: int
+    clients_stalled: int
 
     @classmethod
     def of(cls, counters: Counters, **held: int) -> BrokerStats:
