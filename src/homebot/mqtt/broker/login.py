@@ -13,6 +13,7 @@ from homebot.mqtt.packets import (
     Properties,
     ProtocolVersion,
     ReasonCode,
+    encode,
 )
 
 __all__ = ["Login", "accept", "expiry_of", "refusal", "welcome"]
@@ -52,6 +53,8 @@ def refusal(connect: Connect, hub: Hub) -> ReasonCode:
     """Why *connect* is refused; success where it is not."""
     if connect.properties.authentication_method is not None:
         return ReasonCode.BAD_AUTHENTICATION_METHOD
+    if connect.properties.authentication_data is not None:
+        return ReasonCode.PROTOCOL_ERROR
     verdict = hub.authentication.check(connect.username, connect.password)
     if verdict.failed:
         return verdict
@@ -61,6 +64,8 @@ def refusal(connect: Connect, hub: Hub) -> ReasonCode:
         return ReasonCode.CLIENT_IDENTIFIER_NOT_VALID
     if len(hub.peers) >= hub.limits.max_connections and connect.client_id not in hub.peers:
         return ReasonCode.QUOTA_EXCEEDED
+    if not _can_be_welcomed(connect, hub):
+        return ReasonCode.PACKET_TOO_LARGE
     if connect.will is not None:
         if connect.will.topic.count("/") >= hub.limits.max_topic_levels:
             return ReasonCode.TOPIC_NAME_INVALID
@@ -111,3 +116,12 @@ def welcome(login: Login, hub: Hub, *, session_present: bool) -> Connack:
 def expiry_of(seconds: int) -> float:
     """A session expiry interval as a number to count with: 0xFFFFFFFF is infinite."""
     return inf if seconds == _NEVER else float(seconds)
+
+
+def _can_be_welcomed(connect: Connect, hub: Hub) -> bool:
+    """Whether the client takes packets of the size of its CONNACK, without which it cannot know our limits."""
+    limit = connect.properties.maximum_packet_size
+    if limit is None:
+        return True
+    answer = welcome(accept(connect, hub), hub, session_present=False)
+    return len(encode(answer, connect.version)) <= limit
