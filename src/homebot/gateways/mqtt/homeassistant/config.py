@@ -157,7 +157,12 @@ class Config:
         return source
 
     def command(self, topic_key: str, template_key: str = "command_template") -> CommandTopic | None:
-        """Return where a command goes, and how it is written; None where the part takes none."""
+        """Return where a command goes, and how it is written; None where the part takes none.
+
+        Args:
+            topic_key: The field with the topic.
+            template_key: The field with the template; empty for a command that has none.
+        """
         value = self.values.get(topic_key)
         if value is None:
             return None

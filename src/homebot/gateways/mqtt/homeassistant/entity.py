@@ -102,6 +102,10 @@ class Entity:
 
         Where the template of the source is not supported, the part shows the payload as ``raw`` instead.
         """
+        return source is not None and self.hears_message(source, lambda _said, text: read(text))
+
+    def hears_message(self, source: Source | None, read: Callable[[Said, str], Readings]) -> bool:
+        """As :meth:`hears`, but *read* is given the whole message before the text."""
         if source is None:
             return False
         if not source.problem:
@@ -170,9 +174,9 @@ def _category(config: Config) -> Category:
             raise WireError(f"{config.component}: entity_category is {shown(other)}, not config or diagnostic")
 
 
-def _read_source(source: Source, read: Callable[[str], Readings], said: Said) -> Readings:
+def _read_source(source: Source, read: Callable[[Said, str], Readings], said: Said) -> Readings:
     text = source.text(said)
-    return NOTHING if text is None else read(text)
+    return NOTHING if text is None else read(said, text)
 
 
 def _read_raw(encoding: str, said: Said) -> Readings:

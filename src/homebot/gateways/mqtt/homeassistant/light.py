@@ -11,7 +11,9 @@ from types import MappingProxyType
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.light_basic import build_basic_light
 from homebot.gateways.mqtt.homeassistant.light_json import build_json_light
+from homebot.gateways.mqtt.homeassistant.light_template import build_template_light
 from homebot.gateways.mqtt.payload import shown
 
 __all__ = ["build_light"]
@@ -26,4 +28,6 @@ def build_light(config: Config) -> DescribedPart:
     return builder(config)
 
 
-_SCHEMAS: Mapping[str, Callable[[Config], DescribedPart]] = MappingProxyType({"json": build_json_light})
+_SCHEMAS: Mapping[str, Callable[[Config], DescribedPart]] = MappingProxyType(
+    {"basic": build_basic_light, "json": build_json_light, "template": build_template_light}
+)

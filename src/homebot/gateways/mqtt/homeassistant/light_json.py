@@ -6,7 +6,6 @@ Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_json.py``.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -24,6 +23,7 @@ from homebot.gateways.mqtt.homeassistant.light_color import (
     to_hue_saturation,
 )
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
+from homebot.gateways.mqtt.homeassistant.rendered import number_of
 from homebot.gateways.mqtt.homeassistant.said import Said
 from homebot.gateways.mqtt.payload import clean_text, shown
 
@@ -32,8 +32,7 @@ __all__ = ["build_json_light"]
 
 def build_json_light(config: Config) -> DescribedPart:
     """Describe a lamp that speaks JSON."""
-    command = config.required_command()
-    command = CommandTopic(command.topic, None, command.qos, command.retain, command.encoding)
+    command = config.required_command(template_key="")
     scale = config.integer("brightness_scale", 255, least=1)
     in_kelvin = config.flag("color_temp_kelvin")
     lamp = Lamp(
@@ -134,12 +133,8 @@ def _hue_saturation(mode: str, color: object, white: KelvinRange) -> tuple[float
         return None
     channels = []
     for letter in CHANNELS[mode]:
-        value = color.get(letter)
-        try:
-            number = float(value) if isinstance(value, (int, float, str)) else math.nan
-        except (ValueError, OverflowError):
-            return None
-        if not 0 <= number <= _BOUNDS.get(letter, 255.0):
+        number = number_of(color.get(letter))
+        if number is None or not 0 <= number <= _BOUNDS.get(letter, 255.0):
             return None
         channels.append(number if letter in _BOUNDS else float(int(number)))
     return to_hue_saturation(mode, tuple(channels), white)

@@ -1,0 +1,133 @@
+"""The component ``fan``. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/fan.py``.
+"""
+
+from __future__ import annotations
+
+import math
+
+from homebot.devices.value import PlainValue
+from homebot.errors import WireError
+from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.rendered import whole_of
+from homebot.gateways.mqtt.homeassistant.scale import Scale
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.payload import shown
+
+__all__ = ["build_fan"]
+
+
+def build_fan(config: Config) -> DescribedPart:
+    """Describe a fan."""
+    entity = Entity(config, "fan")
+    _offer_switch(
+        entity,
+        config,
+        "on_off",
+        config.required_command(),
+        ("state_topic", "state_value_template"),
+        {config.text("payload_off", "OFF"): False, config.text("payload_on", "ON"): True, "None": None},
+    )
+    _offer_speed(entity, config)
+    _offer_preset(entity, config)
+    _offer_switch(
+        entity,
+        config,
+        "oscillation",
+        config.command("oscillation_command_topic", "oscillation_command_template"),
+        ("oscillation_state_topic", "oscillation_value_template"),
+        {
+            config.text("payload_oscillation_off", "oscillate_off"): False,
+            config.text("payload_oscillation_on", "oscillate_on"): True,
+        },
+    )
+    _offer_direction(entity, config)
+    return entity.described()
+
+
+_DIRECTIONS = ("forward", "reverse")
+
+
+def _offer_switch(
+    entity: Entity,
+    config: Config,
+    name: str,
+    command: CommandTopic | None,
+    source: tuple[str, str],
+    words: dict[str, bool | None],
+) -> None:
+    payloads = {flag: word for word, flag in words.items()}
+
+    def read(text: str) -> Readings:
+        return {name: words[text]} if text in words else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (command.publication(payloads[wanted_flag(name, value)]),) if command else ()
+
+    entity.offers(name, readable=entity.hears(config.source(*source), read), writer=write if command else None)
+    entity.listens(command)
+
+
+def _offer_speed(entity: Entity, config: Config) -> None:
+    least = config.integer("speed_range_min", 1, least=1)
+    most = config.integer("speed_range_max", 100, least=1)
+    if least >= most:
+        raise WireError(f"fan: speed_range_max is {most}, not above speed_range_min {least}")
+    scale = Scale(least - 1, most)
+    unknown = config.text("payload_reset_percentage", "None")
+    command = config.command("percentage_command_topic", "percentage_command_template")
+
+    def read(text: str) -> Readings:
+        if text == unknown:
+            return {"fan_speed": None}
+        speed = whole_of(text)
+        percent = -1.0 if speed is None else scale.percent(speed)
+        return {"fan_speed": percent} if 0 <= percent <= 100 else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        percent = round(wanted_number("fan_speed", value, 0, 100, "%"))
+        return (command.publication(math.ceil(scale.value(percent))),) if command else ()
+
+    source = config.source("percentage_state_topic", "percentage_value_template")
+    entity.offers("fan_speed", readable=entity.hears(source, read), writer=write if command else None)
+    entity.listens(command)
+
+
+def _offer_preset(entity: Entity, config: Config) -> None:
+    modes = config.options("preset_modes")
+    unknown = config.text("payload_reset_preset_mode", "None")
+    command = config.command("preset_mode_command_topic", "preset_mode_command_template")
+    if unknown in modes:
+        raise WireError(f"fan: preset_modes has {shown(unknown)}, which means that the mode is unknown")
+
+    def read(text: str) -> Readings:
+        if text == unknown:
+            return {"preset_mode": None}
+        return {"preset_mode": text} if text in modes else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (command.publication(wanted_option("preset_mode", value, modes)),) if command else ()
+
+    source = config.source("preset_mode_state_topic", "preset_mode_value_template") if modes else None
+    entity.offers(
+        "preset_mode", readable=entity.hears(source, read), writer=write if command and modes else None, options=modes
+    )
+    entity.listens(command)
+
+
+def _offer_direction(entity: Entity, config: Config) -> None:
+    command = config.command("direction_command_topic", "direction_command_template")
+
+    def read(text: str) -> Readings:
+        return {"direction": text} if text in _DIRECTIONS else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (command.publication(wanted_option("direction", value, _DIRECTIONS)),) if command else ()
+
+    source = config.source("direction_state_topic", "direction_value_template")
+    entity.offers("direction", readable=entity.hears(source, read), writer=write if command else None)
+    entity.listens(command)

@@ -1,0 +1,95 @@
+"""What a lamp of schema ``basic`` says, each on its topic. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_basic.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.light_color import CHANNELS, kelvin_mired, to_hue_saturation
+from homebot.gateways.mqtt.homeassistant.light_order import Lamp
+from homebot.gateways.mqtt.homeassistant.rendered import number_of, numbers_of, whole_of
+from homebot.gateways.mqtt.payload import clean_text
+
+__all__ = ["BasicState"]
+
+_BYTE = 255
+
+
+@dataclass(frozen=True, slots=True)
+class BasicState:
+    """Reads what the lamp says.
+
+    Attributes:
+        config: The lamp's config.
+        lamp: What it can do.
+    """
+
+    config: Config
+    lamp: Lamp
+
+    def hear(self, entity: Entity) -> frozenset[str]:
+        """Have *entity* read all topics; return the capabilities that can be read."""
+        config = self.config
+        words: dict[str, bool | None] = {
+            config.text("payload_off", "OFF"): False,
+            config.text("payload_on", "ON"): True,
+            "None": None,
+        }
+        readable = set()
+
+        def hear(capability: str, name: str, read: Callable[[str], Readings]) -> None:
+            source = config.source(f"{name}_state_topic".lstrip("_"), f"{name or 'state'}_value_template")
+            if entity.hears(source, read):
+                readable.add(capability)
+
+        hear("on_off", "", lambda text: {"on_off": words[text]} if text in words else NOTHING)
+        if self.lamp.has_level:
+            hear("level", "brightness", partial(_level, config.integer("brightness_scale", _BYTE, least=1)))
+        if self.lamp.has_white:
+            hear("color_temperature", "color_temp", partial(self._white, config.flag("color_temp_kelvin")))
+        own_level = bool(config.state_topic("brightness_state_topic"))
+        for mode in CHANNELS:
+            if mode in self.lamp.modes:
+                hear("color", mode, partial(self._color, mode, own_level or mode in ("hs", "xy")))
+                if not own_level and mode not in ("hs", "xy") and "color" in readable:
+                    readable.add("level")
+        if self.lamp.effects:
+            hear("effect", "effect", lambda text: {"effect": clean_text(text)} if text else NOTHING)
+        return frozenset(readable)
+
+    def _white(self, in_kelvin: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
+        value = whole_of(text) or 0
+        if value <= 0:
+            return NOTHING
+        kelvin = float(value if in_kelvin else kelvin_mired(value))
+        return {"color_temperature": kelvin} | ({"color": None} if self.lamp.color_mode else {})
+
+    def _color(self, mode: str, own_level: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
+        """A colour whose lamp has no topic for its brightness tells that as well."""
+        channels = numbers_of(text, len(CHANNELS[mode]))
+        if channels is None or not all(
+            0 <= channel <= most for channel, most in zip(channels, _MOST.get(mode, (_BYTE,) * 5), strict=False)
+        ):
+            return NOTHING
+        whole = {} if not self.lamp.has_white else {"color_temperature": None}
+        if own_level:
+            return {"color": to_hue_saturation(mode, channels, self.lamp.white), **whole}
+        brightness = max(channels)
+        if not brightness:
+            return NOTHING
+        color = to_hue_saturation(mode, tuple(channel / brightness * _BYTE for channel in channels), self.lamp.white)
+        return {"color": color, "level": brightness * 100 / _BYTE, **whole}
+
+
+_MOST = {"hs": (360, 100), "xy": (1, 1)}
+
+
+def _level(scale: int, text: str) -> Readings:
+    value = number_of(text) or 0
+    return {"level": min(round(value / scale * _BYTE), _BYTE) * 100 / _BYTE} if value > 0 else NOTHING

@@ -1,0 +1,38 @@
+"""The component ``lock``. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/lock.py``.
+"""
+
+from __future__ import annotations
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
+
+__all__ = ["build_lock"]
+
+_STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jammed")
+"""Where two states have the same word, the later one counts."""
+
+
+def build_lock(config: Config) -> DescribedPart:
+    """Describe a door lock. It is told without a code: one that wants a code says no by itself."""
+    command = config.required_command()
+    states: dict[str, str | None] = {config.text(f"state_{state}", state.upper()): state for state in _STATES}
+    states[config.text("payload_reset", "None")] = None
+    payloads = {"locked": config.text("payload_lock", "LOCK"), "unlocked": config.text("payload_unlock", "UNLOCK")}
+    if config.has("payload_open"):
+        payloads["open"] = config.text("payload_open")
+
+    def read(text: str) -> Readings:
+        return {"lock": states[text]} if text.strip() and text in states else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (command.publication(payloads[wanted_option("lock", value, payloads)], {"code": None}),)
+
+    entity = Entity(config, "door_lock")
+    entity.offers("lock", readable=entity.hears(config.source("state_topic"), read), writer=write)
+    entity.listens(command)
+    return entity.described()

@@ -1,0 +1,103 @@
+"""The component ``siren``. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/siren.py``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import Entity, Readings
+from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
+
+__all__ = ["build_siren"]
+
+
+def build_siren(config: Config) -> DescribedPart:
+    """Describe a siren, which is told in JSON where it has no template."""
+    on = config.required_command()
+    off = config.required_command(template_key="command_off_template")
+    payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
+    tones = config.options("available_tones")
+    listens = _Listening(on, off if off.template is not None else on, payloads, tones)
+    speaks = _Speaking(
+        {
+            config.text("state_on") or payloads[True]: True,
+            config.text("state_off") or payloads[False]: False,
+            "None": None,
+        },
+        tones,
+        has_volume=config.flag("support_volume_set", default=True),
+    )
+    entity = Entity(config, "siren")
+    readable = entity.hears(config.source("state_topic", "state_value_template"), speaks.read)
+    entity.offers("on_off", readable=readable, writer=listens.switch)
+    if tones:
+        entity.offers("siren_tone", readable=readable, writer=listens.sound, options=tones)
+    if speaks.has_volume:
+        entity.offers("volume", readable=readable, writer=listens.set_volume)
+    entity.listens(on)
+    return entity.described()
+
+
+@dataclass(frozen=True, slots=True)
+class _Listening:
+    """Tells the siren. Tone and volume also turn it on, as they do in Home Assistant."""
+
+    on: CommandTopic
+    off: CommandTopic
+    payloads: Mapping[bool, str]
+    tones: tuple[str, ...]
+
+    def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return self._tell(on=wanted_flag("on_off", value))
+
+    def sound(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return self._tell(tone=wanted_option("siren_tone", value, self.tones))
+
+    def set_volume(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return self._tell(volume_level=wanted_number("volume", value, 0, 100, "%") / 100)
+
+    def _tell(self, *, on: bool = True, **wanted: object) -> tuple[Publication, ...]:
+        command = self.on if on else self.off
+        variables = {"state": self.payloads[on], **wanted}
+        if command.template is None:
+            return (command.publication(json.dumps(variables, ensure_ascii=False, separators=(",", ":"))),)
+        publication = command.publication(self.payloads[on], variables)
+        if publication.payload in _NOTHING_TO_SAY:
+            raise RefusedError(f"a command on {command.topic}", "its template makes nothing of it")
+        return (publication,)
+
+
+@dataclass(frozen=True, slots=True)
+class _Speaking:
+    """Reads what the siren says: a plain word, or an object with ``state`` and more."""
+
+    states: Mapping[str, bool | None]
+    tones: tuple[str, ...]
+    has_volume: bool
+
+    def read(self, text: str) -> Readings:
+        if text in self.states:
+            return {"on_off": self.states[text]}
+        message = fields_of(text)
+        found: dict[str, PlainValue] = {}
+        state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
+        if isinstance(state, str) and state in self.states:
+            found["on_off"] = self.states[state]
+        if isinstance(tone, str) and tone in self.tones:
+            found["siren_tone"] = tone
+        if self.has_volume and volume is not None and 0 <= volume <= 1:
+            found["volume"] = volume * 100
+        return found
+
+
+_NOTHING_TO_SAY = (b"", b"None")
