@@ -6,6 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py`` and ``entity.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import get_args
 
 from homebot.errors import WireError
@@ -67,11 +68,20 @@ def read_availability(config: Config) -> Availability | None:
 def _entry(config: Config, entry: object) -> WordsOfAvailability:
     if not isinstance(entry, dict):
         raise WireError(f"availability has {shown(entry)}, not an object")
-    fields = Config("availability", config.discovery_id, {**entry, "encoding": config.encoding})
-    topic = fields.state_topic("topic")
+    try:
+        return _known_entry(tuple(entry.items()), config.encoding)
+    except TypeError:
+        raise WireError("availability has a field that is a list or an object") from None
+
+
+@lru_cache(maxsize=128)
+def _known_entry(fields: tuple[tuple[str, object], ...], encoding: str) -> WordsOfAvailability:
+    """All devices of a bridge share its entry, and all parts of a device share the device's."""
+    config = Config("availability", "", {**dict(fields), "encoding": encoding})
+    topic = config.state_topic("topic")
     if not topic:
         raise WireError("availability has an entry without topic")
-    return _words(fields, topic, "value_template")
+    return _words(config, topic, "value_template")
 
 
 def _words(config: Config, topic: str, template_key: str) -> WordsOfAvailability:

@@ -65,11 +65,14 @@ class Config:
     def text(self, key: str, default: str = "") -> str:
         """Return a text, at most 8 kB long; a number or boolean as Python spells it."""
         value = self.values.get(key)
-        return default if value is None else self._as_text(key, value)
+        if value is None:
+            return default
+        return value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value)
 
     def words(self, key: str, limit: int = 120) -> str:
         """Return a text fit to be shown; empty where there is none."""
-        return clean_text(self.text(key), limit)
+        text = self.text(key)
+        return clean_text(text, limit) if text else ""
 
     def payload(self, key: str, default: str) -> str | None:
         """Return the payload of a command; None where the config says null: there is no such command."""
@@ -105,6 +108,8 @@ class Config:
         value = self.values.get(key)
         if value is None:
             return default
+        if type(value) is int and least <= value <= most:
+            return value
         try:
             whole = int(value) if isinstance(value, (str, int, float)) and len(str(value)) <= _MAX_DIGITS else None
         except (ValueError, OverflowError):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
@@ -56,12 +57,15 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
         raise WireError("a device has neither identifiers nor connections")
     facts.update(_facts(origin, _ORIGIN_FACTS))
     return DeviceInfo(
-        identifiers(declared),
+        _identifiers(tuple(declared)),
         _word(device.get("name"), _MAX_NAME),
         _word(device.get("suggested_area"), _MAX_NAME),
         facts,
     )
 
+
+_identifiers = lru_cache(maxsize=128)(identifiers)
+"""The entities of one device are announced one after the other."""
 
 _MAX_NAME = 120
 _MAX_FACT = 255
@@ -85,17 +89,15 @@ _PAIR = 2
 
 
 def _facts(fields: Mapping[str, object], names: Mapping[str, str]) -> dict[str, str]:
-    return {fact: text for key, fact in names.items() if key in fields and (text := _word(fields[key], _MAX_FACT))}
+    return {names[key]: text for key, value in fields.items() if key in names and (text := _word(value, _MAX_FACT))}
 
 
 def _word(value: object, limit: int) -> str:
     if isinstance(value, str):
         return clean_text(value, limit)
-    return str(value)[:limit] if isinstance(value, (bool, float)) or _is_small(value) else ""
-
-
-def _is_small(value: object) -> bool:
-    return isinstance(value, int) and abs(value) < _HUGE
+    if isinstance(value, (bool, float)) or (isinstance(value, int) and abs(value) < _HUGE):
+        return str(value)
+    return ""
 
 
 _HUGE = 10**30

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import lru_cache, partial
 from types import MappingProxyType
 from typing import TypeAlias
 
@@ -31,6 +31,7 @@ Writer: TypeAlias = Callable[[PlainValue, float], tuple[Publication, ...]]
 
 NOTHING: Readings = MappingProxyType({})
 
+_CATEGORIES: Mapping[str, Category] = {"": "", "config": "config", "diagnostic": "diagnostic"}
 _MAX_RAW = 255
 _MAX_ID = 255
 
@@ -128,9 +129,7 @@ class Entity:
         """Have the capability *name*, settable where there is a *writer*. One that is neither is left out."""
         if not readable and writer is None:
             return
-        self._capabilities[name] = Capability(
-            name=name, readable=readable, settable=writer is not None, unit=unit, bounds=bounds, options=options
-        )
+        self._capabilities[name] = _capability(name, readable, writer is not None, unit, bounds, options)
         if writer is not None:
             self._writers[name] = writer
 
@@ -162,16 +161,23 @@ class Entity:
         )
 
 
+@lru_cache(maxsize=512)
+def _capability(  # the same few for all lamps of a house: making one costs ten times as much as finding it
+    name: str,
+    readable: bool,  # noqa: FBT001 - only called above
+    settable: bool,  # noqa: FBT001 - only called above
+    unit: str,
+    bounds: tuple[float, ...],
+    options: tuple[str, ...],
+) -> Capability:
+    return Capability(name=name, readable=readable, settable=settable, unit=unit, bounds=bounds, options=options)
+
+
 def _category(config: Config) -> Category:
-    match config.text("entity_category"):
-        case "":
-            return ""
-        case "config":
-            return "config"
-        case "diagnostic":
-            return "diagnostic"
-        case other:
-            raise WireError(f"{config.component}: entity_category is {shown(other)}, not config or diagnostic")
+    category = config.text("entity_category")
+    if category in _CATEGORIES:
+        return _CATEGORIES[category]
+    raise WireError(f"{config.component}: entity_category is {shown(category)}, not config or diagnostic")
 
 
 def _read_source(source: Source, read: Callable[[Said, str], Readings], said: Said) -> Readings:

@@ -36,14 +36,15 @@ class ConfigTopic:
     @property
     def key(self) -> str:
         """The name of the announcement: all levels between prefix and ``config``."""
-        return "/".join(level for level in (self.component, self.node_id, self.object_id) if level)
+        ids = f"{self.node_id}/{self.object_id}" if self.node_id else self.object_id
+        return f"{self.component}/{ids}"
 
 
 def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
     """Return what *topic* says; None where it is no config below *prefix*.
 
-    Raises:
-        WireError: It is a config, but its ids have other characters than letters, digits, ``_`` and ``-``.
+    Home Assistant takes ids of letters, digits, ``_`` and ``-`` alone. Real devices have others too, such as the button
+    ``recall_*`` of a remote; they are taken as they are.
     """
     if not topic.startswith(f"{prefix}/") or not topic.endswith("/config"):
         return None
@@ -51,8 +52,6 @@ def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
     if len(levels) not in _LEVELS:
         return None
     component, *ids = levels
-    if _COMPONENT.fullmatch(component) is None or any(_ID.fullmatch(one) is None for one in ids):
-        raise WireError(f"topic {shown(topic)}: ids of a config have only letters, digits, _ and -")
     return ConfigTopic(component, ids[0] if len(ids) > 1 else "", ids[-1])
 
 
@@ -77,8 +76,6 @@ def state_topic(topic: str) -> str:
 
 
 _LEVELS = (2, 3)
-_COMPONENT = re.compile(r"[a-z_]{1,64}", re.ASCII)
-_ID = re.compile(r"[a-zA-Z0-9_-]+", re.ASCII)
 _FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
 
 
