@@ -8,7 +8,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from random import Random
 from typing import Literal
 
 from homebot.clock import Clock
@@ -18,8 +17,8 @@ from homebot.messages import Message
 from homebot.messages.json import message_to_json
 from homebot.mqtt.client import Subscription
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.options import MqttOptions
 from homebot.testing.background import in_background
+from homebot.testing.house import TestHouse
 from homebot.testing.virtual_house import VirtualHouse
 
 __all__ = ["EventLog", "HouseEvent"]
@@ -73,22 +72,20 @@ class EventLog:
 
     @classmethod
     @asynccontextmanager
-    async def of(cls, house: VirtualHouse) -> AsyncIterator[EventLog]:
+    async def of(cls, house: TestHouse) -> AsyncIterator[EventLog]:
         """Keep a log of *house* during the block: all messages on MQTT and on the graph, and who comes and goes there.
 
-        It is a node ``/event_log`` and a client of the broker, and reads as anybody may.
+        It is a node ``/event_log`` and a client of the broker, and reads as anybody may. The fixtures of pytest keep
+        one already: ``house.log``.
         """
-        log = cls(house.clock)
-        options = MqttOptions.from_url(house.broker.url, client_id=NODE, keep_alive=3_600)
-        random = Random(0)  # noqa: S311 - a simulation has no secrets
-        connection = MqttConnection(
-            options, house.broker.make_client, status_topic=None, clock=house.clock, random=random
-        )
-        async with Node(house.runtime.graph, NODE) as node, connection:
+        log = cls(house.runtime.graph.clock)
+        async with Node(house.runtime.graph, NODE) as node, house.client(NODE) as connection:
             await connection.subscribe(Subscription("#"))
             await connection.wait_connected()
             async with in_background(lambda: _read_mqtt(connection, log), lambda: _read_graph(node, log)):
-                await house.settle()
+                house.log = log
+                if isinstance(house, VirtualHouse):
+                    await house.settle()
                 yield log
 
 

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
+from dataclasses import replace
+from random import Random
+from typing import TYPE_CHECKING
 
 import anyio
 
 from homebot.config import Config, parse_config
-from homebot.errors import ClosedError
+from homebot.errors import ClosedError, UsageError
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttClient, Subscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 from homebot.testing.background import in_background
+from homebot.testing.house_config import house_config, mqtt_gateway_of
 
-__all__ = ["TestHouse", "house_config", "house_of"]
+if TYPE_CHECKING:
+    from homebot.testing.event_log import EventLog
+
+__all__ = ["TestHouse", "house_of"]
 
 PATIENCE = 5.0
 
@@ -29,17 +36,65 @@ KEPT = 1000
 class TestHouse:
     """What a test can do to a house and see of it.
 
+    Args:
+        runtime: The homebot under test.
+        field: A connection that has subscribed to what the test may hear.
+        options: How a further client reaches the broker.
+        make_client: Makes one.
+
     Attributes:
         runtime: The homebot under test.
+        broker_url: Where its broker is, as ``mqtt://host:port``.
     """
 
     __test__ = False  # no collection of tests, whatever its name
 
-    def __init__(self, runtime: Runtime, field: MqttConnection) -> None:
+    def __init__(
+        self,
+        runtime: Runtime,
+        field: MqttConnection,
+        options: MqttOptions,
+        make_client: Callable[[MqttOptions], MqttClient],
+    ) -> None:
         self.runtime = runtime
+        self.broker_url = options.url
+        self._options = options
+        self._make_client = make_client
+        self._log: EventLog | None = None
         self._field = field
         self._heard: defaultdict[str, deque[str]] = defaultdict(lambda: deque(maxlen=KEPT))
         self._came = anyio.Event()
+
+    @property
+    def crashed(self) -> tuple[str, ...]:
+        """The parts of the runtime that crashed, each once, sorted."""
+        supervisor = self.runtime.supervisor
+        return tuple(sorted({*supervisor.restarts, *supervisor.given_up}))
+
+    @property
+    def log(self) -> EventLog:
+        """What happened, where somebody keeps a log: the fixtures of pytest do, and ``EventLog.of``.
+
+        Raises:
+            UsageError: Nobody does.
+        """
+        if self._log is None:
+            raise UsageError("nobody keeps a log of this house: `async with EventLog.of(house) as log` does")
+        return self._log
+
+    @log.setter
+    def log(self, log: EventLog) -> None:
+        self._log = log
+
+    def client(self, client_id: str) -> MqttConnection:
+        """Return a further client of the broker, not yet connected."""
+        return MqttConnection(
+            replace(self._options, client_id=client_id),
+            self._make_client,
+            status_topic=None,
+            clock=self.runtime.graph.clock,
+            random=Random(0),  # noqa: S311 - a test has no secrets
+        )
 
     async def says(self, topic: str, payload: str) -> None:
         """Let a device publish *payload* on *topic*; returns when the broker has it."""
@@ -77,37 +132,42 @@ class TestHouse:
 
     def _silence(self, topic: str, within: float) -> str:
         elsewhere = {name: list(payloads) for name, payloads in self._heard.items() if payloads}
-        supervisor = self.runtime.supervisor
-        crashed = sorted({*supervisor.restarts, *supervisor.given_up})
         return (
             f"nothing came on {topic} within {within:g} s; "
-            f"came elsewhere: {elsewhere or 'nothing'}; crashed: {', '.join(crashed) or 'nothing'}"
+            f"came elsewhere: {elsewhere or 'nothing'}; crashed: {', '.join(self.crashed) or 'nothing'}"
         )
 
 
-def house_config(apps: Sequence[str], root: str, url: str) -> Config:
-    """A configuration with *apps* and one MQTT gateway, which acts."""
-    tables = {
-        "gateways": {"mqtt": {"url": url, "root": root, "act": True}},
-        "apps": {f"app_{number}": {"class": app} for number, app in enumerate(apps, 1)},
-        "door": {"port": 0},
-    }
-    return parse_config(tables, "test")
-
-
 @asynccontextmanager
-async def house_of(*apps: str, root: str = "home425") -> AsyncIterator[TestHouse]:
+async def house_of(
+    *apps: str, root: str = "home425", config: Config | Mapping[str, object] | None = None
+) -> AsyncIterator[TestHouse]:
     """Run *apps*, each a plug-in's name or ``module:Class``, in a homebot on a broker of its own.
 
     Topics follow the thesis: devices say things on ``<root>/SERVICE_TYPE/DEVICE_ID/out`` and are told on ``…/in``.
+
+    Args:
+        apps: The apps, besides those of *config*.
+        root: The home: first level of the topics.
+        config: What else there is, as in ``homebot.toml``; a broker that is not on this computer is replaced by the
+            test's, and ports that are not said are free ones.
+
+    Raises:
+        UsageError: The configuration cannot be used.
     """
-    async with (
-        Broker() as broker,
-        Runtime(house_config(apps, root, broker.url)) as runtime,
-        MqttConnection(MqttOptions.from_url(broker.url), AiomqttClient, status_topic=None) as field,
-    ):
-        await field.subscribe(Subscription(f"{root}/+/+/in", qos=1))
-        await field.wait_connected()
-        house = TestHouse(runtime, field)
-        async with in_background(house.listen):
-            yield house
+    given = config if config is None or isinstance(config, Config) else parse_config(config, "config")
+    async with Broker() as broker:
+        made = house_config(apps, root, broker.url, given)
+        gateway = mqtt_gateway_of(made)
+        own = MqttOptions.from_url(broker.url)
+        options = own if gateway is None else replace(gateway.options(), client_id=own.client_id)
+        async with (
+            Runtime(made) as runtime,
+            MqttConnection(options, AiomqttClient, status_topic=None) as field,
+        ):
+            heard = root if gateway is None else gateway.root or "+"
+            await field.subscribe(Subscription(f"{heard}/+/+/in", qos=1))
+            await field.wait_connected()
+            house = TestHouse(runtime, field, options, AiomqttClient)
+            async with in_background(house.listen):
+                yield house

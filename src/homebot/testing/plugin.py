@@ -1,5 +1,7 @@
 """The pytest plug-in: a real MQTT broker for tests, without configuration, with any asyncio plug-in or none.
 
+The fixtures for a whole house are in :mod:`homebot.testing.house_fixtures`, which pytest loads with this.
+
 Loaded by pytest wherever homebot is installed, so it imports nothing of homebot before a fixture is asked for.
 """
 
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
     from homebot.testing.mqtt import BlockingTestBroker, BrokerSettings, BrokerThread, TestBroker, TestTls
 
 __all__ = ["mqtt_broker", "mqtt_broker_session", "mqtt_broker_thread"]
+
+pytest_plugins = ("homebot.testing.house_fixtures",)
 
 _MAX_PACKETS_SHOWN = 100
 _MARK = "mqtt_broker"

@@ -20,7 +20,8 @@ from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 from homebot.testing.background import in_background
-from homebot.testing.house import TestHouse, house_config
+from homebot.testing.house import TestHouse
+from homebot.testing.house_config import house_config
 from homebot.testing.moment import as_moment, next_moment
 from homebot.testing.virtual_time import VirtualTimeLoop
 from homebot.units import parse_duration
@@ -49,11 +50,12 @@ class VirtualHouse(TestHouse):
         self,
         runtime: Runtime,
         field: MqttConnection,
+        options: MqttOptions,
         broker: MemoryBroker,
         clock: LoopClock,
         simulated: SimulatedHouse,
     ) -> None:
-        super().__init__(runtime, field)
+        super().__init__(runtime, field, options, broker.make_client)
         self.broker = broker
         self.clock = clock
         self.simulated = simulated
@@ -153,7 +155,7 @@ async def virtual_house_of(
             random=random,
             heartbeat=parse_duration(heartbeat),
         )
-        house = VirtualHouse(runtime, field, broker, clock, simulated)
+        house = VirtualHouse(runtime, field, options, broker, clock, simulated)
         async with in_background(house.listen, simulated.serve):
             await house.settle()
             yield house

@@ -1,0 +1,154 @@
+"""The fixtures ``house`` and ``homebot`` of pytest, and what pytest has to do for them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Generator, Iterator
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
+from typing import TYPE_CHECKING, TypeVar
+
+import pytest
+
+from homebot.testing import pytest_loops as loops
+from homebot.testing.pytest_loops import anyio_loop, own_loop, virtual_time
+
+if TYPE_CHECKING:
+    from homebot.testing.house import TestHouse
+    from homebot.testing.virtual_house import VirtualHouse
+
+__all__ = ["anyio_loop", "homebot", "homebot_config", "house", "own_loop", "virtual_time"]
+
+_HOUSES = pytest.StashKey["list[tuple[str, TestHouse]]"]()
+
+_OF_REAL_TIME = ("homebot", "mqtt_broker", "mqtt_broker_session", "mqtt_broker_thread")
+
+HouseT = TypeVar("HouseT", bound="TestHouse")
+
+
+@pytest.fixture
+def house(request: pytest.FixtureRequest, _homebot_virtual_time: None) -> Iterator[VirtualHouse]:
+    """A simulated house in virtual time: ``await house.run_for("8h")``; ``@pytest.mark.house`` says what is in it."""
+    from homebot.testing.house_marks import house_by_mark  # noqa: PLC0415 - only for those who use it
+
+    for other in _OF_REAL_TIME:
+        if other in request.fixturenames:
+            pytest.fail(f"`house` has its own time and broker, `{other}` is of real time: take one", pytrace=False)
+    with _explained():
+        made = house_by_mark(request.node)
+    with _shown(request, "house", loops.virtual_loop_of(request, "house"), made) as shown:
+        yield shown
+
+
+@pytest.fixture
+def homebot(request: pytest.FixtureRequest, homebot_config: object) -> Iterator[TestHouse]:
+    """A running homebot with a broker of its own; ``@pytest.mark.homebot`` says what runs in it."""
+    from homebot.testing.house_marks import homebot_of  # noqa: PLC0415 - only for those who use it
+
+    with _explained():
+        made = homebot_of(request.node, homebot_config)
+    with _shown(request, "homebot", loops.loop_of(request, "homebot"), made) as shown:
+        yield shown
+
+
+@pytest.fixture
+def homebot_config(request: pytest.FixtureRequest) -> object:
+    """The configuration of ``homebot``, tables or a file: what its mark says, unless you write your own fixture."""
+    from homebot.testing.house_marks import config_of  # noqa: PLC0415 - only for those who use it
+
+    return config_of(request.node)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the marks known, and the fixtures that need pytest-asyncio where that is."""
+    config.addinivalue_line(
+        "markers",
+        "house(*apps, world=…, root='home425', start='2026-01-01 00:00', seed=0, heartbeat=300): what is in the "
+        "fixture `house`: apps, and a simulated world (a TOML file, a World, or a function that returns one)",
+    )
+    config.addinivalue_line(
+        "markers",
+        "homebot(*apps, config=…, root='home425'): what runs in the fixture `homebot`: apps, and a configuration "
+        "(tables or a TOML file)",
+    )
+    if config.pluginmanager.has_plugin(loops.PYTEST_ASYNCIO):
+        config.pluginmanager.import_plugin("homebot.testing.pytest_asyncio_loops")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> Generator[None, None, None]:
+    """Choose the loop before anybody makes tests of it."""
+    loops.use_virtual_loop(metafunc)
+    yield
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Give each test in virtual time a loop of its own."""
+    loops.use_loop_of_its_own(item)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
+    """Run a test with a fixture of ours that nobody else runs."""
+    runner = loops.own_runner(pyfuncitem)
+    if runner is None:
+        return None
+    names = pyfuncitem._fixtureinfo.argnames  # noqa: SLF001 - what pytest itself passes, and no public way to it
+    runner.run(pyfuncitem.obj(**{name: pyfuncitem.funcargs[name] for name in names}))
+    return True
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
+    """Close the loop when all fixtures are gone."""
+    try:
+        yield
+    finally:
+        loops.close_virtual_loop(item)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Show what happened in the houses of a test that failed."""
+    report = yield
+    houses = item.stash.get(_HOUSES, [])
+    if report.failed and houses:
+        from homebot.testing.house_report import house_report  # noqa: PLC0415 - only for those who use it
+
+        report.sections += [(f"what happened in `{name}`", house_report(one)) for name, one in houses]
+    return report
+
+
+@contextmanager
+def _shown(
+    request: pytest.FixtureRequest,
+    name: str,
+    loop: asyncio.AbstractEventLoop,
+    made: AbstractAsyncContextManager[HouseT],
+) -> Iterator[HouseT]:
+    """Run the house on *loop*, with a log of it for the report of a failed test."""
+    from homebot.testing.held import held  # noqa: PLC0415 - only for those who use it
+
+    houses = request.node.stash.setdefault(_HOUSES, [])
+    with _explained(), held(loop, _with_log(made)) as house:
+        houses.append((name, house))
+        yield house
+    houses.clear()
+
+
+@asynccontextmanager
+async def _with_log(made: AbstractAsyncContextManager[HouseT]) -> AsyncIterator[HouseT]:
+    from homebot.testing.event_log import EventLog  # noqa: PLC0415 - only for those who use it
+
+    async with made as house, EventLog.of(house):
+        yield house
+
+
+@contextmanager
+def _explained() -> Iterator[None]:
+    """Tell in words, without our code, what the test's author has to mend."""
+    from homebot.errors import UsageError  # noqa: PLC0415 - only for those who use it
+
+    try:
+        yield
+    except UsageError as exc:
+        pytest.fail(str(exc), pytrace=False)

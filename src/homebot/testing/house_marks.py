@@ -1,0 +1,147 @@
+"""What the marks ``house`` and ``homebot`` of a test say; whatever is wrong is refused with the argument's name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import AbstractAsyncContextManager
+from copy import deepcopy
+from pathlib import Path
+from typing import Any, Final, TypeVar, cast
+
+import pytest
+
+from homebot.config import Config, load_config, parse_config
+from homebot.errors import UsageError
+from homebot.house import World, thesis_world
+from homebot.house.description import load_world
+from homebot.testing.house import TestHouse, house_of
+from homebot.testing.moment import as_moment
+from homebot.testing.virtual_house import VirtualHouse, virtual_house_of
+from homebot.units import parse_duration
+
+__all__ = ["config_of", "homebot_of", "house_by_mark"]
+
+HOUSE: Final = frozenset({"world", "root", "start", "seed", "heartbeat"})
+HOMEBOT: Final = frozenset({"config", "root"})
+
+ValueT = TypeVar("ValueT")
+
+
+def house_by_mark(test: pytest.Item) -> AbstractAsyncContextManager[VirtualHouse]:
+    """Return the virtual house that the marks of *test* describe; without any, the thesis's house without apps.
+
+    Of the marks of function, class and module the nearest counts most; apps are those of the nearest that has any.
+
+    Raises:
+        UsageError: The mark says what cannot be; names the argument.
+    """
+    apps, said = _read(test, "house", HOUSE)
+    seed = said.get("seed")
+    world = _checked("house", "world", said.get("world", thesis_world), lambda value: _world(value, test, seed))
+    return virtual_house_of(*apps, **(said | {"world": world}))
+
+
+def homebot_of(test: pytest.Item, config: object) -> AbstractAsyncContextManager[TestHouse]:
+    """Return the homebot with *config* that the marks of *test* describe, as :func:`house_by_mark`.
+
+    Raises:
+        UsageError: The mark, or the configuration, says what cannot be; names the argument or the key.
+    """
+    apps, said = _read(test, "homebot", HOMEBOT)
+    given = _checked("homebot", "config", config, lambda value: _config(value, test))
+    return house_of(*apps, **(said | {"config": given}))
+
+
+def config_of(test: pytest.Item) -> object:
+    """Return what the marks of *test* say as ``config``."""
+    return _said(test, "homebot").get("config", {})
+
+
+def _read(test: pytest.Item, name: str, known: frozenset[str]) -> tuple[list[str], dict[str, Any]]:
+    """The apps, and all other arguments, of the marks of this *name*."""
+    said = _said(test, name)
+    unknown = sorted(set(said) - known)
+    if unknown:
+        raise UsageError(f"{_where(name, unknown[0])} is unknown; known are {', '.join(sorted(known))}")
+    named = next((mark.args for mark in test.iter_markers(name) if mark.args), ())
+    apps = [_checked(name, f"app {number}", app, _app) for number, app in enumerate(named, 1)]
+    return apps, {key: _checked(name, key, value, _CHECKS.get(key, _same)) for key, value in said.items()}
+
+
+def _said(test: pytest.Item, name: str) -> dict[str, Any]:
+    """What all marks of this *name* say; those nearer to the test count more."""
+    return {key: value for mark in reversed(list(test.iter_markers(name))) for key, value in mark.kwargs.items()}
+
+
+def _checked(mark: str, argument: str, value: object, check: Callable[[Any], ValueT]) -> ValueT:
+    try:
+        return check(value)
+    except UsageError as exc:
+        raise UsageError(f"{_where(mark, argument)}: {exc}") from exc
+
+
+def _where(mark: str, argument: str) -> str:
+    return f"@pytest.mark.{mark}, {argument}"
+
+
+def _same(value: object) -> object:
+    return value
+
+
+def _app(app: object) -> str:
+    if isinstance(app, type):
+        return f"{app.__module__}:{app.__qualname__}"
+    if isinstance(app, str):
+        return app
+    raise UsageError(f"{app!r} is no app: write a plug-in's name, module:Class, or the class")
+
+
+def _text(value: object) -> str:
+    if isinstance(value, str) and value:
+        return value
+    raise UsageError(f"{value!r} is no text")
+
+
+def _seed(value: object) -> int:
+    if isinstance(value, int):
+        return value
+    raise UsageError(f"{value!r} is no whole number")
+
+
+def _heartbeat(value: object) -> float:
+    seconds = parse_duration(value) if isinstance(value, str | int | float) else 0.0
+    if seconds > 0:
+        return seconds
+    raise UsageError(f"{value!r} is no time between two heartbeats; write it like 5m, or seconds")
+
+
+_CHECKS: Final[Mapping[str, Callable[[Any], object]]] = {
+    "root": _text,
+    "seed": _seed,
+    "start": as_moment,
+    "heartbeat": _heartbeat,
+}
+
+
+def _world(value: object, test: pytest.Item, seed: int | None) -> World:
+    """A world of this test's own, however many tests share its mark."""
+    if isinstance(value, str | Path):
+        return load_world(_beside(test, value), seed=seed)
+    made = value() if callable(value) else deepcopy(value)
+    if isinstance(made, World):
+        return made
+    raise UsageError(f"{value!r} is no house: give a TOML file, a World, or a function that returns one")
+
+
+def _config(value: object, test: pytest.Item) -> Config:
+    if isinstance(value, Config):
+        return value
+    if isinstance(value, str | Path):
+        return load_config(_beside(test, value))
+    if isinstance(value, Mapping):
+        return parse_config(cast("Mapping[str, object]", value), "tables")
+    raise UsageError(f"{value!r} is no configuration: give tables, as in homebot.toml, or such a file")
+
+
+def _beside(test: pytest.Item, path: str | Path) -> Path:
+    return test.path.parent / path

@@ -1,0 +1,222 @@
+"""The event loop of a test, whoever runs it: pytest-asyncio, the plug-in of anyio, or nobody else, so that we do.
+
+A fixture of ours is no coroutine: what runs those differs from test to test. It asks for the loop of its test, and runs
+on that. A test in virtual time gets a loop of its own, made by a :class:`homebot.testing.VirtualTimeLoop`; all others
+keep theirs.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+from collections.abc import Collection, Coroutine, Iterator
+from contextvars import Context
+from typing import NoReturn, TypeVar
+
+import pytest
+
+__all__ = [
+    "VIRTUAL_TIME",
+    "close_virtual_loop",
+    "loop_of",
+    "own_runner",
+    "use_loop_of_its_own",
+    "use_virtual_loop",
+    "virtual_loop_of",
+]
+
+ResultT = TypeVar("ResultT")
+
+VIRTUAL_TIME = "_homebot_virtual_time"
+"""The fixture that marks a test as one in virtual time: names such as ``house`` others may use too."""
+
+PYTEST_ASYNCIO = "asyncio"
+"""The name of pytest-asyncio among the plug-ins."""
+
+RUNNER_FIXTURE = "_function_scoped_runner"
+"""What runs one test and its fixtures in pytest-asyncio."""
+
+_CHOOSES_LOOPS = "_asyncio_loop_factory"
+"""In pytest-asyncio since 1.4, which gives a warning for the policies that are the way before."""
+
+_RUNNER = pytest.StashKey[asyncio.Runner]()
+
+_ONE_LOOP_PER_TEST = pytest.mark.asyncio(loop_scope="function")
+
+
+@pytest.fixture(name=VIRTUAL_TIME)
+def virtual_time() -> None:
+    """See :data:`VIRTUAL_TIME`."""
+
+
+@pytest.fixture(name="_homebot_anyio_loop")
+async def anyio_loop(anyio_backend: object) -> asyncio.AbstractEventLoop:  # noqa: ARG001 - it names who runs this
+    """The loop of a test that anyio's plug-in runs."""
+    return asyncio.get_running_loop()
+
+
+@pytest.fixture(name="_homebot_own_loop")
+def own_loop(request: pytest.FixtureRequest) -> Iterator[asyncio.AbstractEventLoop]:
+    """The loop of a test that nobody else runs."""
+    with asyncio.Runner(loop_factory=_virtual_loop if VIRTUAL_TIME in request.fixturenames else None) as runner:
+        request.node.stash[_RUNNER] = runner
+        yield runner.get_loop()
+        del request.node.stash[_RUNNER]
+
+
+def loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEventLoop:
+    """Return the loop that runs the test of *request*; it stands still while fixtures are made.
+
+    The test fails with a word about *fixture* where it has no such loop.
+    """
+    test = request.node
+    if not _is_coroutine(test):
+        _fail(f"`{fixture}` is for tests that can wait: write `async def {test.originalname}(…):`")
+    if _runs_on_pytest_asyncio(test):
+        return _loop_from(request, f"_homebot_{_loop_scope(test)}_loop")
+    if "anyio_backend" not in request.fixturenames:
+        return _loop_from(request, "_homebot_own_loop")
+    backend = request.getfixturevalue("anyio_backend")
+    name = backend if isinstance(backend, str) else backend[0]
+    if name != "asyncio":
+        _fail(
+            f'`{fixture}` runs on asyncio, this test on {name}: write a fixture `anyio_backend` that returns "asyncio"'
+        )
+    return _loop_from(request, "_homebot_anyio_loop")
+
+
+def virtual_loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEventLoop:
+    """Return the loop of virtual time that runs the test of *request*; the test fails where it has another one."""
+    from homebot.testing.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - only for those who use it
+
+    loop = loop_of(request, fixture)
+    if not isinstance(loop, VirtualTimeLoop):
+        _fail(
+            f"`{fixture}` needs a loop of virtual time, and this test runs on a {type(loop).__name__}, which could not "
+            "be replaced. Async fixtures of a wider scope keep their loop for all tests: give them the scope "
+            '"function"; and do not parametrize anyio_backend or event_loop_policy for this test'
+        )
+    return loop
+
+
+def own_runner(test: pytest.Item) -> asyncio.Runner | None:
+    """Return what runs *test* where nobody else does and a fixture of ours wants a loop."""
+    return test.stash.get(_RUNNER, None)
+
+
+def use_virtual_loop(metafunc: pytest.Metafunc) -> None:
+    """Let whoever will run the test do so on a loop of virtual time, if that is what its fixtures ask for."""
+    if VIRTUAL_TIME not in metafunc.fixturenames:
+        return
+    if "anyio_backend" in metafunc.fixturenames:
+        _give(metafunc, "anyio_backend", ("asyncio", {"loop_factory": _virtual_loop}))
+    plugin = metafunc.config.pluginmanager.get_plugin(PYTEST_ASYNCIO)
+    if plugin is None:
+        return
+    if metafunc.definition.get_closest_marker("asyncio") is not None:
+        metafunc.definition.add_marker(_ONE_LOOP_PER_TEST, append=False)
+    if hasattr(plugin, _CHOOSES_LOOPS):
+        metafunc.fixturenames.append(RUNNER_FIXTURE)
+        _give(metafunc, RUNNER_FIXTURE, _VirtualRunner())
+    elif "event_loop_policy" in metafunc.fixturenames:
+        _give(metafunc, "event_loop_policy", _virtual_policy())
+
+
+def use_loop_of_its_own(test: pytest.Item) -> None:
+    """Keep pytest-asyncio from running a test in virtual time on the loop of a whole module or session."""
+    if VIRTUAL_TIME in getattr(test, "fixturenames", ()) and test.get_closest_marker("asyncio") is not None:
+        test.add_marker(_ONE_LOOP_PER_TEST, append=False)
+
+
+def close_virtual_loop(test: pytest.Item) -> None:
+    """Close what :func:`use_virtual_loop` gave to *test*, once all its fixtures are gone."""
+    given = getattr(test, "callspec", None)
+    runner = None if given is None else given.params.get(RUNNER_FIXTURE)
+    if isinstance(runner, _VirtualRunner):
+        runner.close()
+
+
+class _VirtualRunner:
+    """What pytest-asyncio uses of an ``asyncio.Runner``; opens at first use, and again where a test is repeated."""
+
+    def __init__(self) -> None:
+        self._runner: asyncio.Runner | None = None
+
+    def get_loop(self) -> asyncio.AbstractEventLoop:
+        return self._open().get_loop()
+
+    def run(self, coroutine: Coroutine[object, object, ResultT], *, context: Context | None = None) -> ResultT:
+        return self._open().run(coroutine, context=context)
+
+    def close(self) -> None:
+        if self._runner is not None:
+            self._runner.close()
+            self._runner = None
+
+    def _open(self) -> asyncio.Runner:
+        if self._runner is None:
+            self._runner = asyncio.Runner(loop_factory=_virtual_loop)
+        return self._runner
+
+
+def _virtual_loop() -> asyncio.AbstractEventLoop:
+    from homebot.testing.virtual_time import VirtualTimeLoop  # noqa: PLC0415 - only for those who use it
+
+    return VirtualTimeLoop()
+
+
+def _virtual_policy() -> asyncio.AbstractEventLoopPolicy:
+    """For pytest-asyncio before 1.4."""
+
+    class Policy(asyncio.DefaultEventLoopPolicy):
+        def new_event_loop(self) -> asyncio.AbstractEventLoop:
+            return _virtual_loop()
+
+    return Policy()
+
+
+def _give(metafunc: pytest.Metafunc, fixture: str, value: object) -> None:
+    """Let *fixture* be *value* in the test of *metafunc*, unless the test says itself what it is."""
+    for mark in metafunc.definition.iter_markers("parametrize"):
+        names: str | Collection[str] = mark.args[0] if mark.args else mark.kwargs["argnames"]
+        if fixture in (names.replace(" ", "").split(",") if isinstance(names, str) else names):
+            return
+    shown = getattr(pytest, "HIDDEN_PARAM", "virtual")
+    metafunc.definition.add_marker(pytest.mark.parametrize(fixture, [value], ids=[shown]))
+
+
+def _runs_on_pytest_asyncio(test: pytest.Item) -> bool:
+    if not test.config.pluginmanager.has_plugin(PYTEST_ASYNCIO):
+        return False
+    from pytest_asyncio import is_async_test  # noqa: PLC0415 - it is there, but need not be elsewhere
+
+    return is_async_test(test)
+
+
+def _loop_scope(test: pytest.Item) -> str:
+    mark = test.get_closest_marker("asyncio")
+    said = {} if mark is None else mark.kwargs
+    return said.get("loop_scope") or said.get("scope") or _default_loop_scope(test.config)
+
+
+def _default_loop_scope(config: pytest.Config) -> str:
+    try:
+        return str(config.getini("asyncio_default_test_loop_scope"))
+    except ValueError:  # unknown before pytest-asyncio 0.26
+        return "function"
+
+
+def _is_coroutine(test: pytest.Item) -> bool:
+    function = getattr(test, "obj", None)
+    hypothesis = getattr(function, "hypothesis", None)
+    return inspect.iscoroutinefunction(function if hypothesis is None else hypothesis.inner_test)
+
+
+def _loop_from(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEventLoop:
+    loop = request.getfixturevalue(fixture)
+    assert isinstance(loop, asyncio.AbstractEventLoop)  # noqa: S101 - ours
+    return loop
+
+
+def _fail(reason: str) -> NoReturn:
+    pytest.fail(reason, pytrace=False)

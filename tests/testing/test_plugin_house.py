@@ -1,0 +1,300 @@
+"""The fixtures ``house`` and ``homebot`` in other people's test runs, whoever runs their async tests."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest_plugins = ["pytester"]
+
+START = """
+import asyncio, pytest
+from homebot.house import Lamp, World
+
+def loop():
+    return type(asyncio.get_running_loop()).__name__
+"""
+
+USE = (
+    START
+    + """
+async def test_a_day_of_the_house(house):
+    assert loop() == "VirtualTimeLoop"
+    await house.run_for("8h")
+    await house.run_until("22:00")
+    assert house.now.hour == 22
+
+@pytest.mark.house("light_service", world=lambda: World.of(Lamp("desk")), root="villa", start="2026-07-01 06:30")
+async def test_the_mark_says_what_is_in_it(house):
+    assert (house.now.month, list(house.world.devices)) == (7, ["desk"])
+    await house.says("villa/lights/shelf/out", "on")
+    assert await house.hears("villa/lights/shelf/in") == "off"
+
+class TestInAClass:
+    @pytest.mark.parametrize("hours", [1, 2])
+    async def test_with_parameters(self, hours, house):
+        await house.run_for(hours * 3600)
+        assert house.now.hour == hours
+
+@pytest.mark.homebot("light_service")
+async def test_a_real_homebot(homebot):
+    assert loop() != "VirtualTimeLoop"
+    assert homebot.runtime.door.port and homebot.broker_url
+    await homebot.says("home425/lights/desk/out", "on")
+    assert await homebot.hears("home425/lights/desk/in") == "off"
+
+{mark}
+
+{fixture}
+async def warm(house):
+    await house.run_for("1h")
+    yield house
+    await house.run_for("1h")
+
+@pytest.fixture
+def behind(warm):
+    return warm
+
+async def test_a_fixture_of_my_own_uses_it(behind):
+    assert loop() == "VirtualTimeLoop" and behind.now.hour == 1
+
+async def test_other_tests_keep_their_loop():
+    assert loop() != "VirtualTimeLoop"
+"""
+)
+ALL = 7
+
+PYTEST_ASYNCIO = "import pytest_asyncio\n\n@pytest_asyncio.fixture"
+
+
+def run(pytester: pytest.Pytester, *options: str) -> pytest.RunResult:
+    scope = () if "no:asyncio" in options else ("-o", "asyncio_default_fixture_loop_scope=function")
+    return pytester.runpytest_inprocess("-p", "no:cacheprovider", "--strict-markers", *scope, *options)
+
+
+def test_pytest_asyncio_in_strict_mode(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(USE.format(mark="pytestmark = pytest.mark.asyncio", fixture=PYTEST_ASYNCIO))
+    run(pytester, "-p", "no:anyio").assert_outcomes(passed=ALL)
+
+
+def test_pytest_asyncio_in_auto_mode(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(USE.format(mark="", fixture="@pytest.fixture"))
+    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=ALL)
+
+
+def test_pytest_asyncio_with_one_loop_for_all_tests(pytester: pytest.Pytester) -> None:
+    """A test in virtual time gets its own nevertheless, and what lives on the wide loop stays there."""
+    wide = """
+UP = []
+
+@pytest.fixture(scope="session")
+async def database():
+    UP.append(loop())
+    yield
+
+async def test_before(database): pass
+async def test_between(house): assert loop() == "VirtualTimeLoop"
+async def test_after(database, homebot): assert UP == [loop()]
+"""
+    pytester.makepyfile(START + wide)
+    wide_scope = ("-o", "asyncio_default_fixture_loop_scope=session", "-o", "asyncio_default_test_loop_scope=session")
+    run(pytester, "--asyncio-mode=auto", *wide_scope).assert_outcomes(passed=3)
+
+
+def test_the_plugin_of_anyio(pytester: pytest.Pytester) -> None:
+    pytester.makeconftest("import pytest\n\n@pytest.fixture\ndef anyio_backend():\n    return 'asyncio'\n")
+    pytester.makepyfile(USE.format(mark="pytestmark = pytest.mark.anyio", fixture="@pytest.fixture"))
+    run(pytester, "-p", "no:asyncio").assert_outcomes(passed=ALL)
+
+
+def test_no_plugin_at_all(pytester: pytest.Pytester) -> None:
+    """Then homebot runs the tests that use its fixtures, and those alone."""
+    pytester.makepyfile(USE.format(mark="", fixture="@pytest.fixture"))
+    chosen = "not fixture_of_my_own and not other_tests"
+    run(pytester, "-p", "no:asyncio", "-p", "no:anyio", "-k", chosen).assert_outcomes(passed=ALL - 2, deselected=2)
+
+
+def test_xdist(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile("async def test_one(house): pass\n\nasync def test_two(homebot): pass\n")
+    pytester.runpytest_subprocess("-p", "no:cacheprovider", "-p", "no:asyncio", "-n", "2").assert_outcomes(passed=2)
+
+
+def test_without_a_mark_the_house_is_that_of_the_thesis_and_tests_do_not_share_it(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        START
+        + """
+SHARED = World.of(Lamp("desk"))
+
+@pytest.mark.parametrize("again", [1, 2])
+@pytest.mark.house(world=SHARED)
+async def test_each_has_its_own(house, again):
+    assert house.world is not SHARED
+    await house.run_for("1h")
+
+async def test_the_thesis(house):
+    assert "windowmotor405" in house.world.devices
+"""
+    )
+    run(pytester).assert_outcomes(passed=3)
+
+
+def test_a_file_lies_beside_the_test(pytester: pytest.Pytester) -> None:
+    """Whatever the working directory is."""
+    folder = pytester.mkdir("below")
+    (folder / "house.toml").write_text("[rooms.hall]\n[devices.desk]\nkind = 'lamp'\nroom = 'hall'\n")
+    (folder / "homebot.toml").write_text("[home]\nname = 'villa'\n[apps.light_service]\n")
+    (folder / "test_files.py").write_text(
+        START
+        + """
+@pytest.mark.house(world="house.toml", seed=7)
+async def test_a_house(house):
+    assert list(house.world.devices) == ["desk"]
+
+@pytest.mark.homebot(config="homebot.toml", root="villa")
+async def test_a_homebot(homebot):
+    await homebot.says("villa/lights/desk/out", "on")
+    assert await homebot.hears("villa/lights/desk/in") == "off"
+"""
+    )
+    run(pytester).assert_outcomes(passed=2)
+
+
+def test_the_nearest_mark_counts_most(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        START
+        + """
+from homebot.apps import App
+
+class Mine(App):
+    async def run(self): pass
+
+pytestmark = pytest.mark.house("light_service", root="villa", start="2026-07-01")
+
+@pytest.mark.house(Mine, start="2026-08-01")
+async def test_the_nearest(house):
+    assert house.now.month == 8
+    await house.says("villa/lights/desk/out", "on")
+    await house.run_for(1)
+    assert "villa/lights/desk/out on" in str(house.log) and "/in off" not in str(house.log)
+"""
+    )
+    run(pytester).assert_outcomes(passed=1)
+
+
+def test_a_homebot_on_the_broker_of_the_test(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        START
+        + """
+@pytest.fixture
+def homebot_config(mqtt_broker):
+    return {"gateways": {"mqtt": {"url": mqtt_broker.url, "act": True}}}
+
+@pytest.mark.homebot("light_service")
+async def test_it(homebot, mqtt_broker):
+    assert homebot.broker_url == mqtt_broker.url
+    await mqtt_broker.publish("home425/lights/desk/out", "on")
+    await mqtt_broker.expect("home425/lights/desk/in", "off")
+"""
+    )
+    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=1)
+
+
+MISTAKES = {
+    "@pytest.mark.house(wrold=1)": "@pytest.mark.house, wrold is unknown; known are heartbeat, root, seed, *",
+    "@pytest.mark.house(world='no.toml')": "@pytest.mark.house, world: *no.toml: cannot be read: No such file or dire*",
+    "@pytest.mark.house(world=5)": "@pytest.mark.house, world: 5 is no house: give a TOML file, a World, or a *",
+    "@pytest.mark.house(start='noon')": "@pytest.mark.house, start: 'noon' is no point in time; *",
+    "@pytest.mark.house(heartbeat=0)": "@pytest.mark.house, heartbeat: 0 is no time between two heartbeats; *",
+    "@pytest.mark.house(seed='x')": "@pytest.mark.house, seed: 'x' is no whole number",
+    "@pytest.mark.house(5)": "@pytest.mark.house, app 1: 5 is no app: *",
+    "@pytest.mark.house('no_such')": "*no_such*is not installed*",
+    "@pytest.mark.homebot(world=1)": "@pytest.mark.homebot, world is unknown; known are config, root",
+    "@pytest.mark.homebot(config=5)": "@pytest.mark.homebot, config: 5 is no configuration: *",
+    "@pytest.mark.homebot(config={'x': 1})": "@pytest.mark.homebot, config: tables: x: is unknown; *",
+}
+
+
+def test_a_mistake_in_a_mark_is_told_with_the_argument(pytester: pytest.Pytester) -> None:
+    tests = [
+        f"{mark}\nasync def test_{number}({'homebot' if 'homebot' in mark else 'house'}): pass\n"
+        for number, mark in enumerate(MISTAKES)
+    ]
+    pytester.makepyfile("import pytest\n" + "\n".join(tests))
+    result = run(pytester)
+    result.assert_outcomes(errors=len(MISTAKES))
+    result.stdout.fnmatch_lines(list(MISTAKES.values()))
+
+
+def test_what_cannot_be_is_told_with_the_way_out(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        START
+        + """
+def test_plain(house): pass
+
+async def test_two_times(house, mqtt_broker_thread): pass
+
+@pytest.fixture(scope="module")
+async def wide(anyio_backend): yield
+
+@pytest.mark.anyio
+async def test_a_wide_fixture(wide): pass
+
+@pytest.mark.anyio
+async def test_on_its_loop(house): pass
+"""
+    )
+    pytester.makeconftest(
+        "import pytest\n\n@pytest.fixture(scope='session')\ndef anyio_backend():\n    return 'asyncio'\n"
+    )
+    result = run(pytester, "-p", "no:asyncio")
+    result.assert_outcomes(passed=1, errors=3)
+    result.stdout.fnmatch_lines(
+        [
+            "`house` is for tests that can wait: write `async def test_plain(*):`",
+            "`house` has its own time and broker, `mqtt_broker_thread` is of real time: take one",
+            "`house` needs a loop of virtual time, and this test runs on a *Loop, which could not be replaced. *",
+        ]
+    )
+
+
+def test_a_failed_test_shows_what_happened(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        START
+        + """
+from homebot.apps import App
+
+class Broken(App):
+    async def run(self): raise RuntimeError("broken")
+
+@pytest.mark.house(Broken, world=World.of)
+async def test_it(house):
+    await house.says("home425/lights/desk/out", "on")
+    await house.hears("home425/lights/desk/in", within=60)
+"""
+    )
+    result = run(pytester)
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "*what happened in `house`*",
+            "it is 2026-01-01 00:01:00 UTC in the house; crashed: app_1",
+            "2026-01-01 00:00:00.000 mqtt home425/lights/desk/out on",
+        ]
+    )
+
+
+def test_a_house_of_ones_own_is_left_alone(pytester: pytest.Pytester) -> None:
+    """Others may have fixtures of these names, in tests without any loop."""
+    pytester.makepyfile(
+        """
+import pytest
+
+@pytest.fixture
+def house(): return "brick"
+
+@pytest.fixture
+def homebot(): return "tin"
+
+def test_it(house, homebot): assert (house, homebot) == ("brick", "tin")
+"""
+    )
+    run(pytester).assert_outcomes(passed=1)
