@@ -107,12 +107,12 @@ def _check_depth(text: str, value: object) -> None:
     if text.count("[") + text.count("{") <= _MAX_DEPTH:
         return
     level = [value]
-    for _ in range(_MAX_DEPTH + 1):
+    for _ in range(_MAX_DEPTH):
         level = [
             child
             for one in level
-            if isinstance(one, (dict, list))
-            for child in (one.values() if isinstance(one, dict) else one)
+            for child in (one.values() if isinstance(one, dict) else one if isinstance(one, list) else ())
+            if isinstance(child, (dict, list))
         ]
         if not level:
             return

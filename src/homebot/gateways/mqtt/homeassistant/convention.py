@@ -5,18 +5,20 @@ Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from dataclasses import replace
+from typing import Annotated, ClassVar, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import Described, DescribedPart, Heard, Publication, Withdrawn
-from homebot.gateways.mqtt.homeassistant.announcement import Announced, read_announcement
+from homebot.gateways.mqtt.homeassistant.announcement import Announced, Component, read_announcement
 from homebot.gateways.mqtt.homeassistant.availability import read_availability
 from homebot.gateways.mqtt.homeassistant.components import BUILDERS
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.device import read_device
 from homebot.gateways.mqtt.homeassistant.topic import DEVICE, ConfigTopic, parse_config_topic
+from homebot.gateways.mqtt.payload import clean_text
 
 __all__ = ["HomeAssistantDiscovery", "HomeAssistantSettings"]
 
@@ -44,6 +46,9 @@ class HomeAssistantDiscovery:
     Each config message is one :class:`Described`; those of one device share its identifiers. A later message with the
     same component and ids takes the place of the earlier one, and a component of a whole-device message that is
     missing there later is gone.
+
+    What a part has no field for is a fact of the device: ``hidden PART``, where it is not shown by default, and
+    ``group PART``, the ids of those that a group commands together.
 
     Args:
         settings: Its table.
@@ -100,9 +105,9 @@ class HomeAssistantDiscovery:
                 return where
         return None
 
-    def _parts(self, where: ConfigTopic, announced: Announced) -> tuple[DescribedPart, ...]:
+    def _parts(self, where: ConfigTopic, announced: Announced) -> _Parts:
         """Build the parts. In a message of a whole device a broken component costs that component alone."""
-        parts: dict[str, DescribedPart] = {}
+        parts: _Parts = {}
         broken: WireError | None = None
         for component in announced.components:
             builder = BUILDERS.get(component.platform)
@@ -116,23 +121,43 @@ class HomeAssistantDiscovery:
                 self.rejected += 1
                 broken = error
                 continue
-            parts.setdefault(part.part.id, part)
+            if part.part.id in parts:
+                part = replace(part, part=part.part.model_copy(update={"id": f"{where.key}/{component.discovery_id}"}))
+            parts[part.part.id] = part, component
         if broken is not None and not parts:
             self.rejected -= 1
             raise broken
-        return tuple(parts.values())
+        return parts
 
 
-def _described(topic: str, where: ConfigTopic, announced: Announced, parts: tuple[DescribedPart, ...]) -> Described:
+_Parts: TypeAlias = dict[str, tuple[DescribedPart, Component]]
+_MAX_MEMBERS = 100
+
+
+def _described(topic: str, where: ConfigTopic, announced: Announced, parts: _Parts) -> Described:
     device = read_device(announced.device, announced.origin)
+    described = tuple(part for part, _ in parts.values())
     return Described(
         key=where.key,
         convention=HomeAssistantDiscovery.name,
         identifiers=device.identifiers,
-        name=device.name or parts[0].part.name or where.object_id,
-        parts=parts,
+        name=device.name or described[0].part.name or clean_text(where.object_id),
+        parts=described,
         topic=topic,
         area=device.area,
-        facts=device.facts,
+        facts={**device.facts, **_facts(parts)},
         availability=read_availability(Config(where.component, where.object_id, announced.common)),
     )
+
+
+def _facts(parts: _Parts) -> dict[str, str]:
+    """Return what is known of parts and has no field there: that one is hidden, and whom a group stands for."""
+    facts = {}
+    for part_id, (_, component) in parts.items():
+        if component.fields.get("enabled_by_default") is False:
+            facts[f"hidden {part_id}"] = "by default"
+        members = component.fields.get("group")
+        if isinstance(members, list) and members:
+            named = [clean_text(one) for one in members[:_MAX_MEMBERS] if isinstance(one, str)]
+            facts[f"group {part_id}"] = " ".join(named)
+    return facts
