@@ -7,6 +7,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from homebot.testing.day import Day
+    from homebot.testing.day_happening import Happening
+    from homebot.testing.day_live import live_day
     from homebot.testing.event_log import EventLog, HouseEvent
     from homebot.testing.gateway import FakeGateway, FakeGatewaySettings
     from homebot.testing.house import TestHouse, house_of
@@ -14,26 +17,32 @@ if TYPE_CHECKING:
     from homebot.testing.virtual_time import VirtualTimeLoop
 
 __all__ = [
+    "Day",
     "EventLog",
     "FakeGateway",
     "FakeGatewaySettings",
+    "Happening",
     "HouseEvent",
     "TestHouse",
     "VirtualHouse",
     "VirtualTimeLoop",
     "house_of",
+    "live_day",
     "virtual_house_of",
 ]
 
 _HOMES = {
+    "Day": "day",
     "EventLog": "event_log",
     "FakeGateway": "gateway",
     "FakeGatewaySettings": "gateway",
+    "Happening": "day_happening",
     "HouseEvent": "event_log",
     "TestHouse": "house",
     "VirtualHouse": "virtual_house",
     "VirtualTimeLoop": "virtual_time",
     "house_of": "house",
+    "live_day": "day_live",
     "virtual_house_of": "virtual_house",
 }
 

@@ -1,0 +1,172 @@
+"""A day on the wire, in virtual time."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from functools import partial
+
+from homebot.errors import LinkError, UsageError
+from homebot.house.world import World
+from homebot.mqtt.memory_link import MemoryLink
+from homebot.testing.day import Day
+from homebot.testing.day_happening import Happening
+from homebot.testing.day_text import write_time
+from homebot.testing.moment import as_moment
+from homebot.testing.virtual_house import HEARTBEAT, START, VirtualHouse, virtual_house_of
+from homebot.testing.virtual_time import VirtualTimeLoop
+
+__all__ = ["live", "live_day"]
+
+ROOT = "home425"
+
+
+def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: str | float = HEARTBEAT) -> World:
+    """Live *day* with *apps* on the wire, in virtual time, from a test without ``async``.
+
+    Args:
+        day: The day.
+        apps: Each a plug-in's name or ``module:Class``.
+        root: The home: first level of the topics.
+        seed: Decides what is left to chance on the wire: the same day with the same seed is the same run.
+        heartbeat: Time after which a device repeats its last word.
+
+    Returns:
+        The house at the end of the day; its ``chronicle`` is what happened in it.
+
+    Raises:
+        AssertionError: An app crashed.
+        UsageError: An argument cannot be used.
+    """
+
+    async def lived() -> World:
+        world = day.world()
+        world.run_until(day.start)  # on the wire nobody hears of the morning
+        start = as_moment(START) + timedelta(seconds=day.start)
+        async with virtual_house_of(
+            *apps, world=world, root=root, start=start, seed=seed, heartbeat=heartbeat
+        ) as house:
+            await live(day, house, root=root)
+            supervisor = house.runtime.supervisor
+            if crashed := sorted({*supervisor.restarts, *supervisor.given_up}):
+                raise AssertionError(f"crashed: {', '.join(crashed)}")
+        return world
+
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        return runner.run(lived())
+
+
+async def live(day: Day, house: VirtualHouse, *, root: str = ROOT) -> tuple[Happening, ...]:
+    """Live *day* in *house*; as :meth:`homebot.testing.day.Day.live`."""
+    midnight = house.now.replace(hour=0, minute=0, second=0, microsecond=0)
+    start = midnight + timedelta(seconds=day.start)
+    if house.now > start:
+        raise UsageError(
+            f"the day begins at {write_time(day.start)}, and in the house it is {house.now:%H:%M:%S} already"
+        )
+    if missing := {each.device for each in day.happenings if each.device} - set(house.world.devices):
+        raise UsageError(f"there is no device {min(missing)!r} in the house")
+    wire = _Wire(house, root)
+    undone = []
+    for at, happening, act in _plan(day, wire):
+        await _sleep_until(house, midnight + timedelta(seconds=at))
+        if not await act():
+            undone.append(happening)
+        await house.settle()
+    await _sleep_until(house, midnight + timedelta(seconds=day.end))
+    return tuple(undone)
+
+
+@dataclass(eq=False)
+class _Wire:
+    """What a day does to a house. Each act says whether it found something to do."""
+
+    house: VirtualHouse
+    root: str
+    frozen: Counter[MemoryLink] = field(default_factory=Counter)
+    outages: int = 0
+    forget: bool = False
+
+    async def press(self, happening: Happening) -> bool:
+        await self.house.press(happening.device, happening.command)
+        return True
+
+    async def tell(self, happening: Happening) -> bool:
+        service_type = self.house.world.devices[happening.device].device.service_type
+        try:
+            await self.house.says(f"{self.root}/{service_type}/{happening.device}/in", happening.command)
+        except LinkError:
+            return False
+        return True
+
+    async def cut(self, happening: Happening) -> bool:
+        link = self._link(happening.device)
+        if link is not None:
+            link.abort()
+        return link is not None
+
+    async def pull(self, happening: Happening, links: list[MemoryLink]) -> bool:
+        link = self._link(happening.device)
+        if link is None:
+            return False
+        self.frozen[link] += 1
+        link.freeze()
+        links.append(link)
+        return True
+
+    async def plug_in(self, links: list[MemoryLink]) -> bool:
+        for link in links:
+            self.frozen[link] -= 1
+            if not self.frozen[link]:
+                link.thaw()
+        return True
+
+    async def stop(self, happening: Happening) -> bool:
+        self.outages += 1
+        self.forget |= happening.forget
+        await self.house.broker.stop()
+        return True
+
+    async def start(self) -> bool:
+        self.outages -= 1
+        if not self.outages:
+            await self.house.broker.restart(keep_sessions=not self.forget)
+            self.forget = False
+        return True
+
+    def _link(self, device: str) -> MemoryLink | None:
+        name = f"{self.root}-{device}"
+        return next((link for link in self.house.broker.links if link.peer.client_id == name), None)
+
+
+_Step = tuple[float, Happening, Callable[[], Awaitable[bool]]]
+
+
+def _plan(day: Day, wire: _Wire) -> list[_Step]:
+    """What is to be done when; what lasts ends with the day at the latest."""
+    steps: list[_Step] = []
+    for happening in day.happenings:
+        ends = min(happening.at + happening.lasts, day.end)
+        match happening.what:
+            case "press":
+                steps.append((happening.at, happening, partial(wire.press, happening)))
+            case "tell":
+                steps.append((happening.at, happening, partial(wire.tell, happening)))
+            case "cut":
+                steps.append((happening.at, happening, partial(wire.cut, happening)))
+            case "pull":
+                links: list[MemoryLink] = []
+                steps.append((happening.at, happening, partial(wire.pull, happening, links)))
+                steps.append((ends, happening, partial(wire.plug_in, links)))
+            case "restart":
+                steps.append((happening.at, happening, partial(wire.stop, happening)))
+                steps.append((ends, happening, wire.start))
+    return sorted(steps, key=lambda step: step[0])
+
+
+async def _sleep_until(house: VirtualHouse, moment: datetime) -> None:
+    if moment > house.now:
+        await house.run_until(moment)

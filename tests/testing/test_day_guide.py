@@ -1,0 +1,55 @@
+"""What docs/days.md shows is so, and its example runs."""
+
+from __future__ import annotations
+
+import re
+import runpy
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from homebot.testing import Day
+from homebot.testing.day_happening import HAPPENINGS
+
+ROOT = Path(__file__).parents[2]
+GUIDE = (ROOT / "docs" / "days.md").read_text(encoding="utf-8")
+PROGRAMS = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
+FILE = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)[0]
+EXAMPLE = ROOT / "examples" / "random_days" / "test_random_days.py"
+
+
+def _tests_in(names: dict[str, object]) -> list[Callable[[], object]]:
+    return [value for name, value in names.items() if name.startswith("test_") and callable(value)]
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_what_the_guide_shows_runs(program: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a directory with the files that it names."""
+    monkeypatch.chdir(tmp_path)
+    day = Day.parse(FILE)
+    day.save("day.toml")
+    day.save("failing_day.toml")
+    names: dict[str, object] = {}
+    exec(compile(program, str(tmp_path / "guide.py"), "exec", dont_inherit=True), names)  # noqa: S102 - our own guide
+    assert _tests_in(names)
+    for test in _tests_in(names):
+        test()
+
+
+def test_the_file_in_the_guide_is_a_day() -> None:
+    """With what its comments say."""
+    day = Day.parse(FILE)
+    assert (day.start, day.length) == (6.5 * 3600, 7200.0)
+    assert [happening.what for happening in day.happenings] == ["restart", "press"]
+
+
+def test_the_guide_lists_all_that_can_happen() -> None:
+    """A reader finds it in the table."""
+    assert all(f"| `{what}` |" in GUIDE for what in HAPPENINGS)
+
+
+@pytest.mark.parametrize("test", _tests_in(runpy.run_path(str(EXAMPLE))))
+def test_the_example_of_random_days_holds(test: Callable[[], object]) -> None:
+    """As it is."""
+    test()

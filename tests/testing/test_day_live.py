@@ -1,0 +1,154 @@
+"""A day on the wire goes as the day that is played, but for what happens to the wire."""
+
+from __future__ import annotations
+
+from datetime import timedelta
+
+import pytest
+from hypothesis import given, settings
+
+from homebot.apps import App
+from homebot.errors import UsageError
+from homebot.house.kinds import FAULTS
+from homebot.mqtt.options import MqttOptions
+from homebot.testing import Day, Happening, VirtualHouse, live_day, virtual_house_of
+from homebot.testing.day_text import read_time
+from homebot.testing.moment import as_moment
+from homebot.testing.strategies import days, houses
+
+WITH_POWER = houses(faults=set(FAULTS) - {"unplugged"}, max_devices=3)
+HOUSE = Day.parse('rooms.hall.doors = ["outside"]\ndevices.lamp = { kind = "lamp", room = "hall" }').house
+
+
+def a_day(*happenings: Happening, start: str = "08:00") -> Day:
+    return Day(HOUSE, happenings, read_time(start), 3600.0)
+
+
+def at(time: str) -> float:
+    return read_time(time)
+
+
+async def lived(day: Day) -> tuple[tuple[Happening, ...], str]:
+    """What found nothing to do, and what happened."""
+    start = as_moment("2026-01-01") + timedelta(seconds=day.start)
+    async with virtual_house_of(world=day.world(), start=start) as house:
+        return await day.live(house), house.world.chronicle.text()
+
+
+@given(days(WITH_POWER, what=["press", "tell"], max_length="2h"))
+@settings(max_examples=5, derandomize=True)
+def test_where_the_wire_holds_a_day_goes_as_it_is_played(day: Day) -> None:
+    """The same events in the same order at the same times."""
+    assert live_day(day).chronicle.text() == day.play().text()
+
+
+@given(days(houses(kinds=["lamp", "window"], max_devices=2), max_length="1h"))
+@settings(max_examples=4, derandomize=True)
+def test_a_day_on_the_wire_is_the_same_each_time(day: Day) -> None:
+    """Byte for byte, whatever happens to the wire."""
+    text = live_day(day, "light_service", seed=3).chronicle.text()
+    assert live_day(day, "light_service", seed=3).chronicle.text() == text
+
+
+def test_an_app_acts_on_what_happens() -> None:
+    """The light service puts the lamp out."""
+    world = live_day(a_day(Happening(at("08:30"), "press", "lamp", "on")), "light_service")
+    assert world.chronicle.text() == (
+        "0 08:30:00.000 lamp switch on\n0 08:30:00.000 lamp says on\n"
+        "0 08:30:00.000 lamp told off\n0 08:30:00.000 lamp says off\n"
+    )
+    assert world.now == pytest.approx(at("09:00"), abs=0.001)
+
+
+@pytest.mark.virtual_time
+async def test_what_is_told_while_the_broker_is_away_is_lost() -> None:
+    """And is named afterwards; when the broker is back, commands come through."""
+    lost = Happening(at("08:10"), "tell", "lamp", "on")
+    cut = Happening(at("08:11"), "cut", "lamp")
+    pulled = Happening(at("08:12"), "pull", "lamp", lasts=60.0)
+    kept = Happening(at("08:40"), "tell", "lamp", "0.5")
+    day = a_day(Happening(at("08:05"), "restart", lasts=600.0), lost, cut, pulled, kept)
+    assert await lived(day) == ((lost, cut, pulled), "0 08:40:00.000 lamp told 0.5\n0 08:40:00.000 lamp says 0.5\n")
+
+
+@pytest.mark.virtual_time
+async def test_what_is_told_over_a_pulled_cable_comes_when_it_is_plugged_in() -> None:
+    """Also where two pull the same cable: the later one counts."""
+    day = a_day(
+        Happening(at("08:10"), "pull", "lamp", lasts=120.0),
+        Happening(at("08:11"), "pull", "lamp", lasts=300.0),
+        Happening(at("08:12"), "tell", "lamp", "on"),
+    )
+    assert await lived(day) == ((), "0 08:16:00.000 lamp told on\n0 08:16:00.000 lamp says on\n")
+
+
+@pytest.mark.virtual_time
+async def test_a_device_whose_link_is_cut_dials_again() -> None:
+    """Within seconds."""
+    day = a_day(Happening(at("08:10"), "cut", "lamp"), Happening(at("08:11"), "tell", "lamp", "on"))
+    assert await lived(day) == ((), "0 08:11:00.000 lamp told on\n0 08:11:00.000 lamp says on\n")
+
+
+@pytest.mark.virtual_time
+@pytest.mark.parametrize("forget", [False, True])
+async def test_a_broker_forgets_where_the_day_says_so(forget: bool) -> None:  # noqa: FBT001
+    """Outages that overlap are one, and end with the later."""
+    day = a_day(
+        Happening(at("08:10"), "restart", lasts=600.0, forget=forget),
+        Happening(at("08:15"), "restart", lasts=900.0),
+    )
+    start = as_moment("2026-01-01 08:00")
+    async with virtual_house_of(world=day.world(), start=start) as house:
+        await retain(house)
+        before = house.broker.stats.retained_messages
+        assert await day.live(house) == ()
+        assert house.broker.running
+        assert house.broker.stats.retained_messages == before - forget
+
+
+async def retain(house: VirtualHouse) -> None:
+    client = house.broker.make_client(MqttOptions.from_url(house.broker.url, client_id="somebody"))
+    async with client.connected():
+        await client.publish("note", b"milk", qos=1, retain=True)
+
+
+@pytest.mark.virtual_time
+async def test_what_outlasts_the_day_ends_with_it() -> None:
+    """The broker is back, the cable is in."""
+    day = a_day(Happening(at("08:50"), "restart", lasts=86_400.0))
+    start = as_moment("2026-01-01 08:00")
+    async with virtual_house_of(world=day.world(), start=start) as house:
+        await day.live(house)
+        assert house.now == as_moment("2026-01-01 09:00")
+        assert house.broker.running
+
+
+@pytest.mark.virtual_time
+async def test_a_day_that_has_begun_already_cannot_be_lived() -> None:
+    """It says when it begins, and what time it is."""
+    day = a_day()
+    async with virtual_house_of(world=day.world(), start="2026-01-01 08:30") as house:
+        with pytest.raises(UsageError, match=r"begins at 08:00, and in the house it is 08:30:00"):
+            await day.live(house)
+
+
+@pytest.mark.virtual_time
+async def test_a_day_cannot_be_lived_in_another_house() -> None:
+    """Whose devices are not there."""
+    day = a_day(Happening(at("08:10"), "cut", "lamp"))
+    async with virtual_house_of() as house:
+        with pytest.raises(UsageError, match="there is no device 'lamp' in the house"):
+            await day.live(house)
+
+
+class Crashing(App):
+    """Crashes at once."""
+
+    async def run(self) -> None:
+        raise ZeroDivisionError
+
+
+def test_an_app_that_crashes_fails_the_day() -> None:
+    """It would be started again, and nobody would notice."""
+    with pytest.raises(AssertionError, match=r"crashed: .*app_1"):
+        live_day(a_day(), f"{__name__}:Crashing")
