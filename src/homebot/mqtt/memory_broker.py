@@ -16,9 +16,11 @@ import structlog
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, UsageError
-from homebot.mqtt.broker import BrokerLimits, BrokerStats, Hub, Policy, RefusedFilters
+from homebot.mqtt.broker import BrokerLimits, BrokerStats, Hub, Policy
 from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.hub_timer import HubTimer
+from homebot.mqtt.broker.limits import checked_keep_alive
+from homebot.mqtt.broker.policy import policy_of
 from homebot.mqtt.memory_client import MemoryClient
 from homebot.mqtt.memory_link import LinkUser, MemoryLink, MemorySocket
 from homebot.mqtt.options import MqttOptions
@@ -68,15 +70,11 @@ class MemoryBroker:
         policy: Policy | None = None,
         random: Random | None = None,
     ) -> None:
-        if keep_alive is not None and not 1 <= keep_alive <= 65_535:
-            raise UsageError(f"a keep-alive of {keep_alive} s is not in 1 to 65535")
-        if policy is not None and refuse_filters:
-            raise UsageError("give refuse_filters or policy, not both")
         self._clock = clock
         self._limits = limits or BrokerLimits()
         self._authentication = Authentication(credentials)
-        self._keep_alive = keep_alive
-        self._policy = policy or RefusedFilters(refuse_filters)
+        self._keep_alive = checked_keep_alive(keep_alive)
+        self._policy = policy_of(policy, refuse_filters)
         self._random = random or SystemRandom()
         self._hub: Hub | None = None
         self._running = False

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from homebot.errors import UsageError
 from homebot.mqtt.packets import MAX_PACKET_SIZE
 
-__all__ = ["BrokerLimits"]
+__all__ = ["BrokerLimits", "checked_keep_alive"]
 
 _MIB = 1024 * 1024
 
@@ -79,3 +79,14 @@ class BrokerLimits:
                 raise UsageError(f"broker limit {name} must not be above 65535")
         if self.max_packet_size > MAX_PACKET_SIZE:
             raise UsageError(f"broker limit max_packet_size must not be above {MAX_PACKET_SIZE}")
+
+
+def checked_keep_alive(seconds: int | None) -> int | None:
+    """Return the keep-alive interval that a broker is to impose; None imposes none.
+
+    Raises:
+        UsageError: It is not in 1 to 65535.
+    """
+    if seconds is not None and not 1 <= seconds <= 65_535:
+        raise UsageError(f"a keep-alive of {seconds} s is not in 1 to 65535")
+    return seconds

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Protocol, final
 
+from homebot.errors import UsageError
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["Policy", "RefusedFilters"]
+__all__ = ["Policy", "RefusedFilters", "policy_of"]
 
 
 class Policy(Protocol):
@@ -36,3 +37,14 @@ class RefusedFilters:
     def publish(self, client_id: str, topic: str) -> ReasonCode:  # noqa: ARG002 - fills the port
         """Always success."""
         return ReasonCode.SUCCESS
+
+
+def policy_of(policy: Policy | None, refuse_filters: Collection[str]) -> Policy:
+    """The policy a broker is given: itself, or as filters to refuse.
+
+    Raises:
+        UsageError: Both are given.
+    """
+    if policy is not None and refuse_filters:
+        raise UsageError("give refuse_filters or policy, not both")
+    return policy or RefusedFilters(refuse_filters)

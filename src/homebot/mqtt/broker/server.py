@@ -21,11 +21,11 @@ from homebot.mqtt.broker.connection import Connection
 from homebot.mqtt.broker.endpoint import Endpoint
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.hub_timer import HubTimer
-from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.limits import BrokerLimits, checked_keep_alive
 from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.peer import Peer
-from homebot.mqtt.broker.policy import Policy, RefusedFilters
+from homebot.mqtt.broker.policy import Policy, policy_of
 from homebot.mqtt.broker.stats import BrokerStats
 from homebot.mqtt.packets import ReasonCode
 
@@ -96,18 +96,14 @@ class Broker:
             )
         if not 0 <= port <= 65_535:
             raise UsageError(f"{port} is not a TCP port")
-        if keep_alive is not None and not 1 <= keep_alive <= 65_535:
-            raise UsageError(f"a keep-alive of {keep_alive} s is not in 1 to 65535")
-        if policy is not None and refuse_filters:
-            raise UsageError("give refuse_filters or policy, not both")
         self._host = host
         self._port = port
         self._clock = clock
         self._limits = limits or BrokerLimits()
         self._authentication = Authentication(credentials)
         self._tls = tls
-        self._keep_alive = keep_alive
-        self._policy = policy or RefusedFilters(refuse_filters)
+        self._keep_alive = checked_keep_alive(keep_alive)
+        self._policy = policy_of(policy, refuse_filters)
         self._endpoint = endpoint
         self._on_message = on_message
         self._hub: Hub | None = None

@@ -9,6 +9,7 @@ from typing import Self
 
 from homebot.errors import UsageError
 from homebot.mqtt.broker import BrokerLimits
+from homebot.mqtt.broker.limits import checked_keep_alive
 from homebot.mqtt.topics import validate_filter
 
 __all__ = ["BrokerSettings"]
@@ -49,8 +50,7 @@ class BrokerSettings:
             _check(name, getattr(self, name), bool, "True or False")
         if self.keep_alive is not None:
             _check("keep_alive", self.keep_alive, int, "a whole number of seconds")
-            if not 1 <= self.keep_alive <= 65_535:
-                raise UsageError(f"keep_alive is 1 to 65535 seconds, not {self.keep_alive}")
+            checked_keep_alive(self.keep_alive)
         _check("limits", self.limits, BrokerLimits | None, "a BrokerLimits")
         _check("refuse_filter", self.refuse_filter, str | Collection, "a topic filter or a list of them")
         for each in self.refused_filters:
