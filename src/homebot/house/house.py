@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
@@ -135,8 +136,11 @@ class SimulatedHouse:
             self._stirred = anyio.Event()
             wait = self.world.next_event() - self._now()
             if wait > 0:
-                with anyio.move_on_after(wait):
+                alarm = asyncio.get_running_loop().call_later(wait, self._stirred.set)
+                try:
                     await self._stirred.wait()
+                finally:
+                    alarm.cancel()
             else:
                 await checkpoint()
 

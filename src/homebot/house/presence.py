@@ -7,8 +7,9 @@ live.
 
 from __future__ import annotations
 
+import asyncio
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -75,32 +76,33 @@ class Presence:
         self._device = device
         self._dialect = dialect
         self._connection = connection
-        self._word = ""
+        self._last: tuple[Outgoing, ...] = ()
+        self._again: tuple[Outgoing, ...] = ()
         self._tell = tell
         self._counters = counters
         self._lines = lines
         self._has_power = True
         self._switched = anyio.Event()
         self._queue: deque[Outgoing] = deque()
-        self._queued = anyio.Event()
+        self._queued = asyncio.Event()  # anyio's cannot be cleared, and a new one for each message costs
 
     def begin(self, word: str, *, has_power: bool) -> None:
         """Begin with *word*, said at the first link; before :meth:`live`."""
-        self._word = word
+        self._keep(word)
         self._has_power = has_power
 
     def say(self, word: str) -> None:
         """Say *word*, and again at each heartbeat and new link until there is another; never waits."""
-        self._word = word
+        self._keep(word)
         if self._is_heard:
-            self._enqueue(self._dialect.said(self._device, word))
+            self._enqueue(self._last)
         else:
             self._counters.unsaid += 1
 
     def repeat(self) -> None:
         """Say the last word again, where it can be heard; what is lost comes with the next."""
         if self._is_heard:
-            self._enqueue(replace(message, qos=0) for message in self._dialect.said(self._device, self._word))
+            self._enqueue(self._again)
 
     def power(self, *, on: bool) -> None:
         """Give or take the power: without it there is no link."""
@@ -128,7 +130,11 @@ class Presence:
     def _is_heard(self) -> bool:
         return self._has_power and self._connection.state.phase is LinkPhase.CONNECTED
 
-    def _enqueue(self, messages: Iterable[Outgoing]) -> None:
+    def _keep(self, word: str) -> None:
+        self._last = self._dialect.said(self._device, word)
+        self._again = tuple(replace(message, qos=0) for message in self._last)
+
+    def _enqueue(self, messages: tuple[Outgoing, ...]) -> None:
         for message in messages:
             if len(self._queue) == QUEUED:
                 self._queue.popleft()
@@ -142,14 +148,14 @@ class Presence:
                 self._counters.unsaid += len(self._queue)
                 self._queue.clear()
                 self._enqueue(self._dialect.birth(self._device))
-                self._enqueue(self._dialect.said(self._device, self._word))
+                self._enqueue(self._last)
 
     async def _speak(self) -> None:
         while True:
-            while not self._queue:
-                self._queued = anyio.Event()
-                await self._queued.wait()
-            await self._publish(self._queue.popleft())
+            await self._queued.wait()
+            self._queued.clear()
+            while self._queue:
+                await self._publish(self._queue.popleft())
 
     async def _publish(self, message: Outgoing) -> None:
         try:
