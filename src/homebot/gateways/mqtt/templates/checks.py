@@ -6,12 +6,12 @@ from collections.abc import Callable
 from datetime import datetime
 from typing import Final
 
-from homebot.gateways.mqtt.templates.arithmetic import ORDER
+from homebot.gateways.mqtt.templates.arithmetic import BINARY, ORDER
 from homebot.gateways.mqtt.templates.numbers import is_number
 from homebot.gateways.mqtt.templates.patterns import matches, searches
 from homebot.gateways.mqtt.templates.run import Run
 from homebot.gateways.mqtt.templates.undefined import Undefined
-from homebot.gateways.mqtt.templates.values import text, whole
+from homebot.gateways.mqtt.templates.values import text
 
 __all__ = ["CHECKS"]
 
@@ -26,11 +26,11 @@ def _kind(*kinds: type) -> Callable[..., object]:
 
 
 def _divisible(_: Run, value: object, by: object) -> bool:
-    return whole(value) % whole(by) == 0
+    return BINARY["Mod"](value, by) == 0
 
 
 def _remains(remainder: int) -> Callable[..., object]:
-    return lambda _, value: whole(value) % 2 == remainder
+    return lambda _, value: BINARY["Mod"](value, 2) == remainder
 
 
 def _contains(_: Run, value: object, one: object) -> object:
@@ -74,7 +74,7 @@ CHECKS: Final[dict[str, Callable[..., object]]] = {
     "odd": _remains(1),
     "sameas": lambda _, value, other: value is other,
     "search": searches,
-    "sequence": _kind(str, bytes, list, tuple, dict),
+    "sequence": _kind(str, bytes, list, tuple, dict, Undefined),
     "string": _kind(str),
     "string_like": _kind(str, bytes),
     "true": lambda _, value: value is True,

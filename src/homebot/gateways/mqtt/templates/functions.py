@@ -28,7 +28,7 @@ def _namespace(_: Run, **attributes: object) -> Namespace:
 
 
 def _map(run: Run, value: object, *arguments: object, **named: object) -> object:
-    values = values_of(run, value)
+    values = values_of(run, value) if value else []
     run.spend(4 * len(values))
     if not arguments and "attribute" in named:
         default = named.get("default")

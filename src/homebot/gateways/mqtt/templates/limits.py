@@ -13,10 +13,14 @@ __all__ = [
     "MAX_SOURCE",
     "MAX_STEPS",
     "MAX_TEXT",
+    "MAX_TOKENS",
 ]
 
 MAX_SOURCE: Final = 8192
 """Longest source, in characters."""
+
+MAX_TOKENS: Final = 1024
+"""Most words, signs and spaces of code in a source. Jinja's parser needs about 15 microseconds for each."""
 
 MAX_DEPTH: Final = 64
 """Deepest nesting of brackets in a source, and of one operation in another; far from Python's recursion limit."""
@@ -25,7 +29,8 @@ MAX_FOR_DEPTH: Final = 4
 """Deepest nesting of loops."""
 
 MAX_STEPS: Final = 10_000
-"""Most work of one rendering. A step is about a microsecond: one operation, or 256 characters that are copied."""
+"""Most work of one rendering. A step is about a microsecond: one operation, four values of a list, or
+256 characters."""
 
 MAX_TEXT: Final = 65_536
 """Longest text, also the rendered one, in characters."""

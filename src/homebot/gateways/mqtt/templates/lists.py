@@ -104,7 +104,7 @@ def _sum(run: Run, value: object, attribute: object = None, start: object = 0) -
 
 def _selecting(*, wanted: bool, of_attribute: bool) -> Callable[..., object]:
     def select(run: Run, value: object, *arguments: object) -> object:
-        values = values_of(run, value)
+        values = values_of(run, value) if value else []
         run.spend(4 * len(values))
         rest = arguments[1:] if of_attribute else arguments
         check = CHECKS[str(rest[0])] if rest else lambda _, one: bool(one)
@@ -156,6 +156,8 @@ def _items(_: Run, value: object) -> object:
 def _dictionary_sort(
     run: Run, value: object, case_sensitive: object = False, by: object = "key", reverse: object = False
 ) -> object:
+    if not isinstance(value, dict):
+        raise TypeError("only a mapping can be sorted by its keys")
     column = {"key": 0, "value": 1}[str(by)]
     return _sort(run, _items(run, value), reverse, case_sensitive, column)
 

@@ -2,12 +2,13 @@
 
 Python's matcher goes back and tries again, so some expressions take more than the age of the world. Without groups that
 are repeated with something inside that repeats or branches, and without references and looking around, an
-expression with *n* repetitions looks at no more than about ``length ** n`` places for each place where it starts. That
-bound is computed before, and counted as work.
+expression does no more than choose where it starts and where each repetition ends. The number of those choices is
+computed before, and counted as work.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from functools import lru_cache
 
@@ -66,8 +67,9 @@ def _pattern(run: Run, find: object, subject: str, ignorecase: object) -> re.Pat
         raise TemplateError(f"a regular expression has more than {_LONGEST} characters")
     run.spend(_COMPILING)
     repeats, branches, pattern = _compiled(expression, re.IGNORECASE if ignorecase else re.NOFLAG)
-    # One more power for the places where a match may start, and in each the fixed parts of the expression.
-    places = (len(subject) + 1) ** (repeats + 1) * 2**branches * (1 + min(len(subject), len(expression)) // 4)
+    # The places where a match starts and where each repetition ends are in order; at each, what is fixed is tried.
+    ends = math.comb(len(subject) + repeats + 1, repeats + 1) << branches
+    places = ends * (1 + min(len(subject), len(expression)) // 4)
     run.spend(places // _PLACES_PER_STEP)
     return pattern
 

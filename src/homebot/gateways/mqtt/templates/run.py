@@ -72,7 +72,7 @@ class Run:
                 raise TemplateError(f"a text has more than {MAX_TEXT} characters")
             self.spend(1 + len(value) // 256)
         elif isinstance(value, (list, tuple, dict)):
-            self.spend(weigh(value))
+            self.spend(1 + weigh(value) // 4)
         elif isinstance(value, int):
             if value.bit_length() > MAX_NUMBER_BITS:
                 raise TemplateError(f"a number has more than {MAX_NUMBER_BITS} bits")
@@ -87,7 +87,7 @@ class Run:
             TemplateError: The output gets too long.
         """
         if isinstance(value, (list, tuple, dict)):
-            self.spend(weigh(value))
+            self.spend(1 + weigh(value) // 4)
         part = text(value)
         self._length += len(part)
         if self._length > MAX_TEXT:

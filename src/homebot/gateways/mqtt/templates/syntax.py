@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable
+from itertools import islice
 from typing import Final, TypeAlias, final
 
 import jinja2
@@ -18,7 +19,7 @@ from homebot.gateways.mqtt.templates.checks import CHECKS
 from homebot.gateways.mqtt.templates.errors import TemplateError
 from homebot.gateways.mqtt.templates.expressions import Evaluate
 from homebot.gateways.mqtt.templates.functions import CONSTANTS, FILTERS, FUNCTIONS, HOME_ASSISTANT
-from homebot.gateways.mqtt.templates.limits import MAX_DEPTH, MAX_FOR_DEPTH
+from homebot.gateways.mqtt.templates.limits import MAX_DEPTH, MAX_FOR_DEPTH, MAX_TOKENS
 from homebot.gateways.mqtt.templates.methods import METHODS
 from homebot.gateways.mqtt.templates.program import Program
 from homebot.gateways.mqtt.templates.statements import Assign, Execute
@@ -36,6 +37,8 @@ def parse(source: str) -> Program:
     """
     _check_brackets(source)
     try:
+        if any(True for _ in islice(_ENVIRONMENT.lex(source), MAX_TOKENS, None)):
+            raise TemplateError(f"has more than {MAX_TOKENS} words and signs")
         tree = _ENVIRONMENT.parse(source)
     except jinja2.TemplateSyntaxError as error:
         raise TemplateError(f"is no template: {(error.message or '')[:_MOST_SHOWN]}") from error
@@ -48,8 +51,9 @@ def parse(source: str) -> Program:
         body = reader.statements(tree.body)
     except RecursionError:
         raise TemplateError("is nested too deeply") from None
-    if reader.asked & HOME_ASSISTANT - reader.assigned:
-        raise TemplateError(f"uses `{min(reader.asked & HOME_ASSISTANT)}`, which only Home Assistant has")
+    missing = (reader.asked - reader.assigned) & HOME_ASSISTANT
+    if missing:
+        raise TemplateError(f"uses `{min(missing)}`, which only Home Assistant has")
     return Program(body, frozenset(reader.asked), reader.weight)
 
 
@@ -63,6 +67,7 @@ class _Reader:
         self.weight = 0
         self._depth = 0
         self._loops = 0
+        self._in_loop = False
 
     def statements(self, body: Iterable[nodes.Node]) -> tuple[Execute, ...]:
         return tuple([self._statement(node) for node in body])
@@ -125,7 +130,9 @@ class _Reader:
         before = self.weight
         target = self._target(node.target)
         test = None if node.test is None else self.expression(node.test)
+        around, self._in_loop = self._in_loop, True
         body = self.statements(node.body)
+        self._in_loop = around
         weight = self.weight - before
         self._loops -= 1
         return statements.loop(target, values, test, body, self.statements(node.else_), weight)
@@ -136,12 +143,17 @@ class _Reader:
     def assign_block(self, node: nodes.AssignBlock) -> Execute:
         if node.filter is not None:
             raise TemplateError("uses a filter on a block, which is not supported")
-        return statements.block_assignment(self._target(node.target), self.statements(node.body))
+        around, self._in_loop = self._in_loop, False
+        body = self.statements(node.body)
+        self._in_loop = around
+        return statements.block_assignment(self._target(node.target), body)
 
-    def break_(self, _: nodes.Node) -> Execute:
+    def break_(self, node: nodes.Node) -> Execute:
+        self._must_be_in_loop(node)
         return statements.break_loop
 
-    def continue_(self, _: nodes.Node) -> Execute:
+    def continue_(self, node: nodes.Node) -> Execute:
+        self._must_be_in_loop(node)
         return statements.continue_loop
 
     def name(self, node: nodes.Name) -> Evaluate:
@@ -241,6 +253,10 @@ class _Reader:
 
     def _named(self, node: nodes.Call | nodes.Filter | nodes.Test) -> list[tuple[str, Evaluate]]:
         return [(one.key, self.expression(one.value)) for one in node.kwargs if isinstance(one, nodes.Keyword)]
+
+    def _must_be_in_loop(self, node: nodes.Node) -> None:
+        if not self._in_loop:
+            raise TemplateError(f"uses {_described(node)} outside of a loop")
 
     def _refuse_unpacking(self, node: nodes.Call | nodes.Filter | nodes.Test) -> None:
         if node.dyn_args is not None or node.dyn_kwargs is not None:

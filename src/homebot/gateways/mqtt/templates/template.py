@@ -23,7 +23,7 @@ class Template:
 
     Attributes:
         source: Its text.
-        problem: Why it cannot be rendered, in one sentence without a full stop; empty when it can.
+        problem: Why it cannot be rendered, in words that follow "the template"; empty when it can.
     """
 
     __slots__ = ("_path", "_program", "problem", "source")
@@ -93,7 +93,7 @@ class Template:
 
     def _checked(self) -> Program:
         if self._program is None:
-            raise TemplateError(f"a template that {self.problem} cannot be rendered")
+            raise TemplateError(f"the template {self.problem}")
         return self._program
 
 
@@ -108,4 +108,9 @@ _compiled = lru_cache(maxsize=4096)(Template)
 def _bounded(rendered: str) -> str:
     if len(rendered) > MAX_TEXT:
         raise TemplateError(f"the text is longer than {MAX_TEXT} characters")
+    if not rendered.isascii():
+        try:
+            rendered.encode()
+        except UnicodeEncodeError:
+            raise TemplateError("the text has half a surrogate pair") from None
     return rendered.strip()

@@ -32,7 +32,8 @@ def _is_defined(_: Run, value: object) -> object:
     return value
 
 
-def _title(_: Run, value: object) -> str:
+def _title(run: Run, value: object) -> str:
+    run.spend(len(text(value)) // 4)
     return "".join(word[0].upper() + word[1:].lower() for word in _WORD_STARTS.split(text(value)) if word)
 
 
@@ -55,14 +56,16 @@ def _truncate(
     killwords: object = False,
     end: object = "...",
     leeway: object = 5,
-) -> str:
-    if not isinstance(value, str):
+) -> object:
+    if not isinstance(value, (str, list, tuple, dict, Undefined)):
         raise TypeError(f"truncate is given a {type(value).__name__}")
     ending, longest, extra = text(end), whole(length), 5 if leeway is None else whole(leeway)
     if longest < len(ending) or extra < 0:
         raise TemplateError("truncate is given a length below that of its end")
     if len(value) <= longest + extra:
         return value
+    if not isinstance(value, str):
+        raise TypeError(f"truncate is given a long {type(value).__name__}")
     kept = value[: longest - len(ending)]
     return (kept if killwords else kept.rsplit(" ", 1)[0]) + ending
 

@@ -24,6 +24,9 @@ class Undefined:
     def __str__(self) -> str:
         return ""
 
+    def __repr__(self) -> str:
+        return "Undefined"
+
     def __bool__(self) -> bool:
         return False
 
@@ -45,7 +48,7 @@ class Undefined:
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = fail
     __floordiv__ = __rfloordiv__ = __mod__ = __rmod__ = __pow__ = __rpow__ = __neg__ = __pos__ = fail
-    __lt__ = __le__ = __gt__ = __ge__ = __int__ = __float__ = fail
+    __getitem__ = __lt__ = __le__ = __gt__ = __ge__ = __int__ = __float__ = fail
 
 
 UNDEFINED = Undefined()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import final
 
 from homebot.gateways.mqtt.templates.errors import TemplateError
@@ -25,7 +26,7 @@ class Namespace:
 
 
 def item(value: object, key: object) -> object:
-    """Return what *value* holds at *key*: a key of a mapping, an index of a list or text; else UNDEFINED.
+    """Return what *value* holds at *key*: a key, an index, or a part of a time; UNDEFINED where there is none.
 
     Jinja would go on to look for an attribute of that name. We do not: what a message lacks is not there.
 
@@ -41,6 +42,8 @@ def item(value: object, key: object) -> object:
             return value[key]
         if isinstance(value, Namespace) and isinstance(key, str):
             return value.attributes[key]
+        if isinstance(value, datetime) and isinstance(key, str) and key in _TIME_PARTS:
+            return getattr(value, key)
     except (TypeError, LookupError):
         pass
     return UNDEFINED
@@ -115,3 +118,6 @@ def whole(value: object) -> int:
     if not isinstance(value, int):
         raise TypeError(f"a {type(value).__name__} is no whole number")
     return value
+
+
+_TIME_PARTS = frozenset({"year", "month", "day", "hour", "minute", "second", "microsecond"})
