@@ -146,6 +146,12 @@ async def test_the_simulated_house_is_discovered_and_acted_on() -> None:
     assert found == {"lights/roomlights405", "lights/roomlights406", "windows/windowmotor405"}
 
 
+async def test_a_simulated_house_on_a_broker_of_somebody_else_is_refused() -> None:
+    """Before anything is started: its devices would speak among real ones."""
+    with pytest.raises(ConfigError, match="test: gateways: none is on homebot's own broker"):
+        Runtime(config(gateways={"mqtt": {"url": "mqtt://127.0.0.1:1"}}), house=thesis_world())
+
+
 async def test_a_crashing_app_disturbs_nobody_and_is_started_anew() -> None:
     """Its neighbours do not notice."""
     async with Runtime(config(apps={"crashing": app(Crashing), "steady": app(Steady)})) as runtime:

@@ -16,7 +16,7 @@ import pytest
 
 from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
-from homebot.house import WindowMotor, World, thesis_world
+from homebot.house import Lamp, WindowMotor, World, thesis_world
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
 from homebot.testing.event_log import MAX_EVENTS
 
@@ -101,6 +101,26 @@ async def test_what_cannot_be_is_refused(bad: dict[str, Any]) -> None:
     with pytest.raises(UsageError):
         async with virtual_house_of(**bad):
             pass
+
+
+@pytest.mark.virtual_time
+async def test_hands_work_a_device_and_all_that_follows_at_once_has_happened() -> None:
+    """The light service has the lamp off again before the test looks."""
+    async with virtual_house_of("light_service", world=World.of(Lamp("hall"))) as house, EventLog.of(house) as log:
+        await house.press("hall", "on")
+        assert house.world.device("hall").state() == "off"
+        assert said(log, "home425/lights/hall/out")[-2:] == ["on", "off"]
+        with pytest.raises(UsageError, match="there is no device 'door'"):
+            await house.press("door", "open")
+
+
+@pytest.mark.virtual_time
+async def test_the_world_is_at_the_time_of_the_house() -> None:
+    """Also between two things that happen, and from the middle of a day."""
+    async with virtual_house_of(world=World.of(Lamp("hall")), start="2026-07-01 06:30") as house:
+        assert house.world.now == 6.5 * 3600
+        await house.run_for("17s")
+        assert house.world.now == 6.5 * 3600 + 17
 
 
 @pytest.mark.virtual_time
