@@ -298,3 +298,56 @@ def test_it(house, homebot): assert (house, homebot) == ("brick", "tin")
 """
     )
     run(pytester).assert_outcomes(passed=1)
+
+
+def test_loops_that_others_choose_stay_theirs(pytester: pytest.Pytester) -> None:
+    """With the hook of pytest-asyncio."""
+    pytester.makeconftest(
+        """
+import asyncio
+
+class Chosen(asyncio.SelectorEventLoop): pass
+
+def pytest_asyncio_loop_factories(config, item):
+    return {"chosen": Chosen}
+"""
+    )
+    pytester.makepyfile(
+        START
+        + """
+async def test_mine(): assert loop() == "Chosen"
+async def test_virtual(house): assert loop() == "VirtualTimeLoop"
+async def test_real(homebot): assert loop() == "Chosen"
+"""
+    )
+    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=3)
+
+
+def test_another_library_than_asyncio_is_refused(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        START
+        + """
+@pytest.fixture
+def anyio_backend(): return "trio"
+
+@pytest.mark.anyio
+async def test_it(homebot): pass
+"""
+    )
+    result = run(pytester, "-p", "no:asyncio")
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["`homebot` runs on asyncio, this test on trio: write a fixture *"])
+
+
+def test_a_run_without_our_fixtures_loads_nothing_for_them(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        """
+import sys
+
+def test_it():
+    loaded = {name.removeprefix("homebot.testing.") for name in sys.modules if name.startswith("homebot")}
+    ours = {"plugin", "house_fixtures", "pytest_loops", "pytest_asyncio_loops"}
+    assert loaded == {"homebot", "homebot.testing", *ours}
+"""
+    )
+    pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=1)
