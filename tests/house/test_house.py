@@ -116,6 +116,20 @@ async def street(
         tasks.cancel_scope.cancel()
 
 
+class SetClock:
+    """A clock that somebody sets."""
+
+    def __init__(self, clock: LoopClock) -> None:
+        self._clock = clock
+        self.ahead = 0.0
+
+    def monotonic(self) -> float:
+        return self._clock.monotonic()
+
+    def now(self) -> float:
+        return self._clock.now() + self.ahead
+
+
 def dice() -> Random:
     return Random(0)  # noqa: S311 - a simulation has no secrets
 
@@ -178,6 +192,27 @@ async def test_a_world_that_has_lived_goes_on_with_its_next_day() -> None:
     world.run_until(2 * DAY + 5.0)
     async with street(world, start=20_000 * DAY + 3.0):
         assert world.now == 3 * DAY + 3.0
+
+
+@pytest.mark.virtual_time
+async def test_a_world_whose_clock_is_set_forward_catches_up_with_everything_on_the_way() -> None:
+    """An hour at a time; a command that comes meanwhile does not wait for that. Set back, the world waits."""
+    errands = [Errand(6 * 3600.0, "lamp", "on"), Errand(8 * 3600.0, "lamp", "off")]
+    world = World(Rooms({"hall": Room()}, []), [Placed(Lamp("lamp"), "hall")], errands=errands)
+    clock = SetClock(LoopClock(0.0))
+    async with MemoryBroker(clock=clock) as broker, anyio.create_task_group() as tasks:
+        house = SimulatedHouse(broker.url, "villa", world, clock, make_client=broker.make_client, random=dice())
+        await tasks.start(house.serve)
+        clock.ahead = 10 * DAY
+        house.tell("lamp", "0.5")
+        assert world.now == 3600.0
+        await anyio.sleep(1.0)
+        assert world.now == pytest.approx(10 * DAY, abs=400.0)
+        assert sum(event.what == "on" for event in world.chronicle.since(0) if event.verb == "says") == 10
+        clock.ahead = 0.0
+        house.tell("lamp", "on")
+        assert world.now == pytest.approx(10 * DAY, abs=400.0)
+        tasks.cancel_scope.cancel()
 
 
 @pytest.mark.virtual_time

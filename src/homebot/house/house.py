@@ -110,7 +110,7 @@ class SimulatedHouse:
     def catch_up(self) -> None:
         """Bring the world to the present, or an hour nearer to it; nothing before it is served."""
         if self._is_served:
-            self._show(self.world.run_until(min(self._now(), self.world.now + STRIDE)))
+            self._show(self.world.run_until(self._within_reach()))
 
     def tell(self, device_id: str, command: str) -> None:
         """Give *command* to a device, as its radio does.
@@ -118,7 +118,7 @@ class SimulatedHouse:
         Raises:
             UsageError: There is no such device.
         """
-        self._show(self.world.tell(device_id, command, self._now()))
+        self._show(self.world.tell(device_id, command, self._within_reach()))
         self._stirred.set()
 
     def press(self, device_id: str, command: str) -> None:
@@ -127,7 +127,7 @@ class SimulatedHouse:
         Raises:
             UsageError: There is no such device.
         """
-        self._show(self.world.press(device_id, command, self._now()))
+        self._show(self.world.press(device_id, command, self._within_reach()))
         self._stirred.set()
 
     async def _move(self) -> None:
@@ -152,6 +152,9 @@ class SimulatedHouse:
 
     def _now(self) -> float:
         return self._clock.now() - self._midnight
+
+    def _within_reach(self) -> float:
+        return min(self._now(), self.world.now + STRIDE)
 
     def _show(self, events: Iterable[Event]) -> None:
         for event in events:
