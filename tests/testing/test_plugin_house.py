@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import pytest
 
 pytest_plugins = ["pytester"]
+
+# A run inside the process forgets what was imported in it: what is loaded here is loaded once.
+for name in ("event_log", "house_marks", "house_report", "mqtt"):
+    import_module(f"homebot.testing.{name}")
+import_module("homebot.apps.light_service")
 
 START = """
 import asyncio, pytest
