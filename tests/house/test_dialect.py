@@ -15,6 +15,7 @@ def test_the_thesis_says_words_as_they_are_and_announces_nothing() -> None:
     thesis = DIALECTS["thesis"]
     assert thesis.filters(LAMP) == ("villa/lights/desk/in",)
     assert thesis.said(LAMP, "21.5") == (Outgoing("villa/lights/desk/out", b"21.5", retain=False, qos=1),)
+    assert thesis.said(LAMP, "\ud800") == (Outgoing("villa/lights/desk/out", b"?"),)
     assert (thesis.birth(LAMP), thesis.will(LAMP)) == ((), None)
 
 

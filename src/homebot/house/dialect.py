@@ -100,8 +100,8 @@ class ThesisDialect:
         return None
 
     def said(self, device: Nameplate, word: str) -> tuple[Outgoing, ...]:
-        """Return the word, on its ``out``."""
-        return (Outgoing(f"{_base(device)}/out", word.encode()),)
+        """Return the word, on its ``out``; what is no Unicode becomes ``?``."""
+        return (Outgoing(f"{_base(device)}/out", word.encode(errors="replace")),)
 
     def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the payload as text; what is no UTF-8 becomes U+FFFD."""
