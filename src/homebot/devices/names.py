@@ -16,8 +16,12 @@ class GatewayNames:
 
     Attributes:
         received_topics: Topic of its sightings.
-        out: Topic of the commands for its devices.
+        out: Topic of the raw commands for its devices.
+        readings: Topic of what its devices say of themselves, as :class:`homebot.devices.report.Report`.
         state: Topic of its own state.
+        quarantine: Topic of whom it ignores, as :class:`homebot.devices.quarantine.Quarantine`.
+        health: Service that tells what it counted and whom it ignores.
+        send_command: Service that takes commands in the words of the vocabulary.
         subscribe: Service that starts the mirroring of raw messages.
     """
 
@@ -25,7 +29,11 @@ class GatewayNames:
         base = f"/gateway/{gateway}"
         self.received_topics = f"{base}/received_topics"
         self.out = f"{base}/out"
+        self.readings = f"{base}/readings"
         self.state = f"{base}/state"
+        self.quarantine = f"{base}/quarantine"
+        self.health = f"{base}/health"
+        self.send_command = f"{base}/send_command"
         self.subscribe = f"{base}/subscribe_to_topic"
         self._received_data = f"{base}/received_data"
 

@@ -35,14 +35,19 @@ class Report(Message):
         gateway: The gateway that heard it.
         key: What that gateway calls the device.
         readings: What was said, in the order of the parts.
+        address: Where it was said (MQTT: the topic); empty for what the gateway concluded by itself.
+        stream: Key and address in one. The newest report of each is kept for late joiners, so that together they are
+            all that the device told.
         retained: Whether the broker had kept it from before: what was, not what is.
         received_at: When.
     """
 
-    key_field: ClassVar[str | None] = "key"
+    key_field: ClassVar[str | None] = "stream"
 
     gateway: str
     key: str
     readings: tuple[Reading, ...]
+    address: str = ""
+    stream: str = ""
     retained: bool
     received_at: Time

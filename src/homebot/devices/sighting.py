@@ -17,14 +17,16 @@ class Sighting(Message):
 
     Attributes:
         gateway: Name of the gateway.
-        key: What the gateway calls the device, or one announcement of it: a device that is announced in several
-            messages, or through several conventions, has as many keys.
+        key: What the gateway calls the device, or one announcement of it, then beginning with its convention, for
+            example ``homeassistant:light/0x17_light``: a device that is announced in several messages, or through
+            several conventions, has as many keys.
         kind: ``appeared``, ``updated`` (still there, or described anew) or ``removed``.
         why: The reason, in words.
         name: What people call the device.
-        service_type: What it offers.
-        address: Where it speaks.
-        command_address: Where it listens; empty when it takes no commands.
+        service_type: What it offers; of several parts what the first one is that is neither setting nor diagnosis.
+        address: Where it speaks. Of a device with parts the words address of that part; see
+            :mod:`homebot.devices.words`.
+        command_address: Where it listens; empty when it takes no commands. Of a device with parts likewise.
         metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
         convention: By which convention it was announced; empty where there is one only.
         identifiers: Who the device is; see :func:`homebot.devices.identity.identifiers`.
