@@ -1,7 +1,6 @@
 """A lamp of schema ``basic``: a topic for each thing that it says or is told. Pure.
 
-Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_basic.py``. Where Home Assistant falls back on the
-brightness it last saw, this falls back on the full one, because a codec keeps nothing.
+Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_basic.py``.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
-from homebot.gateways.mqtt.homeassistant.light_basic_state import BasicState
+from homebot.gateways.mqtt.homeassistant.light_basic_state import BasicState, Remembered
 from homebot.gateways.mqtt.homeassistant.light_color import CHANNELS, Channels, kelvin_mired
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
 from homebot.gateways.mqtt.payload import shown
@@ -39,11 +38,13 @@ def build_basic_light(config: Config) -> DescribedPart:
             for mode in CHANNELS
             if (command := config.command(f"{mode}_command_topic", f"{mode}_command_template"))
         },
+        remembered=Remembered(),
+        assumes=_assumed(config),
     )
     effects = config.options("effect_list") if listens.effect else ()
     lamp = Lamp(listens.modes(), read_white_range(config), listens.publish, effects)
     entity = Entity(config, "light")
-    lamp.offer(entity, BasicState(config, lamp).hear(entity).__contains__)
+    lamp.offer(entity, BasicState(config, lamp, listens.remembered).hear(entity).__contains__)
     entity.listens(listens.command, listens.brightness, listens.white, listens.effect, *listens.colors.values())
     return entity.described()
 
@@ -70,6 +71,17 @@ def _order(config: Config) -> str:
     return order
 
 
+def _assumed(config: Config) -> frozenset[str]:
+    """Return what the lamp does not say, so that what it was told counts: ``brightness`` and colour modes."""
+    if config.flag("optimistic"):
+        return frozenset({"brightness", *CHANNELS})
+    assumed = {mode for mode in CHANNELS if not config.has(f"{mode}_state_topic")}
+    own = config.has("brightness_command_topic")
+    if not config.has("brightness_state_topic" if own else "rgb_state_topic"):
+        assumed.add("brightness")
+    return frozenset(assumed)
+
+
 @dataclass(frozen=True, slots=True)
 class _Listening:
     """Tells the lamp: the values on their topics, and that it shall be on before, after, or not at all."""
@@ -84,6 +96,8 @@ class _Listening:
     in_kelvin: bool
     effect: CommandTopic | None
     colors: Mapping[str, CommandTopic]
+    remembered: Remembered
+    assumes: frozenset[str]
 
     def modes(self) -> frozenset[str]:
         """Return the colour modes that the topics amount to."""
@@ -103,9 +117,12 @@ class _Listening:
         found: list[Publication] = []
         brightness = order.brightness
         if self.order == "brightness" and brightness is None:
-            brightness = _BYTE
+            brightness = self.remembered.brightness or _BYTE
         if order.color:
-            found.append(self._color(order.mode, order.color, _BYTE))
+            full = self.brightness is not None
+            found.append(self._color(order.mode, order.color, _BYTE if full else self.remembered.brightness or _BYTE))
+            if order.mode in self.assumes:
+                self.remembered.colors[order.mode] = order.color
         if brightness is not None:
             found += self._brightness(brightness, has_color=bool(order.color))
         if order.kelvin is not None and self.white is not None:
@@ -116,13 +133,18 @@ class _Listening:
         return tuple(found)
 
     def _brightness(self, brightness: int, *, has_color: bool) -> list[Publication]:
+        mode = next((one for one in _DIMMED if one in self.colors), "")
         if self.brightness is not None:
             value = max(min(round(brightness / _BYTE * self.scale), self.scale), 1)
-            return [self.brightness.publication(value)]
-        mode = next((one for one in _DIMMED if one in self.colors), "")
-        if not mode or has_color:
+            told = [self.brightness.publication(value)]
+        elif mode and not has_color:
+            color = self.remembered.colors.get(mode) or (_BYTE,) * len(CHANNELS[mode])
+            told = [self._color(mode, color, brightness)]
+        else:
             return []
-        return [self._color(mode, (_BYTE,) * len(CHANNELS[mode]), brightness)]
+        if "brightness" in self.assumes:
+            self.remembered.brightness = brightness
+        return told
 
     def _color(self, mode: str, color: Channels, brightness: int) -> Publication:
         if mode in _DIMMED:

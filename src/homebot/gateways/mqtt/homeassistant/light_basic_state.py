@@ -1,4 +1,4 @@
-"""What a lamp of schema ``basic`` says, each on its topic. Pure.
+"""What a lamp of schema ``basic`` says, each on its topic. Pure: the same messages in the same order tell the same.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_basic.py``.
 """
@@ -6,19 +6,33 @@ Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_basic.py``.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
+from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
-from homebot.gateways.mqtt.homeassistant.light_color import CHANNELS, kelvin_mired, to_hue_saturation
+from homebot.gateways.mqtt.homeassistant.light_color import CHANNELS, Channels, kelvin_mired, to_hue_saturation
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp
 from homebot.gateways.mqtt.homeassistant.rendered import number_of, numbers_of, whole_of
 from homebot.gateways.mqtt.payload import clean_text
 
-__all__ = ["BasicState"]
+__all__ = ["BasicState", "Remembered"]
 
 _BYTE = 255
+
+
+@dataclass(slots=True)
+class Remembered:
+    """What a lamp last said, where its commands need it: some are made of brightness and colour together.
+
+    Attributes:
+        brightness: 1 to 255; None before the first word.
+        colors: Its colour at full brightness by mode.
+    """
+
+    brightness: int | None = None
+    colors: dict[str, Channels] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +42,12 @@ class BasicState:
     Attributes:
         config: The lamp's config.
         lamp: What it can do.
+        remembered: What it last said.
     """
 
     config: Config
     lamp: Lamp
+    remembered: Remembered
 
     def hear(self, entity: Entity) -> frozenset[str]:
         """Have *entity* read all topics; return the capabilities that can be read."""
@@ -50,7 +66,7 @@ class BasicState:
 
         hear("on_off", "", lambda text: {"on_off": words[text]} if text in words else NOTHING)
         if self.lamp.has_level:
-            hear("level", "brightness", partial(_level, config.integer("brightness_scale", _BYTE, least=1)))
+            hear("level", "brightness", partial(self._level, config.integer("brightness_scale", _BYTE, least=1)))
         if self.lamp.has_white:
             hear("color_temperature", "color_temp", partial(self._white, config.flag("color_temp_kelvin")))
         own_level = bool(config.state_topic("brightness_state_topic"))
@@ -70,26 +86,29 @@ class BasicState:
         kelvin = float(value if in_kelvin else kelvin_mired(value))
         return {"color_temperature": kelvin} | ({"color": None} if self.lamp.color_mode else {})
 
+    def _level(self, scale: int, text: str) -> Readings:
+        value = number_of(text) or 0
+        if value <= 0:
+            return NOTHING
+        self.remembered.brightness = min(round(value / scale * _BYTE), _BYTE)
+        return {"level": self.remembered.brightness * 100 / _BYTE}
+
     def _color(self, mode: str, own_level: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
         """A colour whose lamp has no topic for its brightness tells that as well."""
         channels = numbers_of(text, len(CHANNELS[mode]))
-        if channels is None or not all(
-            0 <= channel <= most for channel, most in zip(channels, _MOST.get(mode, (_BYTE,) * 5), strict=False)
-        ):
+        most = _MOST.get(mode, (_BYTE,) * len(CHANNELS[mode]))
+        if channels is None or not all(0 <= one <= limit for one, limit in zip(channels, most, strict=True)):
             return NOTHING
-        whole = {} if not self.lamp.has_white else {"color_temperature": None}
-        if own_level:
-            return {"color": to_hue_saturation(mode, channels, self.lamp.white), **whole}
-        brightness = max(channels)
-        if not brightness:
-            return NOTHING
-        color = to_hue_saturation(mode, tuple(channel / brightness * _BYTE for channel in channels), self.lamp.white)
-        return {"color": color, "level": brightness * 100 / _BYTE, **whole}
+        found: dict[str, PlainValue] = {"color_temperature": None} if self.lamp.has_white else {}
+        if not own_level:
+            brightness = int(max(channels))
+            if not brightness:
+                return NOTHING
+            channels = tuple(min(round(one / brightness * _BYTE), _BYTE) for one in channels)
+            self.remembered.brightness = brightness
+            found["level"] = brightness * 100 / _BYTE
+        self.remembered.colors[mode] = channels
+        return {**found, "color": to_hue_saturation(mode, channels, self.lamp.white)}
 
 
 _MOST = {"hs": (360, 100), "xy": (1, 1)}
-
-
-def _level(scale: int, text: str) -> Readings:
-    value = number_of(text) or 0
-    return {"level": min(round(value / scale * _BYTE), _BYTE) * 100 / _BYTE} if value > 0 else NOTHING

@@ -6,10 +6,12 @@ Source: Home Assistant core 2025.4, ``components/mqtt/lock.py``.
 from __future__ import annotations
 
 from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
 from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
+from homebot.gateways.mqtt.payload import shown
 
 __all__ = ["build_lock"]
 
@@ -18,7 +20,7 @@ _STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jam
 
 
 def build_lock(config: Config) -> DescribedPart:
-    """Describe a door lock. It is told without a code: one that wants a code says no by itself."""
+    """Describe a door lock. One that wants a code cannot be told: there is nowhere to have it from."""
     command = config.required_command()
     states: dict[str, str | None] = {config.text(f"state_{state}", state.upper()): state for state in _STATES}
     states[config.text("payload_reset", "None")] = None
@@ -30,6 +32,8 @@ def build_lock(config: Config) -> DescribedPart:
         return {"lock": states[text]} if text.strip() and text in states else NOTHING
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        if config.has("code_format"):
+            raise RefusedError(f"lock {shown(value)}", "it wants a code")
         return (command.publication(payloads[wanted_option("lock", value, payloads)], {"code": None}),)
 
     entity = Entity(config, "door_lock")
