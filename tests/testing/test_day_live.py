@@ -152,3 +152,9 @@ def test_an_app_that_crashes_fails_the_day() -> None:
     """It would be started again, and nobody would notice."""
     with pytest.raises(AssertionError, match=r"crashed: .*app_1"):
         live_day(a_day(), f"{__name__}:Crashing")
+
+
+async def test_a_test_with_async_is_told_what_to_write() -> None:
+    """Its loop is running already."""
+    with pytest.raises(UsageError, match=r"await day\.live\(house\)"):
+        live_day(a_day())

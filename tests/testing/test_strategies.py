@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 FOUND = settings(max_examples=2000, derandomize=True, database=None, phases=[Phase.generate, Phase.shrink])
 
 LAMPS = houses(kinds=["lamp"], max_devices=2)
-LONELY = houses(kinds=["lamp"], max_devices=2, faults=["deaf", "reverter"], max_people=0, max_errands=0)
+LONELY = houses(kinds=["lamp"], min_devices=1, max_devices=2, faults=["deaf", "reverter"], max_people=0, max_errands=0)
 
 EMPTY = """\
 [day]
@@ -105,13 +105,19 @@ def is_pressed_while_its_cable_is_out(day: Day) -> bool:
 
 
 def test_what_must_happen_one_after_the_other_shrinks_to_these_two() -> None:
-    """At round times."""
-    day = find(days(LAMPS, what=["press", "pull"], max_length="4h"), is_pressed_while_its_cable_is_out, settings=FOUND)
-    pulled, pressed = day.happenings
-    assert (pulled.what, pulled.at, pressed.what, pressed.command) == ("pull", 0.0, "press", "on")
-    assert pressed.at in {600.0, 60.0, 1.0}
+    """In a house with nothing else."""
+    strategy = days(LAMPS, what=["press", "pull"], max_happenings=4, max_length="1h")
+    day = find(strategy, is_pressed_while_its_cable_is_out, settings=FOUND)
+    assert [(happening.what, happening.command) for happening in day.happenings] == [("pull", ""), ("press", "on")]
     assert [*day.world().devices] == ["lamp"]
     assert "people" not in day.house
+
+
+def test_happenings_shrink_to_full_hours() -> None:
+    """And not to the smallest number of seconds."""
+    day = find(days(LAMPS), lambda day: any(happening.at > 4000.0 for happening in day.happenings), settings=FOUND)
+    assert [happening.at for happening in day.happenings] == [7200.0]
+    assert (day.start % 3600.0, day.length % 3600.0) == (0.0, 0.0)
 
 
 def has(part: str, number: int) -> Callable[[Table], bool]:

@@ -39,8 +39,9 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
 
     Raises:
         AssertionError: An app crashed.
-        UsageError: An argument cannot be used.
+        UsageError: An argument cannot be used, or the test has ``async``: there, ``await day.live(house)``.
     """
+    _need_no_loop()
 
     async def lived() -> World:
         world = day.world()
@@ -165,6 +166,14 @@ def _plan(day: Day, wire: _Wire) -> list[_Step]:
                 steps.append((happening.at, happening, partial(wire.stop, happening)))
                 steps.append((ends, happening, wire.start))
     return sorted(steps, key=lambda step: step[0])
+
+
+def _need_no_loop() -> None:
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return
+    raise UsageError("live_day is for tests without async; in a house of your own: await day.live(house)")
 
 
 async def _sleep_until(house: VirtualHouse, moment: datetime) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 from hypothesis import strategies as st
@@ -13,9 +12,9 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 from homebot.errors import UsageError
 from homebot.testing.day import Day
 from homebot.testing.day_happening import HAPPENINGS, Happening, What
-from homebot.testing.strategies.devices import chosen, commands, one_of, several, target
+from homebot.testing.strategies.choices import chosen, moments, one_of, several, target
+from homebot.testing.strategies.devices import commands
 from homebot.testing.strategies.houses import houses
-from homebot.testing.strategies.moments import moments
 from homebot.units import parse_duration
 
 __all__ = ["days"]
@@ -83,7 +82,7 @@ def _days(
 @st.composite
 def _happenings(draw: DrawFn, whats: tuple[What, ...], kinds: Mapping[str, str], length: float) -> Happening:
     """Happenings, with their time since the start."""
-    what = draw(one_of((*whats, *whats[:2])))  # commands are twice as likely: most of what goes wrong needs two
+    what = draw(one_of((*whats, *whats[:2])))  # the first are likelier: most of what goes wrong needs commands
     at = draw(moments(length))
     if what == "restart":
         return Happening(at, what, lasts=draw(_lasts), forget=draw(st.booleans()))
@@ -95,7 +94,6 @@ def _happenings(draw: DrawFn, whats: tuple[What, ...], kinds: Mapping[str, str],
     return Happening(at, what, device, draw(commands(kinds[device])))
 
 
-@cache
 def _hours(low: int, high: int) -> SearchStrategy[float]:
     return st.integers(low, high).map(lambda hours: hours * HOUR)
 

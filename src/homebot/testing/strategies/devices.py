@@ -1,43 +1,20 @@
-"""Random devices: what each kind and fault can be told, in plain numbers; the simplest is told nothing.
-
-Hypothesis deletes at most five choices in a row at a time when it shrinks. So what may be left out of a house costs few
-choices while it is plain.
-"""
+"""Random devices: what each kind and fault can be told, in plain numbers; the simplest is told nothing."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from functools import cache
-from typing import Final, TypeVar
+from typing import Final
 
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn, SearchStrategy
 
 from homebot.config import Table
-from homebot.errors import UsageError
+from homebot.testing.strategies.choices import Settings, one_of, optional
 
-__all__ = [
-    "FAULT_SETTINGS",
-    "KIND_SETTINGS",
-    "NONE",
-    "chosen",
-    "commands",
-    "devices",
-    "one_of",
-    "optional",
-    "several",
-    "target",
-]
-
-NameT = TypeVar("NameT", bound=str)
-ValueT = TypeVar("ValueT")
-
-Settings = Mapping[str, SearchStrategy[object]]
+__all__ = ["FAULT_SETTINGS", "KIND_SETTINGS", "WORDS", "commands", "devices"]
 
 MAX_FAULTS = 2
 """Faults that one device has at most: each wraps the others, and two show how they meet."""
-
-NONE: Final = ""
 
 NONSENSE: Final = "nonsense"
 """A command that no device knows."""
@@ -57,7 +34,6 @@ WORDS: Final[Mapping[str, Sequence[str]]] = {
 """What each kind of device obeys."""
 
 _switch = st.booleans()
-_more = st.sampled_from((False, True, True, True, True, True))
 _share = st.integers(0, 10).map(lambda tenths: tenths / 10)
 _watts = st.sampled_from((10.0, 1.0, 60.0, 2000.0))
 _seconds = st.sampled_from((10.0, 1.0, 60.0, 600.0, 3600.0))
@@ -134,44 +110,10 @@ def devices(
     return table
 
 
-@st.composite
-def optional(draw: DrawFn, settings: Settings) -> Table:
-    """Tables with any of *settings*, in their order; the simplest has none."""
-    if not settings or not draw(_switch):  # one choice where there are none
-        return {}
-    return {name: draw(value) for name, value in settings.items() if draw(_switch)}
-
-
-def several(draw: DrawFn, each: SearchStrategy[ValueT], at_least: int, at_most: int) -> list[ValueT]:
-    """Draw a list that is seldom empty: hypothesis's own are in half of all examples, and an empty house is no news."""
-    values: list[ValueT] = []
-    while len(values) < at_least or (draw(_more) and len(values) < at_most):
-        values.append(draw(each))
-    return values
-
-
-@cache
-def one_of(values: tuple[ValueT, ...]) -> SearchStrategy[ValueT]:
-    """Return a strategy for one of *values*, the simplest first; the same for the same, since making one takes long.
-
-    Of one value too it makes a choice: else all later choices would slip when the second of two rooms goes.
-    """
-    return st.sampled_from(values if len(values) > 1 else values * 2)
-
-
-def target(names: tuple[ValueT, ...]) -> SearchStrategy[ValueT]:
-    """Return a strategy for one of a list of things that shrinks itself.
-
-    The last is the simplest: so whichever is meant stays meant while those behind it, and then those before it, go.
-    """
-    return one_of((*names[-1:], *names[:-1]))
-
-
 def commands(kind: str) -> SearchStrategy[str]:
     """Return a strategy for what a device of *kind* may be told, what it does not know as well."""
-    return one_of(
-        (*WORDS[kind], NONSENSE, *WORDS[kind][:2])
-    )  # the first two, twice: most of what goes wrong needs them
+    likely = WORDS[kind][:2]  # most of what goes wrong needs these
+    return one_of((*WORDS[kind], NONSENSE, *likely))
 
 
 @st.composite
@@ -181,17 +123,6 @@ def _faulty(draw: DrawFn, faults: tuple[str, ...]) -> Table:
         fault = draw(one_of(faults))
         table[fault] = draw(_FAULTS[fault])
     return table
-
-
-def chosen(names: Collection[str], known: Collection[NameT], what: str) -> tuple[NameT, ...]:
-    """Return those of *known* that are in *names*, in the order of *known*.
-
-    Raises:
-        UsageError: One of *names* is not known.
-    """
-    if unknown := sorted(set(names) - set(known)):
-        raise UsageError(f"{unknown[0]!r} is no {what}; known are {', '.join(known)}")
-    return tuple(name for name in known if name in names)
 
 
 _KINDS: Final = {kind: optional(settings) for kind, settings in KIND_SETTINGS.items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from functools import cache
+from functools import lru_cache
 from itertools import count
 from typing import Final
 
@@ -14,24 +14,14 @@ from homebot.config import Table
 from homebot.errors import UsageError
 from homebot.house.rooms import OUTSIDE
 from homebot.testing.day_text import write_time
-from homebot.testing.strategies.devices import (
-    FAULT_SETTINGS,
-    KIND_SETTINGS,
-    NONE,
-    chosen,
-    commands,
-    devices,
-    one_of,
-    optional,
-    several,
-    target,
-)
-from homebot.testing.strategies.moments import moments
+from homebot.testing.strategies.choices import MADE, chosen, moments, one_of, optional, several, target
+from homebot.testing.strategies.devices import FAULT_SETTINGS, KIND_SETTINGS, commands, devices
 
 __all__ = ["ROOMS", "houses"]
 
 ROOMS: Final = ("hall", "kitchen", "living", "bedroom", "bath", "study", "nursery", "attic", "cellar", "garage")
 PEOPLE: Final = ("anna", "ben", "clara", "david", "emma", "finn")
+NO_DOOR: Final = ""
 MAX_HABITS = 4
 MAX_DEVICES = 50
 
@@ -125,8 +115,8 @@ def _plans(draw: DrawFn, max_rooms: int) -> tuple[dict[str, Table], list[tuple[s
         name = ROOMS[len(rooms)]
         before = (OUTSIDE, *rooms)
         room = draw(_room)
-        doors = {draw(one_of(before)): None, draw(one_of((NONE, *before))): None}
-        doors.pop(NONE, None)
+        doors = {draw(one_of(before)): None, draw(one_of((NO_DOOR, *before))): None}
+        doors.pop(NO_DOOR, None)
         rooms[name] = {**room, "doors": [*doors]}
         pairs += [(name, door) for door in doors]
     return rooms, pairs
@@ -140,24 +130,24 @@ def _person(draw: DrawFn, rooms: tuple[str, ...]) -> Table:
     return table
 
 
-@cache
+@lru_cache(MADE)
 def _people(rooms: tuple[str, ...], at_most: int) -> SearchStrategy[list[Table]]:
     return st.lists(_person(rooms), max_size=at_most)
 
 
-@cache
+@lru_cache(MADE)
 def _bodies(rooms: tuple[str, ...]) -> SearchStrategy[Table]:
     return optional({"starts_in": one_of(rooms), "asleep": st.booleans(), "speed": st.sampled_from((1.0, 0.1, 10.0))})
 
 
-@cache
+@lru_cache(MADE)
 def _habits(rooms: tuple[str, ...]) -> SearchStrategy[list[Table]]:
     more = optional({"jitter": st.sampled_from((60.0, 600.0, 3600.0)), "asleep": st.booleans()})
     habit = st.builds(lambda at, room, told: {"at": at, "room": room, **told}, _times, one_of(rooms), more)
     return st.lists(habit, max_size=MAX_HABITS)
 
 
-@cache
+@lru_cache(MADE)
 def _errands(things: tuple[tuple[str, str], ...], at_most: int) -> SearchStrategy[list[Table]]:
     return st.lists(_errand(things), max_size=at_most)
 
