@@ -37,6 +37,7 @@ LEAVES = st.one_of(
         ["0", "1", "2.5", "-3", "'a'", "'ON'", "'12'", "''", "none", "true", "false", "[1, 2]", "{'a': 1}"]
     ),
 )
+READ = st.one_of(st.just("value_json"), st.just("value"), KEYS.map("value_json.{}".format))
 FILTERS = st.sampled_from(
     [
         "default('d')",
@@ -90,7 +91,7 @@ def grown(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
         st.builds("({}.{})".format, inner, METHODS),
         st.builds("({} if {} else {})".format, inner, inner, inner),
         st.builds("({}[{}])".format, inner, inner),
-        st.builds("({}[{}:{}])".format, inner, st.sampled_from(["", "1", "-2"]), st.sampled_from(["", "2", "-1"])),
+        st.builds("({}[{}:{}])".format, READ, st.sampled_from(["", "1", "-2"]), st.sampled_from(["", "2", "-1"])),
         st.builds("({}.{})".format, inner, KEYS),
         st.builds("[{}, {}]".format, inner, inner),
         st.builds("(not {})".format, inner),

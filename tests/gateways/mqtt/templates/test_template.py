@@ -86,3 +86,13 @@ def test_half_a_surrogate_pair_is_no_text() -> None:
         compile_template(r"{{ '\ud800' }}").render({})
     with pytest.raises(TemplateError, match="surrogate"):
         compile_template("{{ value }}").render({"value": "\ud800"})
+
+
+def test_an_error_shows_no_value() -> None:
+    template = compile_template("{{ [1, 2].index(code | int) }}{{ code | from_json }}")
+
+    with pytest.raises(TemplateError) as caught:
+        template.render({"code": "4711"})
+
+    assert "4711" not in str(caught.value)
+    assert caught.value.__cause__ is None

@@ -39,8 +39,11 @@ class Program:
                 statement(run)
         except RecursionError:
             raise TemplateError("a value is nested too deeply") from None
-        except (ValueError, TypeError, ArithmeticError, LookupError, AttributeError) as error:
+        except (TypeError, ArithmeticError) as error:
             raise TemplateError(f"the values do not fit the template: {str(error)[:_MOST_SHOWN]}") from error
+        except (ValueError, LookupError, AttributeError) as error:
+            # Their messages may show a value, which may be the code of a lock.
+            raise TemplateError(f"the values do not fit the template: {type(error).__name__}") from None
         return run.written()
 
 

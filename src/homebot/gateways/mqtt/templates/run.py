@@ -23,11 +23,12 @@ class Run:
         now: The time, with its time zone, where it is known.
     """
 
-    __slots__ = ("_length", "_parts", "_scopes", "_steps", "now")
+    __slots__ = ("_length", "_names", "_parts", "_scopes", "_steps", "now")
 
     def __init__(self, names: Mapping[str, object], now: datetime | None) -> None:
         self.now = now
-        self._scopes: list[dict[str, object]] = [dict(names)]
+        self._names = names
+        self._scopes: list[dict[str, object]] = [{}]
         self._parts: list[str] = []
         self._steps = MAX_STEPS
         self._length = 0
@@ -37,7 +38,7 @@ class Run:
         for scope in reversed(self._scopes):
             if name in scope:
                 return scope[name]
-        return UNDEFINED
+        return self._names.get(name, UNDEFINED)
 
     def assign(self, name: str, value: object) -> None:
         """Let *name* mean *value* in the innermost scope."""
@@ -67,6 +68,8 @@ class Run:
         Raises:
             TemplateError: It is larger than a value may be.
         """
+        if value.__class__ in _SMALL:
+            return value
         if isinstance(value, (str, bytes)):
             if len(value) > MAX_TEXT:
                 raise TemplateError(f"a text has more than {MAX_TEXT} characters")
@@ -103,3 +106,6 @@ class Run:
     def mark(self) -> int:
         """Return where the output stands, for :meth:`written`."""
         return len(self._parts)
+
+
+_SMALL = frozenset({bool, float, type(None)})

@@ -98,11 +98,16 @@ class Template:
 
 
 def compile_template(source: str) -> Template:
-    """Return the template that *source* is; never raises. Equal texts share one template, the last 4,096 of them."""
-    return _compiled(source) if len(source) <= MAX_SOURCE else Template(source)
+    """Return the template that *source* is; never raises.
+
+    Equal texts of up to 1,024 characters share one template, the last 1,024 of them.
+    """
+    return _compiled(source) if len(source) <= _LONGEST_KEPT else Template(source)
 
 
-_compiled = lru_cache(maxsize=4096)(Template)
+# What a template is compiled to takes up to about a hundred times the memory of its text.
+_LONGEST_KEPT = 1024
+_compiled = lru_cache(maxsize=1024)(Template)
 
 
 def _bounded(rendered: str) -> str:

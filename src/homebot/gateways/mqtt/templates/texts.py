@@ -79,8 +79,8 @@ def _format(_: Run, value: object, *values: object, **named: object) -> str:
 def _from_json(_: Run, value: object) -> object:
     try:
         return parse_json(text(value))
-    except WireError as error:
-        raise TemplateError(error.problem) from error
+    except WireError:
+        raise TemplateError("from_json is given a text that is no JSON") from None
 
 
 def _to_json(
