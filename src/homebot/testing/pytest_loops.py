@@ -41,8 +41,6 @@ _CHOOSES_LOOPS = "_asyncio_loop_factory"
 
 _RUNNER = pytest.StashKey[asyncio.Runner]()
 
-_ONE_LOOP_PER_TEST = pytest.mark.asyncio(loop_scope="function")
-
 
 @pytest.fixture(name=VIRTUAL_TIME)
 def virtual_time() -> None:
@@ -113,8 +111,7 @@ def use_virtual_loop(metafunc: pytest.Metafunc) -> None:
     plugin = metafunc.config.pluginmanager.get_plugin(PYTEST_ASYNCIO)
     if plugin is None:
         return
-    if metafunc.definition.get_closest_marker("asyncio") is not None:
-        metafunc.definition.add_marker(_ONE_LOOP_PER_TEST, append=False)
+    _give_one_loop(metafunc.definition)
     if hasattr(plugin, _CHOOSES_LOOPS):
         metafunc.fixturenames.append(RUNNER_FIXTURE)
         _give(metafunc, RUNNER_FIXTURE, _VirtualRunner())
@@ -124,8 +121,8 @@ def use_virtual_loop(metafunc: pytest.Metafunc) -> None:
 
 def use_loop_of_its_own(test: pytest.Item) -> None:
     """Keep pytest-asyncio from running a test in virtual time on the loop of a whole module or session."""
-    if VIRTUAL_TIME in getattr(test, "fixturenames", ()) and test.get_closest_marker("asyncio") is not None:
-        test.add_marker(_ONE_LOOP_PER_TEST, append=False)
+    if VIRTUAL_TIME in getattr(test, "fixturenames", ()):
+        _give_one_loop(test)
 
 
 def close_virtual_loop(test: pytest.Item) -> None:
@@ -173,6 +170,11 @@ def _virtual_policy() -> asyncio.AbstractEventLoopPolicy:
             return _virtual_loop()
 
     return Policy()
+
+
+def _give_one_loop(test: pytest.Item) -> None:
+    if test.get_closest_marker("asyncio") is not None:
+        test.add_marker(pytest.mark.asyncio(loop_scope="function"), append=False)
 
 
 def _give(metafunc: pytest.Metafunc, fixture: str, value: object) -> None:
