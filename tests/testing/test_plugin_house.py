@@ -257,7 +257,7 @@ async def test_on_its_loop(house): pass
     result.stdout.fnmatch_lines(
         [
             "`house` is for tests that can wait: write `async def test_plain(*):`",
-            "`house` has its own time and broker, `mqtt_broker_thread` is of real time: take one",
+            "`house` has its own time and broker, `mqtt_broker` is of real time: take one",
             "`house` needs a loop of virtual time, and this test runs on a *Loop, which could not be replaced. *",
         ]
     )
@@ -302,9 +302,15 @@ def house(): return "brick"
 def homebot(): return "tin"
 
 def test_it(house, homebot): assert (house, homebot) == ("brick", "tin")
+
+class TestBoth:
+    @pytest.fixture
+    def mqtt_broker(self): return "mine"
+
+    async def test_one_of_them(self, mqtt_broker, homebot): assert mqtt_broker == "mine"
 """
     )
-    run(pytester).assert_outcomes(passed=1)
+    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=2)
 
 
 def test_loops_that_others_choose_stay_theirs(pytester: pytest.Pytester) -> None:

@@ -20,7 +20,8 @@ __all__ = ["anyio_loop", "homebot", "homebot_config", "house", "own_loop", "virt
 
 _HOUSES = pytest.StashKey["list[tuple[str, TestHouse]]"]()
 
-_OF_REAL_TIME = ("homebot", "mqtt_broker", "mqtt_broker_session", "mqtt_broker_thread")
+_OF_REAL_TIME = {"homebot_config": "homebot", "_mqtt_broker_loop": "mqtt_broker"}
+"""What only our fixtures use, and their names, which others may use too."""
 
 HouseT = TypeVar("HouseT", bound="TestHouse")
 
@@ -30,8 +31,8 @@ def house(request: pytest.FixtureRequest, _homebot_virtual_time: None) -> Iterat
     """A simulated house in virtual time: ``await house.run_for("8h")``; ``@pytest.mark.house`` says what is in it."""
     from homebot.testing.house_marks import house_by_mark  # noqa: PLC0415 - only for those who use it
 
-    for other in _OF_REAL_TIME:
-        if other in request.fixturenames:
+    for used, other in _OF_REAL_TIME.items():
+        if used in request.fixturenames:
             pytest.fail(f"`house` has its own time and broker, `{other}` is of real time: take one", pytrace=False)
     with _explained():
         made = house_by_mark(request.node)
