@@ -302,12 +302,16 @@ def house(): return "brick"
 def homebot(): return "tin"
 
 def test_it(house, homebot): assert (house, homebot) == ("brick", "tin")
+"""
+    )
+    pytester.makepyfile(
+        test_beside_ours="""
+import pytest
 
-class TestBoth:
-    @pytest.fixture
-    def mqtt_broker(self): return "mine"
+@pytest.fixture
+def mqtt_broker(): return "mine"
 
-    async def test_one_of_them(self, mqtt_broker, homebot): assert mqtt_broker == "mine"
+async def test_it(mqtt_broker, house): assert mqtt_broker == "mine"
 """
     )
     run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=2)
