@@ -89,21 +89,21 @@ def test_the_components_of_a_whole_device_inherit_what_is_shared() -> None:
         WHOLE,
     )
     one, two = told.components
-    assert (one.platform, one.discovery_id) == ("light", "0AFFD2 one")
+    assert (one.platform, one.discovery_id) == ("light", "device/0AFFD2/one")
     assert one.fields == {"unique_id": "a", "command_topic": "~/x", "state_topic": "kitchen/state", "qos": 1}
     assert (two.platform, two.fields["state_topic"]) == ("sensor", "base/own")
 
 
-def test_a_node_id_is_part_of_the_discovery_ids() -> None:
+def test_a_node_id_is_part_of_the_discovery_id() -> None:
     told = announced({"cmps": {"c": {"p": "light", "uniq_id": "a"}}}, ConfigTopic("device", "node", "object"))
-    assert told.components[0].discovery_id == "object node c"
+    assert told.components[0].discovery_id == "device/node/object/c"
 
 
 def test_child_devices_lend_their_components() -> None:
     told = announced(
         {"dev": {"ids": "p"}, "cdevs": [{"identifiers": "c", "cmps": {"x": {"p": "light", "uniq_id": "a"}}}]}, WHOLE
     )
-    assert [one.discovery_id for one in told.components] == ["0AFFD2 x"]
+    assert [one.discovery_id for one in told.components] == ["device/0AFFD2/x"]
 
 
 @pytest.mark.parametrize("key", ["migrate_discovery", "migr_discvry"])

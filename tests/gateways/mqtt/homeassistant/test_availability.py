@@ -66,3 +66,10 @@ def test_one_entry_need_not_be_in_a_list() -> None:
 def test_what_cannot_tell_is_refused(fields: Mapping[str, object]) -> None:
     with pytest.raises(WireError):
         availability(fields)
+
+
+def test_words_that_python_finds_equal_are_told_apart() -> None:
+    for word, said in ((1, b"1"), (True, b"True"), (1.0, b"1.0")):
+        told = availability({"availability": {"topic": "same", "payload_available": word}})
+        assert told is not None
+        assert told.sources[0].read(said) is True

@@ -121,3 +121,8 @@ def test_any_fields_make_a_config_or_a_wire_error(fields: dict[str, object]) -> 
     except WireError:
         return
     assert one.qos in (0, 1, 2)
+
+
+def test_a_command_without_template_takes_none_from_a_nameless_field() -> None:
+    command = Config("light", "lamp", {"command_topic": "a", "": "{{ 1 }}"}).required_command(template_key="")
+    assert command.template is None

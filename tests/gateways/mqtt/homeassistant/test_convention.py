@@ -127,7 +127,7 @@ def test_two_components_with_one_unique_id_are_two_parts(convention: HomeAssista
     cmps = {one: {"p": "switch", "uniq_id": "same", "cmd_t": one} for one in ("left", "right")}
     device = take(convention, "device/0AFFD2", {**WHOLE, "cmps": cmps})
     assert isinstance(device, Described)
-    assert [one.part.id for one in device.parts] == ["same", "device/0AFFD2/0AFFD2 right"]
+    assert [one.part.id for one in device.parts] == ["same", "device/0AFFD2/right"]
 
 
 def test_an_empty_config_withdraws(convention: HomeAssistantDiscovery) -> None:
@@ -197,3 +197,9 @@ def test_only_where_wanted_devices_are_asked_to_announce_themselves() -> None:
 def test_a_prefix_that_cannot_be_is_refused(prefix: str) -> None:
     with pytest.raises(ValidationError):
         HomeAssistantSettings(prefixes=(prefix,))
+
+
+def test_a_part_without_unique_id_is_named_by_its_announcement(convention: HomeAssistantDiscovery) -> None:
+    device = take(convention, "switch/node/relay", {"command_topic": "r"})
+    assert isinstance(device, Described)
+    assert device.parts[0].part.id == device.key == "switch/node/relay"

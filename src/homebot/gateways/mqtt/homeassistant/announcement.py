@@ -29,7 +29,8 @@ class Component:
 
     Attributes:
         platform: For example ``light``.
-        discovery_id: What the message calls it.
+        discovery_id: Names it for ever where it has no ``unique_id``: the announcement's key and, in a message of a
+            whole device, its name there.
         fields: Its config in full keys.
     """
 
@@ -73,7 +74,7 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
         components = tuple(_components(topic, fields))
     else:
         fields = _with_base(fields)
-        components = (Component(topic.component, topic.object_id, fields),)
+        components = (Component(topic.component, topic.key, fields),)
     return Announced(
         is_migrating=False, device=device, origin=origin, components=components, common=_common(fields, components)
     )
@@ -201,5 +202,4 @@ def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> 
         raise WireError(f"component {shown(name)}: platform is {shown(platform)}, not a text")
     if not full:
         return None
-    discovery_id = " ".join(one for one in (topic.object_id, topic.node_id, name) if one)
-    return Component(platform, discovery_id, _with_base({**common, **full}))
+    return Component(platform, f"{topic.key}/{name}", _with_base({**common, **full}))

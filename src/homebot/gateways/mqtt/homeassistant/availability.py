@@ -5,6 +5,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py`` and ``entity.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import get_args
@@ -68,20 +69,23 @@ def read_availability(config: Config) -> Availability | None:
 def _entry(config: Config, entry: object) -> WordsOfAvailability:
     if not isinstance(entry, dict):
         raise WireError(f"availability has {shown(entry)}, not an object")
-    try:
+    if all(type(value) is str for value in entry.values()):
         return _known_entry(tuple(entry.items()), config.encoding)
-    except TypeError:
-        raise WireError("availability has a field that is a list or an object") from None
+    return _new_entry(entry, config.encoding)
 
 
-@lru_cache(maxsize=128)
-def _known_entry(fields: tuple[tuple[str, object], ...], encoding: str) -> WordsOfAvailability:
-    """All devices of a bridge share its entry, and all parts of a device share the device's."""
-    config = Config("availability", "", {**dict(fields), "encoding": encoding})
+def _new_entry(entry: Mapping[str, object], encoding: str) -> WordsOfAvailability:
+    config = Config("availability", "", {**entry, "encoding": encoding})
     topic = config.state_topic("topic")
     if not topic:
         raise WireError("availability has an entry without topic")
     return _words(config, topic, "value_template")
+
+
+@lru_cache(maxsize=128)
+def _known_entry(fields: tuple[tuple[str, str], ...], encoding: str) -> WordsOfAvailability:
+    """All devices of a bridge share its entry, and all parts of a device share the device's."""
+    return _new_entry(dict(fields), encoding)
 
 
 def _words(config: Config, topic: str, template_key: str) -> WordsOfAvailability:

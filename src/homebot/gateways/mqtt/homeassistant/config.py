@@ -172,7 +172,8 @@ class Config:
         if value is None:
             return None
         topic = command_topic(self._as_text(topic_key, value))
-        return CommandTopic(topic, self.template(template_key), self.qos, self.retain, self.encoding)
+        template = self.template(template_key) if template_key else None
+        return CommandTopic(topic, template, self.qos, self.retain, self.encoding)
 
     def required_command(
         self, topic_key: str = "command_topic", template_key: str = "command_template"

@@ -122,7 +122,7 @@ class HomeAssistantDiscovery:
                 broken = error
                 continue
             if part.part.id in parts:
-                part = replace(part, part=part.part.model_copy(update={"id": f"{where.key}/{component.discovery_id}"}))
+                part = replace(part, part=part.part.model_copy(update={"id": component.discovery_id}))
             parts[part.part.id] = part, component
         if broken is not None and not parts:
             self.rejected -= 1

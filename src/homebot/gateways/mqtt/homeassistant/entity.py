@@ -146,7 +146,7 @@ class Entity:
         config = self._config
         return DescribedPart(
             Part(
-                id=clean_text(config.text("unique_id"), _MAX_ID) or config.discovery_id,
+                id=clean_text(config.text("unique_id") or config.discovery_id, _MAX_ID),
                 name=config.words("name"),
                 service_type=self._service_type,
                 advertised=config.component,
