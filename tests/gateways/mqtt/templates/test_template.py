@@ -96,3 +96,8 @@ def test_an_error_shows_no_value() -> None:
 
     assert "4711" not in str(caught.value)
     assert caught.value.__cause__ is None
+
+
+@pytest.mark.parametrize("expression", [r"\d+$", "[[]?5", "[0-9--]"])
+def test_what_python_would_warn_of_is_no_matter(expression: str) -> None:
+    assert compile_template(f"{{{{ value | regex_search('{expression}') }}}}").render_value("5") == "True"

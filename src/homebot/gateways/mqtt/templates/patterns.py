@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from functools import lru_cache
 
 from homebot.gateways.mqtt.templates.errors import TemplateError
@@ -40,8 +41,8 @@ def replaces(run: Run, value: object = "", find: object = "", replace: object = 
     """Return *value* with every match of *find* replaced."""
     subject, replacement = text(value), text(replace)
     pattern = _pattern(run, find, subject, ignorecase)
-    # A reference in the replacement may give the whole value again.
-    longest = (len(subject) + 1) * (len(replacement) + (replacement.count("\\") * len(subject)) + 1)
+    # Matches lie side by side, so that all that one reference gives is no longer than the value.
+    longest = (len(subject) + 1) * (len(replacement) + 1) + replacement.count("\\") * len(subject)
     if longest > MAX_TEXT:
         raise TemplateError(f"a text has more than {MAX_TEXT} characters")
     try:
@@ -77,7 +78,9 @@ def _pattern(run: Run, find: object, subject: str, ignorecase: object) -> re.Pat
 @lru_cache(maxsize=64)
 def _compiled(expression: str, flags: re.RegexFlag) -> tuple[int, int, re.Pattern[str]]:
     try:
-        pattern = re.compile(expression, flags)
+        # Python warns of sets such as "[[]", which are allowed.
+        with warnings.catch_warnings(action="ignore"):
+            pattern = re.compile(expression, flags)
     except (re.error, RecursionError, OverflowError) as error:
         raise TemplateError("a regular expression is wrong") from error
     return *_complexity(expression), pattern

@@ -7,6 +7,7 @@ template does is done by :mod:`expressions` and :mod:`statements`.
 from __future__ import annotations
 
 import operator
+import warnings
 from collections.abc import Callable, Iterable
 from itertools import islice
 from typing import Final, TypeAlias, final
@@ -36,16 +37,7 @@ def parse(source: str) -> Program:
             words that follow "the template".
     """
     _check_brackets(source)
-    try:
-        if any(True for _ in islice(_ENVIRONMENT.lex(source), MAX_TOKENS, None)):
-            raise TemplateError(f"has more than {MAX_TOKENS} words and signs")
-        tree = _ENVIRONMENT.parse(source)
-    except jinja2.TemplateSyntaxError as error:
-        raise TemplateError(f"is no template: {(error.message or '')[:_MOST_SHOWN]}") from error
-    except RecursionError:
-        raise TemplateError("is nested too deeply") from None
-    except (ValueError, OverflowError) as error:
-        raise TemplateError("has a number or text that cannot be read") from error
+    tree = _tree(source)
     reader = _Reader()
     try:
         body = reader.statements(tree.body)
@@ -308,6 +300,21 @@ _STATEMENTS: Final[dict[type[nodes.Node], _ReadStatement]] = {
     nodes.If: _Reader.if_,
     nodes.Output: _Reader.output,
 }
+
+
+def _tree(source: str) -> nodes.Template:
+    try:
+        # Python warns of texts such as '\d', which are common in regular expressions.
+        with warnings.catch_warnings(action="ignore"):
+            if any(True for _ in islice(_ENVIRONMENT.lex(source), MAX_TOKENS, None)):
+                raise TemplateError(f"has more than {MAX_TOKENS} words and signs")
+            return _ENVIRONMENT.parse(source)
+    except jinja2.TemplateSyntaxError as error:
+        raise TemplateError(f"is no template: {(error.message or '')[:_MOST_SHOWN]}") from error
+    except RecursionError:
+        raise TemplateError("is nested too deeply") from None
+    except (ValueError, OverflowError) as error:
+        raise TemplateError("has a number or text that cannot be read") from error
 
 
 def _check_brackets(source: str) -> None:
