@@ -4,13 +4,30 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal, TypeAlias
 
+from homebot.devices.part import Part
+from homebot.devices.value import Value
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
-__all__ = ["Device", "DeviceChange", "Endpoint", "Freshness", "KeyValue"]
+__all__ = [
+    "ChangeKind",
+    "Device",
+    "DeviceChange",
+    "DevicePart",
+    "Endpoint",
+    "Fact",
+    "Freshness",
+    "KeyValue",
+    "Reachability",
+    "Route",
+    "State",
+    "StateChange",
+]
 
 Freshness: TypeAlias = Literal["fresh", "unconfirmed", "stale"]
-ChangeKind: TypeAlias = Literal["appeared", "changed", "stale", "returned", "removed"]
+ChangeKind: TypeAlias = Literal[
+    "appeared", "changed", "stale", "returned", "removed", "merged", "unmerged", "conflict", "resolved"
+]
 
 
 class KeyValue(Message):
@@ -38,20 +55,116 @@ class Endpoint(Message):
     command_address: str
 
 
+class Route(Message):
+    """One way to reach a part, by the gateway's ``send_command`` and ``readings``.
+
+    Attributes:
+        gateway: Name of the gateway.
+        key: What that gateway calls the announcement.
+        part: What the part is called there.
+        convention: By which convention it was announced.
+    """
+
+    gateway: str
+    key: str
+    part: str
+    convention: str = ""
+
+
+class DevicePart(Message):
+    """Something a device offers, however many announcements speak of it.
+
+    Attributes:
+        id: Unique in the device, and as lasting as the first announcement of the part.
+        part: What it is, as its best route describes it.
+        routes: The ways to it, best first: commands go by the first whose gateway is there. Empty while another device
+            has a claim to its topics; see :attr:`Device.conflicts`.
+    """
+
+    id: str
+    part: Part
+    routes: tuple[Route, ...]
+
+
+class Fact(Message):
+    """One thing that was said of a device, and who said it when.
+
+    Attributes:
+        name: What it is about: ``name``, ``area``, or a name of the metadata such as ``model``.
+        value: What was said.
+        gateway: The gateway that heard it.
+        convention: By which convention it was said.
+        key: In which announcement.
+        said_at: When this was first said there.
+    """
+
+    name: str
+    value: str
+    gateway: str
+    convention: str
+    key: str
+    said_at: Time
+
+
+class Reachability(Message):
+    """Whether a device can be reached, by what it or its last will says.
+
+    Attributes:
+        state: ``yes``, ``no`` or ``unknown``.
+        since: Since when that is so.
+        why: The reason, in words.
+    """
+
+    state: Literal["yes", "no", "unknown"] = "unknown"
+    since: Time = Time(sec=0, nanosec=0)
+    why: str = "it does not say"
+
+
+class State(Message):
+    """The value of a capability, as it was last told.
+
+    Attributes:
+        part: Which part of the device; see :attr:`DevicePart.id`.
+        capability: Which capability.
+        value: Its value in the vocabulary's unit.
+        since: Since when it has this value, as far as was heard.
+        told_at: When it was last told.
+        live: Whether the device told it, rather than a message that the broker had kept.
+    """
+
+    part: str
+    capability: str
+    value: Value
+    since: Time
+    told_at: Time
+    live: bool
+
+
 class Device(Message):
     """A device in the house.
 
     Attributes:
-        id: Unique in this homebot, for example ``lights/roomlights405``.
+        id: Unique in this homebot, for example ``lights/roomlights405``; stays when the device is renamed.
         name: What people call it.
-        service_type: What it offers, in the words it was announced with, for example ``lights``.
-        endpoints: The ways to reach it, at least one.
+        service_type: What it offers in the first place: the word of the announcement for a device without parts, for
+            example ``lights``, else a device type of the vocabulary.
+        endpoints: The ways to reach it in raw or plain words, at least one.
         metadata: Further facts.
         first_seen: When it was first heard of.
         last_seen: When it was last heard of, to about a second.
         expires: When it becomes stale unless it is heard of again.
-        freshness: ``fresh``: it spoke itself; ``unconfirmed``: only a message that the broker had kept speaks for it;
-            ``stale``: it has been silent for too long.
+        freshness: ``fresh``: it spoke itself; ``unconfirmed``: only a message that the broker had kept, or the index
+            file, speaks for it; ``stale``: it has been silent for too long.
+        service_types: All that it offers: device types of the vocabulary, then the advertised words.
+        area: The room it is said to be in; empty where nobody said.
+        names: Every name it has, :attr:`name` first.
+        identifiers: Who it is; see :func:`homebot.devices.identity.identifiers`.
+        parts: What it offers, each part once.
+        facts: What was said of it, by whom, and when; of each name the one that counts first.
+        reachable: Whether it can be reached.
+        states: What its parts last told.
+        evidence: Why its announcements are one device, in words; empty for a single announcement.
+        conflicts: What is disputed about it, in words; nothing of that counts until it is resolved.
     """
 
     id: str
@@ -63,16 +176,30 @@ class Device(Message):
     last_seen: Time
     expires: Time
     freshness: Freshness
+    service_types: tuple[str, ...] = ()
+    area: str = ""
+    names: tuple[str, ...] = ()
+    identifiers: tuple[str, ...] = ()
+    parts: tuple[DevicePart, ...] = ()
+    facts: tuple[Fact, ...] = ()
+    reachable: Reachability = Reachability()
+    states: tuple[State, ...] = ()
+    evidence: tuple[str, ...] = ()
+    conflicts: tuple[str, ...] = ()
 
 
 class DeviceChange(Message):
     """Something happened to a device.
 
     Attributes:
-        kind: ``appeared``, ``changed``, ``stale``, ``returned`` (from stale) or ``removed``.
+        kind: ``appeared``, ``changed``, ``stale``, ``returned`` (from stale) or ``removed``; ``merged``: further
+            announcements, or the device *other*, turned out to be this device; ``unmerged``: some of them are a device
+            of their own, *other*; ``conflict``: somebody else claims what is this device's, and nothing changed;
+            ``resolved``: a conflict is over.
         device: The device after the change; before it where it was removed.
         sequence: Grows with every change and never goes back; a snapshot names the last one it holds.
         why: The reason, in words.
+        other: Id of the other device that is concerned; empty where there is none.
     """
 
     key_field: ClassVar[str | None] = "device.id"
@@ -81,3 +208,22 @@ class DeviceChange(Message):
     device: Device
     sequence: int
     why: str
+    other: str = ""
+
+
+class StateChange(Message):
+    """A capability of a device has another value.
+
+    Attributes:
+        stream: Device, part and capability in one: of each the newest change is never lost.
+        device: Id of the device.
+        state: The new state.
+        sequence: In one series with those of :class:`DeviceChange`.
+    """
+
+    key_field: ClassVar[str | None] = "stream"
+
+    stream: str
+    device: str
+    state: State
+    sequence: int

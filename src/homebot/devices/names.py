@@ -4,11 +4,22 @@ from __future__ import annotations
 
 from homebot.names import escape_token
 
-__all__ = ["DEVICE_CHANGES", "FIND_DEVICES", "GET_INDEX_DATA", "GatewayNames"]
+__all__ = [
+    "DEVICE_CHANGES",
+    "DEVICE_STATES",
+    "FIND_DEVICES",
+    "GET_CHANGES",
+    "GET_INDEX_DATA",
+    "QUERY_DEVICES",
+    "GatewayNames",
+]
 
 GET_INDEX_DATA = "/getIndexData"
 FIND_DEVICES = "/discovery/find_devices"
+QUERY_DEVICES = "/discovery/query"
+GET_CHANGES = "/discovery/changes_since"
 DEVICE_CHANGES = "/discovery/changes"
+DEVICE_STATES = "/discovery/states"
 
 
 class GatewayNames:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from homebot.devices.device import Device
+from homebot.devices.device import Device, DeviceChange
 from homebot.devices.raw import RawMessage
 from homebot.messages.builtin_interfaces import Time
+from homebot.messages.fields import UInt32
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
-__all__ = ["FindDevices", "GetIndexData", "SubscribeToTopic"]
+__all__ = ["FindDevices", "Found", "GetChanges", "GetIndexData", "QueryDevices", "SubscribeToTopic"]
 
 
 NEVER = Time(sec=2**31 - 1, nanosec=0)
@@ -40,7 +41,8 @@ class FindDevicesRequest(Message):
     """Which devices are there?
 
     Attributes:
-        service_type: For example ``lights``; empty for all.
+        service_type: For example ``lights``; empty for all. Canonical and advertised words find the same devices, see
+            :func:`homebot.devices.device_types.wanted_types`.
     """
 
     service_type: str = ""
@@ -55,6 +57,77 @@ class FindDevicesResponse(Message):
     """
 
     devices: tuple[Device, ...]
+    sequence: int
+
+
+class QueryDevicesRequest(Message):
+    """Which devices fit?
+
+    Attributes:
+        query: A text query, for example ``light and dimmable in kitchen``; empty for all. See
+            :mod:`homebot.devices.query`.
+        offset: How many of the best to leave out.
+        limit: How many to give; 0 for as many as there are.
+    """
+
+    query: str = ""
+    offset: UInt32 = 0
+    limit: UInt32 = 0
+
+
+class Found(Message):
+    """One device that fits a query.
+
+    Attributes:
+        device: Everything that is known of it.
+        score: How well it fits; only to be compared within one answer.
+        reasons: Why it fits and why it stands where it stands, in words, the weightiest first.
+    """
+
+    device: Device
+    score: float
+    reasons: tuple[str, ...]
+
+
+class QueryDevicesResponse(Message):
+    """The devices that fit, best first; equally good ones by id.
+
+    Attributes:
+        success: Whether the query was understood.
+        message: What of it was not understood, and what would be.
+        results: The devices.
+        total: How many fit, whatever the limit.
+        sequence: The last change that is in there; see :class:`homebot.devices.DeviceChange`.
+    """
+
+    success: bool
+    message: str = ""
+    results: tuple[Found, ...] = ()
+    total: UInt32 = 0
+    sequence: int = 0
+
+
+class GetChangesRequest(Message):
+    """What happened since?
+
+    Attributes:
+        since: Number of the last change that the asker knows.
+    """
+
+    since: int
+
+
+class GetChangesResponse(Message):
+    """The changes after that one, oldest first.
+
+    Attributes:
+        changes: What is still remembered of them.
+        complete: Whether that is all; otherwise some are forgotten, and only a new snapshot tells all.
+        sequence: Number of the last change there was.
+    """
+
+    changes: tuple[DeviceChange, ...]
+    complete: bool
     sequence: int
 
 
@@ -91,4 +164,6 @@ class SubscribeToTopicResponse(Message):
 
 GetIndexData = ServiceType("homebot/srv/GetIndexData", GetIndexDataRequest, GetIndexDataResponse)
 FindDevices = ServiceType("homebot/srv/FindDevices", FindDevicesRequest, FindDevicesResponse)
+QueryDevices = ServiceType("homebot/srv/QueryDevices", QueryDevicesRequest, QueryDevicesResponse)
+GetChanges = ServiceType("homebot/srv/GetChanges", GetChangesRequest, GetChangesResponse)
 SubscribeToTopic = ServiceType("homebot/srv/SubscribeToTopic", SubscribeToTopicRequest, SubscribeToTopicResponse)

@@ -111,6 +111,14 @@ async def test_message_details_describe_nested_types_too(ask: Asker) -> None:
         "homebot/Endpoint",
         "diagnostic_msgs/KeyValue",
         "builtin_interfaces/Time",
+        "homebot/DevicePart",
+        "homebot/Part",
+        "homebot/Capability",
+        "homebot/Route",
+        "homebot/Fact",
+        "homebot/Reachability",
+        "homebot/State",
+        "homebot/Value",
     ]
     device = typedefs[0]
     assert device["fieldnames"] == list(Device.model_fields)
