@@ -36,13 +36,24 @@ class HouseEvent:
         at: Seconds since the Unix epoch, in the time of the house.
         source: Where: a message on MQTT, a message on a topic of the graph, or a change of the graph.
         name: The topic, or the kind of entity that came or went.
-        text: What was said, or which entity.
+        said: What was said, as it came; or which entity.
     """
 
     at: float
     source: Literal["mqtt", "topic", "graph"]
     name: str
-    text: str
+    said: bytes | Message | str
+
+    @property
+    def text(self) -> str:
+        """What was said, as text: most events of a day are never read, so it is made for those that are."""
+        match self.said:
+            case bytes():
+                return self.said.decode(errors="backslashreplace")
+            case Message():
+                return json.dumps(message_to_json(self.said), ensure_ascii=False)
+            case _:
+                return self.said
 
     def __str__(self) -> str:
         stamp = datetime.fromtimestamp(self.at, UTC).isoformat(sep=" ", timespec="milliseconds")
@@ -65,10 +76,10 @@ class EventLog:
     def __str__(self) -> str:
         return "".join(f"{event}\n" for event in self.events)
 
-    def note(self, source: Literal["mqtt", "topic", "graph"], name: str, text: str) -> None:
+    def note(self, source: Literal["mqtt", "topic", "graph"], name: str, said: bytes | Message | str) -> None:
         """Write down what happens now."""
         self.lost += len(self.events) == MAX_EVENTS
-        self.events.append(HouseEvent(self._clock.now(), source, name, text))
+        self.events.append(HouseEvent(self._clock.now(), source, name, said))
 
     @classmethod
     @asynccontextmanager
@@ -96,7 +107,7 @@ async def _read_mqtt(connection: MqttConnection, log: EventLog) -> None:
         except ClosedError:
             return
         for message in messages:
-            log.note("mqtt", message.topic, message.payload.decode(errors="backslashreplace"))
+            log.note("mqtt", message.topic, message.payload)
 
 
 async def _read_graph(node: Node, log: EventLog) -> None:
@@ -123,6 +134,6 @@ def _follow(node: Node, log: EventLog, topics: set[str], change: GraphChange) ->
     topics.add(info.name)
 
     def note(message: Message) -> None:
-        log.note("topic", info.name, json.dumps(message_to_json(message), ensure_ascii=False))
+        log.note("topic", info.name, message)
 
     node.create_subscription(message_type, info.name, note, 1000)
