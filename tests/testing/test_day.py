@@ -41,7 +41,7 @@ lasts = "90s"
 
 
 @given(days())
-@settings(max_examples=40)
+@settings(max_examples=25)
 def test_a_saved_day_comes_back_the_same(tmp_path_factory: pytest.TempPathFactory, day: Day) -> None:
     """Whatever is in it."""
     file = tmp_path_factory.getbasetemp() / "day.toml"
@@ -51,7 +51,7 @@ def test_a_saved_day_comes_back_the_same(tmp_path_factory: pytest.TempPathFactor
 
 
 @given(st.text(st.characters(exclude_categories=["Cs"])), st.integers(0, 86_400_000), st.integers(0, 86_400_000))
-@settings(max_examples=60)
+@settings(max_examples=40)
 @example('"""', 1, 59_999)
 @example("\\", 3_599_999, 0)
 def test_any_command_and_any_millisecond_come_back_the_same(command: str, at: int, lasts: int) -> None:
@@ -105,7 +105,7 @@ def test_a_played_day_is_told_and_pressed_on_time() -> None:
 
 
 @given(days())
-@settings(max_examples=15)
+@settings(max_examples=10)
 def test_a_day_is_played_the_same_each_time(day: Day) -> None:
     """Byte for byte."""
     assert day.play().text() == day.play().text()
