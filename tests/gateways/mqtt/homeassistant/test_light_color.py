@@ -1,5 +1,5 @@
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from homebot.gateways.mqtt.homeassistant.light_color import (
@@ -60,6 +60,7 @@ def test_a_colour_that_is_told_comes_back_much_the_same(mode: str, hue: float, s
         assert abs((back - hue + 180) % 360 - 180) < 8
 
 
+@example("xy", [0.0, 5e-324, 0.0, 0.0, 0.0])
 @given(st.sampled_from(MODES), st.lists(st.floats(0, 1), min_size=5, max_size=5))
 def test_any_channels_are_some_colour(mode: str, parts: list[float]) -> None:
     most = {"hs": (360, 100), "xy": (1, 1)}.get(mode, (255,) * len(CHANNELS[mode]))

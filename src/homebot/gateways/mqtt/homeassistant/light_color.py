@@ -46,6 +46,10 @@ def to_hue_saturation(mode: str, channels: Channels, white: KelvinRange) -> tupl
     return round(hue * 360, 3), round(saturation * 100, 3)
 
 
+_LEAST_Y = 1e-11
+"""To divide by; a smaller one, which no lamp means, would make infinity."""
+
+
 def _rgb(hue: float, saturation: float) -> Channels:
     return tuple(round(one * 255) for one in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1))
 
@@ -62,7 +66,7 @@ def _rgb_to_xy(rgb: Channels, _white: KelvinRange) -> Channels:
 
 
 def _xy_to_rgb(xy: Channels, _white: KelvinRange) -> Channels:
-    x, y = xy[0], xy[1] or 1e-11
+    x, y = xy[0], max(xy[1], _LEAST_Y)
     big_x, big_z = x / y, (1 - x - y) / y
     linear = (
         big_x * 1.656492 - 0.354851 - big_z * 0.255038,
