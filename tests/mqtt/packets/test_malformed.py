@@ -49,6 +49,8 @@ MALFORMED, PROTOCOL = ReasonCode.MALFORMED_PACKET, ReasonCode.PROTOCOL_ERROR
         (V311, "40 03 00 01 00", MALFORMED),
         (V5, "40 03 00 01 92", PROTOCOL),  # a reason of PUBCOMP
         (V5, "40 05 00 01 00 00 00", MALFORMED),  # something behind the properties
+        (V311, "6a 02 00 01", MALFORMED),  # DUP, which MQTT 3.1 alone has there
+        (V31, "60 02 00 01", MALFORMED),  # PUBREL at QoS 0
         (V311, "82 02 00 01", PROTOCOL),  # no filter
         (V311, "82 05 00 00 00 01 61", PROTOCOL),  # packet id 0, and cut
         (V311, "82 06 00 01 00 01 61 03", MALFORMED),  # QoS 3
@@ -114,3 +116,9 @@ def test_any_bytes_are_a_packet_or_a_packet_error(first: int, body: bytes, versi
     except PacketError:
         return
     assert packet is not None
+
+
+@pytest.mark.parametrize("text", ["6a 02 00 01", "8a 06 00 01 00 01 61 01", "aa 05 00 01 00 01 61", "c1 00"])
+def test_mqtt_31_repeats_with_dup_and_leaves_bits_unused(text: str) -> None:
+    data = bytes.fromhex(text)
+    assert decode(data[0], data[2:], V31) == decode(data[0] & 0xF0 | (data[0] & 2), data[2:], V31)

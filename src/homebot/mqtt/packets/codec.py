@@ -85,7 +85,7 @@ def decode(first: int, body: bytes, version: ProtocolVersion) -> Packet:
     number = first >> 4
     if number == PacketType.PUBLISH:
         return decode_publish(first & 0x0F, body, 0, len(body), version)
-    if first & 0x0F != (2 if number in _FLAGS_2 else 0) or number == 0:
+    if number == 0 or not _may_have(first & 0x0F, number, version):
         raise PacketError(f"0x{first:02x} does not start a packet", body)
     packet_type = PacketType(number)
     if packet_type in _ACKNOWLEDGEMENTS:
@@ -115,6 +115,13 @@ def encode(packet: Packet, version: ProtocolVersion = ProtocolVersion.V5) -> byt
         return encode_connect(packet)
     encoder = _ENCODERS[type(packet)]
     return encoder(packet, version)
+
+
+def _may_have(flags: int, number: int, version: ProtocolVersion) -> bool:
+    """MQTT 3.1, section 2.1, has a DUP flag in more packets and leaves the rest unused; later ones fix every bit."""
+    if version == ProtocolVersion.V31:
+        return number not in _FLAGS_2 or flags & 0b0110 == 0b0010
+    return flags == (0b0010 if number in _FLAGS_2 else 0)
 
 
 def _encode_ping(packet: Pingreq | Pingresp, _version: ProtocolVersion) -> bytes:
