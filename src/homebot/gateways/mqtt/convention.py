@@ -78,6 +78,8 @@ class Convention(Protocol):
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
         """Take a message that matches one of the filters, and return what it tells of devices; often nothing.
 
+        A convention whose devices tell who they are only when asked also returns what to ask them.
+
         Raises:
             WireError: The message belongs to this convention but breaks its rules; names field and value. What was
                 taken before stays.

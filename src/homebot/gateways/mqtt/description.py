@@ -19,6 +19,7 @@ __all__ = [
     "Fade",
     "Heard",
     "Publication",
+    "Question",
     "Withdrawn",
 ]
 
@@ -171,4 +172,20 @@ class Withdrawn:
     is_final: bool = False
 
 
-Heard: TypeAlias = Described | Withdrawn
+@dataclass(frozen=True, slots=True)
+class Question:
+    """A convention has heard of a device that tells who it is only when it is asked.
+
+    The convention asks again at the device's next sign of life as long as no answer came, so a question may be dropped.
+    The gateway may send questions slowly, one device after the other; of two with the same key the later one counts.
+
+    Attributes:
+        key: Whom it asks; unique in its convention.
+        publications: What to publish, in this order. Answers come on the convention's own filters.
+    """
+
+    key: str
+    publications: tuple[Publication, ...]
+
+
+Heard: TypeAlias = Described | Withdrawn | Question

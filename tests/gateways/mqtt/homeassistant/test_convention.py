@@ -5,7 +5,7 @@ from pydantic import ValidationError
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described, Publication, Withdrawn
+from homebot.gateways.mqtt.description import Described, Heard, Publication, Withdrawn
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homeassistant.components import BUILDERS
 
@@ -43,7 +43,7 @@ def convention() -> HomeAssistantDiscovery:
     return HomeAssistantDiscovery(HomeAssistantSettings())
 
 
-def take(convention: HomeAssistantDiscovery, topic: str, fields: object) -> Described | Withdrawn:
+def take(convention: HomeAssistantDiscovery, topic: str, fields: object) -> Heard:
     payload = fields.encode() if isinstance(fields, str) else json.dumps(fields).encode()
     (heard,) = convention.take(f"homeassistant/{topic}/config", payload, retained=True)
     return heard
