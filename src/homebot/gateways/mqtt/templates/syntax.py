@@ -306,7 +306,7 @@ def _tree(source: str) -> nodes.Template:
     try:
         # Python warns of texts such as '\d', which are common in regular expressions.
         with warnings.catch_warnings(action="ignore"):
-            if any(True for _ in islice(_ENVIRONMENT.lex(source), MAX_TOKENS, None)):
+            if len(source) > MAX_TOKENS and any(True for _ in islice(_ENVIRONMENT.lex(source), MAX_TOKENS, None)):
                 raise TemplateError(f"has more than {MAX_TOKENS} words and signs")
             return _ENVIRONMENT.parse(source)
     except jinja2.TemplateSyntaxError as error:
