@@ -60,6 +60,11 @@ def test_a_scale_counts_whole_percents(zero: int, full: int, value: float, perce
     assert Scale(zero, full).percent(value) == percent
 
 
+def test_a_value_beyond_any_scale_is_far_outside() -> None:
+    assert Scale(0, 100).percent(1e308) > 100
+    assert Scale(100, 0).percent(1e308) < 0
+
+
 def test_a_scale_without_length_is_refused() -> None:
     with pytest.raises(WireError):
         Scale(5, 5)

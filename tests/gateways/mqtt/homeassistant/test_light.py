@@ -182,3 +182,15 @@ def test_a_plain_dimmer_is_turned_on_as_bright_as_it_last_was() -> None:
     assert payload(part, "on_off", value=True) == b"255"
     part.codec.read("s", b"77", retained=False)
     assert payload(part, "on_off", value=True) == b"77"
+
+
+@pytest.mark.parametrize("said", [b"1e308", b"1e-320", b"-1e308", b"9" * 40])
+def test_numbers_beyond_all_lamps_are_survived(said: bytes) -> None:
+    topics = ("brightness", "color_temp", "rgb")
+    fields = {f"{one}_{way}_topic": "a" for one in topics for way in ("command", "state")}
+    for scale in (1, 2**50):
+        found = lamp({**BASIC, **fields, "brightness_scale": scale}).codec.read("a", said, retained=False)
+        level = found.get("level", 1.0)
+        assert isinstance(level, float)
+        assert 0 <= level <= 100
+        assert "color_temperature" not in found

@@ -12,7 +12,7 @@ from functools import partial
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
-from homebot.gateways.mqtt.homeassistant.light_color import CHANNELS, Channels, kelvin_mired, to_hue_saturation
+from homebot.gateways.mqtt.homeassistant.light_color import CHANNELS, Channels, to_hue_saturation, white_kelvin
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp
 from homebot.gateways.mqtt.homeassistant.rendered import number_of, numbers_of, whole_of
 from homebot.gateways.mqtt.payload import clean_text
@@ -80,17 +80,16 @@ class BasicState:
         return frozenset(readable)
 
     def _white(self, in_kelvin: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
-        value = whole_of(text) or 0
-        if value <= 0:
+        kelvin = white_kelvin(whole_of(text), in_kelvin=in_kelvin)
+        if kelvin is None:
             return NOTHING
-        kelvin = float(value if in_kelvin else kelvin_mired(value))
         return {"color_temperature": kelvin} | ({"color": None} if self.lamp.color_mode else {})
 
     def _level(self, scale: int, text: str) -> Readings:
         value = number_of(text) or 0
         if value <= 0:
             return NOTHING
-        self.remembered.brightness = min(round(value / scale * _BYTE), _BYTE)
+        self.remembered.brightness = max(round(min(value / scale, 1) * _BYTE), 1)
         return {"level": self.remembered.brightness * 100 / _BYTE}
 
     def _color(self, mode: str, own_level: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above

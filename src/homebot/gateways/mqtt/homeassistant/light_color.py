@@ -14,7 +14,15 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
-__all__ = ["CHANNELS", "Channels", "KelvinRange", "from_hue_saturation", "kelvin_mired", "to_hue_saturation"]
+__all__ = [
+    "CHANNELS",
+    "Channels",
+    "KelvinRange",
+    "from_hue_saturation",
+    "kelvin_mired",
+    "to_hue_saturation",
+    "white_kelvin",
+]
 
 Channels: TypeAlias = tuple[float, ...]
 """The numbers of one colour, in the order of :data:`CHANNELS`."""
@@ -29,6 +37,13 @@ CHANNELS: Mapping[str, str] = MappingProxyType({"hs": "hs", "xy": "xy", "rgb": "
 def kelvin_mired(value: float) -> int:
     """Return mired for kelvin and kelvin for mired; *value* is above 0."""
     return math.floor(1_000_000 / value)
+
+
+def white_kelvin(value: float | None, *, in_kelvin: bool) -> float | None:
+    """Return the kelvin of a white that a lamp says in kelvin or in mired; None where it cannot be one."""
+    if value is None or not 1 <= value <= _MOST_KELVIN:
+        return None
+    return float(value) if in_kelvin else float(kelvin_mired(value))
 
 
 def from_hue_saturation(mode: str, hue: float, saturation: float, white: KelvinRange) -> Channels:
@@ -46,6 +61,7 @@ def to_hue_saturation(mode: str, channels: Channels, white: KelvinRange) -> tupl
     return round(hue * 360, 3), round(saturation * 100, 3)
 
 
+_MOST_KELVIN = 1_000_000
 _LEAST_Y = 1e-11
 """To divide by; a smaller one, which no lamp means, would make infinity."""
 

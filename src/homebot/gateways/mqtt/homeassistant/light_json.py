@@ -21,6 +21,7 @@ from homebot.gateways.mqtt.homeassistant.light_color import (
     KelvinRange,
     kelvin_mired,
     to_hue_saturation,
+    white_kelvin,
 )
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
 from homebot.gateways.mqtt.homeassistant.rendered import number_of
@@ -106,7 +107,7 @@ class _State:
 
     def _color(self, mode: str, message: Mapping[str, object]) -> Readings:
         if mode == "color_temp":
-            kelvin = _kelvin(message.get("color_temp"), in_kelvin=self.in_kelvin)
+            kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self.in_kelvin)
             if kelvin is None:
                 return NOTHING
             return {"color_temperature": kelvin} | ({"color": None} if self.lamp.color_mode else {})
@@ -120,12 +121,6 @@ _MODES = frozenset({"onoff", "brightness", "color_temp", "white", *CHANNELS})
 _STATES: Mapping[str | None, bool | None] = {"ON": True, "OFF": False, None: None}
 _HUGE = 10**9
 _BOUNDS = {"h": 360.0, "s": 100.0, "x": 1.0, "y": 1.0}
-
-
-def _kelvin(value: object, *, in_kelvin: bool) -> float | None:
-    if not isinstance(value, (int, float)) or not 0 < value < _HUGE:
-        return None
-    return float(value) if in_kelvin else float(kelvin_mired(value))
 
 
 def _hue_saturation(mode: str, color: object, white: KelvinRange) -> tuple[float, ...] | None:

@@ -15,7 +15,7 @@ from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
-from homebot.gateways.mqtt.homeassistant.light_color import kelvin_mired, to_hue_saturation
+from homebot.gateways.mqtt.homeassistant.light_color import kelvin_mired, to_hue_saturation, white_kelvin
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
 from homebot.gateways.mqtt.homeassistant.rendered import whole_of
 from homebot.gateways.mqtt.homeassistant.said import Said
@@ -115,8 +115,8 @@ class _Reader:
     def white(self, _said: Said, text: str) -> Readings:
         if text == "None":
             return {"color_temperature": None}
-        value = whole_of(text) or 0
-        return {"color_temperature": float(value if self.in_kelvin else kelvin_mired(value))} if value > 0 else NOTHING
+        kelvin = white_kelvin(whole_of(text), in_kelvin=self.in_kelvin)
+        return NOTHING if kelvin is None else {"color_temperature": kelvin}
 
     def color(self, said: Said, red: str) -> Readings:
         green, blue = (self.sources[one].text(said) if one in self.sources else None for one in ("green", "blue"))

@@ -29,8 +29,13 @@ class Scale:
 
     def percent(self, value: float) -> float:
         """Return *value* in whole percent, rounded towards the zero; outside of 0 to 100 where the value is outside."""
+        value = min(max(value, -_FAR), _FAR)
         return float((value - self.zero) * 100 // (self.full - self.zero))
 
     def value(self, percent: float) -> float:
         """Return the exact value that stands for *percent*."""
         return percent * (self.full - self.zero) / 100 + self.zero
+
+
+_FAR = 1e100
+"""Beyond any device's values, and still a number after multiplication."""
