@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from homebot.devices.value import Value
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
@@ -33,10 +35,13 @@ class SendCommandResponse(Message):
     Attributes:
         success: Whether the network took it.
         message: Why not.
+        problem: Whose no that is: ``refused`` by the part, the gateway or the network, where the same again fails
+            again, or the device or its network is ``unreachable`` now.
     """
 
     success: bool
     message: str = ""
+    problem: Literal["", "refused", "unreachable"] = ""
 
 
 SendCommand = ServiceType("homebot/srv/SendCommand", Command, SendCommandResponse)
