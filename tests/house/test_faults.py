@@ -80,10 +80,12 @@ def test_a_liar_says_what_it_was_told_and_does_nothing() -> None:
 
 
 def test_a_stuck_device_answers_with_its_old_state() -> None:
-    """To commands and hands; what a sensor feels changes nothing."""
+    """After a while, once for all it was told meanwhile; hands and what a sensor feels change nothing."""
     stuck = Stuck(Lamp("lamp"), dice())
-    assert said(stuck, "on", 0.0) == ["off"]
-    assert stuck.by_hand("on", 0.0) == ()
+    assert said(stuck, "on", 0.0) == []
+    assert said(stuck, "on", 1.0) == []
+    assert (stuck.advance(1.9), stuck.advance(2.0), stuck.advance(60.0)) == ((), ("off",), ())
+    assert stuck.by_hand("on", 60.0) == ()
     contact = Stuck(ContactSensor("door"), dice())
     assert (contact.sense(1.0, 1.0), contact.state()) == ((), "closed")
 

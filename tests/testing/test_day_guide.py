@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "days.md").read_text(encoding="utf-8")
 PROGRAMS = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
 FILE = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)[0]
-EXAMPLE = ROOT / "examples" / "random_days" / "test_random_days.py"
+EXAMPLE = ROOT / "examples" / "05_random_days" / "test_random_days.py"
 
 
 def _tests_in(names: dict[str, object]) -> list[Callable[[], object]]:

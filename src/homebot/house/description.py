@@ -113,11 +113,15 @@ class _Strict(BaseModel):
 
 
 class _Parts(_Strict):
+    """The tables of a file; ``day`` and ``happenings``, of a saved day, are not the house's."""
+
     house: Table = Field(default_factory=dict)
     rooms: dict[str, Table]
     devices: dict[str, Table] = Field(default_factory=dict)
     people: dict[str, Table] = Field(default_factory=dict)
     errands: list[Table] = Field(default_factory=list)
+    day: Table = Field(default_factory=dict)
+    happenings: list[Table] = Field(default_factory=list)
 
 
 class _HouseTable(_Strict):

@@ -181,7 +181,11 @@ class Liar(Fault):
 
 
 class Stuck(Fault):
-    """Stays as it is: a command is answered with the old state, and what a sensor feels changes nothing."""
+    """Stays as it is: tries for some seconds and answers with the old state; what a sensor feels changes nothing."""
+
+    def __init__(self, device: Machine, rng: random.Random, *, after: float = 2.0) -> None:
+        super().__init__(device, rng)
+        self.after = after
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
         """Feel nothing."""
@@ -195,6 +199,12 @@ class Stuck(Fault):
 
     def _take(self, command: str) -> tuple[str, ...]:
         del command
+        if not self._held:  # what it is told meanwhile gets the same answer
+            self._hold(self.now + self.after, "")
+        return ()
+
+    def _release(self, held: str) -> tuple[str, ...]:
+        del held
         return (self.device.state(),)
 
 

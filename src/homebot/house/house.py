@@ -32,6 +32,9 @@ __all__ = ["HEARTBEAT", "SimulatedHouse"]
 HEARTBEAT = 2.0
 """Seconds between two reports where nothing else is said: short, so that one who looks on sees life."""
 
+TICK = 1e-6
+"""Seconds: what is due sooner is due now, because no timer of the loop can wait for it."""
+
 STRIDE = 3600.0
 """Seconds of the world that pass in one turn of the loop, where a clock was set or a computer slept."""
 
@@ -135,7 +138,7 @@ class SimulatedHouse:
             self.catch_up()
             self._stirred = anyio.Event()
             wait = self.world.next_event() - self._now()
-            if wait > 0:
+            if wait > TICK:
                 alarm = asyncio.get_running_loop().call_later(wait, self._stirred.set)
                 try:
                     await self._stirred.wait()
@@ -154,7 +157,8 @@ class SimulatedHouse:
         return self._clock.now() - self._midnight
 
     def _within_reach(self) -> float:
-        return min(self._now(), self.world.now + STRIDE)
+        now, due = self._now(), self.world.next_event()
+        return min(due if now < due <= now + TICK else now, self.world.now + STRIDE)
 
     def _show(self, events: Iterable[Event]) -> None:
         for event in events:

@@ -27,6 +27,8 @@ __all__ = ["FAULTS", "KINDS", "FaultSettings", "KindSettings", "Surroundings"]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Moment = Annotated[float, Field(ge=0.1, allow_inf_nan=False)]
+"""Seconds, and not none: what answers at once never lets time pass."""
 Celsius = Annotated[float, Field(ge=-60.0, le=60.0)]
 
 
@@ -169,12 +171,14 @@ class _Liar(FaultSettings):
 
 
 class _Stuck(FaultSettings):
+    after: Moment | None = None
+
     def spoil(self, device: Machine, dice: random.Random) -> Machine:
-        return faults.Stuck(device, dice)
+        return faults.Stuck(device, dice, **self.model_dump(exclude_unset=True))
 
 
 class _Reverter(FaultSettings):
-    after: NotNegative | None = None
+    after: Moment | None = None
 
     def spoil(self, device: Machine, dice: random.Random) -> Machine:
         return faults.Reverter(device, dice, **self.model_dump(exclude_unset=True))
@@ -189,7 +193,7 @@ class _Chatterbox(FaultSettings):
 
 
 class _Flapper(FaultSettings):
-    every: Positive | None = None
+    every: Moment | None = None
 
     def spoil(self, device: Machine, dice: random.Random) -> Machine:
         return faults.Flapper(device, dice, **self.model_dump(exclude_unset=True))

