@@ -62,6 +62,7 @@ def test_options_are_texts_and_one_needs_no_list(value: object, options: tuple[s
         (lambda one: one.optional_number("k"), {}),
         (lambda one: one.options("k"), [[]]),
         (lambda one: one.options("k"), ["x"] * (MAX_OPTIONS + 1)),
+        (lambda one: one.options("k"), ["x" * 256]),
         (lambda one: one.template("k"), 3.5j),
         (lambda one: one.state_topic("k"), "a+"),
         (lambda one: one.command("k"), "a/#"),

@@ -24,6 +24,7 @@ MAX_OPTIONS = 2_000
 """Most entries of a list in a config, such as the effects of a lamp."""
 
 _MAX_TEXT = 8 * 1024
+_MAX_OPTION = 255
 
 
 class Config:
@@ -119,14 +120,18 @@ class Config:
         return whole
 
     def options(self, key: str) -> tuple[str, ...]:
-        """Return a list of texts; one text alone is a list of one. Empty where there is none."""
+        """Return a list of texts, each at most 255 long; one text alone is a list of one. Empty where there is none."""
         value = self.values.get(key)
         if value is None:
             return ()
         entries = value if isinstance(value, list) else [value]
         if len(entries) > MAX_OPTIONS:
             raise self._refusal(key, value, f"a list of at most {MAX_OPTIONS} texts")
-        return tuple(self._as_text(key, entry) for entry in entries)
+        options = tuple(self._as_text(key, entry) for entry in entries)
+        for option in options:
+            if len(option) > _MAX_OPTION:
+                raise self._refusal(key, option, f"texts of at most {_MAX_OPTION} characters")
+        return options
 
     def template(self, key: str) -> Template | None:
         """Return a template, or None where there is none; see its ``problem`` for whether it can be used."""

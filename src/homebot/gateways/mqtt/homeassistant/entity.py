@@ -32,6 +32,7 @@ Writer: TypeAlias = Callable[[PlainValue, float], tuple[Publication, ...]]
 NOTHING: Readings = MappingProxyType({})
 
 _CATEGORIES: Mapping[str, Category] = {"": "", "config": "config", "diagnostic": "diagnostic"}
+_FEW_OPTIONS = 50
 _MAX_RAW = 255
 _MAX_ID = 255
 
@@ -129,7 +130,8 @@ class Entity:
         """Have the capability *name*, settable where there is a *writer*. One that is neither is left out."""
         if not readable and writer is None:
             return
-        self._capabilities[name] = _capability(name, readable, writer is not None, unit, bounds, options)
+        make = _capability if len(options) <= _FEW_OPTIONS else _capability.__wrapped__
+        self._capabilities[name] = make(name, readable, writer is not None, unit, bounds, options)
         if writer is not None:
             self._writers[name] = writer
 
@@ -162,7 +164,7 @@ class Entity:
 
 
 @lru_cache(maxsize=512)
-def _capability(  # the same few for all lamps of a house: making one costs ten times as much as finding it
+def _capability(
     name: str,
     readable: bool,  # noqa: FBT001 - only called above
     settable: bool,  # noqa: FBT001 - only called above
@@ -170,6 +172,7 @@ def _capability(  # the same few for all lamps of a house: making one costs ten 
     bounds: tuple[float, ...],
     options: tuple[str, ...],
 ) -> Capability:
+    """Make a capability, once for all equal ones: the lamps of a house have the same few, and making costs time."""
     return Capability(name=name, readable=readable, settable=settable, unit=unit, bounds=bounds, options=options)
 
 

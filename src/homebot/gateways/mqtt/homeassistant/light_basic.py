@@ -44,7 +44,7 @@ def build_basic_light(config: Config) -> DescribedPart:
     effects = config.options("effect_list") if listens.effect else ()
     lamp = Lamp(listens.modes(), read_white_range(config), listens.publish, effects)
     entity = Entity(config, "light")
-    lamp.offer(entity, BasicState(config, lamp, listens.remembered).hear(entity).__contains__)
+    lamp.offer(entity, BasicState(lamp, listens.remembered).hear(config, entity).__contains__)
     entity.listens(listens.command, listens.brightness, listens.white, listens.effect, *listens.colors.values())
     return entity.described()
 

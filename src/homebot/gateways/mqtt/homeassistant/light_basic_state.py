@@ -40,18 +40,15 @@ class BasicState:
     """Reads what the lamp says.
 
     Attributes:
-        config: The lamp's config.
         lamp: What it can do.
         remembered: What it last said.
     """
 
-    config: Config
     lamp: Lamp
     remembered: Remembered
 
-    def hear(self, entity: Entity) -> frozenset[str]:
-        """Have *entity* read all topics; return the capabilities that can be read."""
-        config = self.config
+    def hear(self, config: Config, entity: Entity) -> frozenset[str]:
+        """Have *entity* read all topics of the lamp's config; return the capabilities that can be read."""
         words: dict[str, bool | None] = {
             config.text("payload_off", "OFF"): False,
             config.text("payload_on", "ON"): True,

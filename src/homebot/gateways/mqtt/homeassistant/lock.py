@@ -28,11 +28,13 @@ def build_lock(config: Config) -> DescribedPart:
     if config.has("payload_open"):
         payloads["open"] = config.text("payload_open")
 
+    wants_code = config.has("code_format")
+
     def read(text: str) -> Readings:
         return {"lock": states[text]} if text.strip() and text in states else NOTHING
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        if config.has("code_format"):
+        if wants_code:
             raise RefusedError(f"lock {shown(value)}", "it wants a code")
         return (command.publication(payloads[wanted_option("lock", value, payloads)], {"code": None}),)
 
