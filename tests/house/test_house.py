@@ -321,6 +321,15 @@ async def test_a_dialect_decides_what_goes_over_the_wire() -> None:
 
 
 @pytest.mark.virtual_time
+async def test_a_power_failure_leaves_the_will() -> None:
+    """Nobody says good-bye; with the power the device announces itself again."""
+    lamp = Placed(unplugged(Lamp("lamp"), 10.0, 20.0), "hall", dialect="loud")
+    async with street(World(Rooms({"hall": Room()}, []), [lamp]), dialects={"loud": Loud()}) as there:
+        assert (await there.heard_until(15.0))[2:] == ["10 lamp/status gone"]
+        assert (await there.heard_until(25.0))[0] == "20 lamp/status lamp in hall"
+
+
+@pytest.mark.virtual_time
 @pytest.mark.parametrize(
     ("world", "heartbeat", "words"),
     [

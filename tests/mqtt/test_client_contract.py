@@ -225,6 +225,21 @@ async def test_the_will_is_for_a_crash_and_not_for_a_good_bye(make: Make, option
             assert [message.payload for message in await receive(watcher, 1)] == [b"twin"]
 
 
+async def test_a_link_may_be_dropped_without_a_word_and_made_again(make: Make, options: MqttOptions) -> None:
+    """The broker takes it for a crash: the will is published."""
+    watcher, lamp = make(options), make(replace(options, client_id="lamp", will=Will("will", b"lost")))
+    lamp.drop()  # nothing to drop
+    async with watcher.connected():
+        await watcher.subscribe(Subscription("will"))
+        async with lamp.connected():
+            lamp.drop()
+            assert isinstance(await lamp.wait_lost(), LinkError)
+            assert [message.payload for message in await receive(watcher, 1)] == [b"lost"]
+        async with lamp.connected():
+            await lamp.publish("will", b"back", qos=1)
+        assert [message.payload for message in await receive(watcher, 1)] == [b"back"]
+
+
 @pytest.mark.parametrize("abrupt", [False, True])
 async def test_a_restarted_broker_is_found_again_and_no_accepted_message_is_lost(
     make: Make, options: MqttOptions, broker: AnyBroker, *, abrupt: bool

@@ -69,6 +69,10 @@ class FakeClient:
         await self._gone.wait()
         return self._reason
 
+    def drop(self) -> None:
+        self._reason = LinkError("dropped")
+        self._gone.set()
+
     async def publish(
         self,
         topic: str,

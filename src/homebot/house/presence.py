@@ -124,6 +124,7 @@ class Presence:
                 tasks.start_soon(self._hear)
                 while self._has_power:
                     await self._switched.wait()
+                self._connection.drop()  # a power failure says no good-bye
                 tasks.cancel_scope.cancel()
 
     @property

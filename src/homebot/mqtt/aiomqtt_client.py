@@ -147,6 +147,11 @@ class AiomqttClient:
         if data and self._link is not None:
             self._link.acknowledge(data)
 
+    def drop(self) -> None:
+        """Cut the link; see `MqttClient.drop`."""
+        if self._link is not None and self._up:
+            self._link.drop()
+
     @asynccontextmanager
     async def _connected(self) -> AsyncIterator[Session]:
         if self._up:
@@ -297,6 +302,9 @@ class _Link(aiomqtt.Client):
                 await self._gone.wait()
         self._abort()
         self._lose(LinkError("closed"))
+
+    def drop(self) -> None:
+        self._break(LinkError("dropped"))
 
     @property
     def is_alive(self) -> bool:

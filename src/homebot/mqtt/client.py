@@ -114,6 +114,10 @@ class MqttClient(Protocol):
         """Wait until the link is gone and say why; RefusedError where the broker threw this client out."""
         ...
 
+    def drop(self) -> None:
+        """Cut the link without a word, as a power failure does: the broker publishes the will. Without one nothing."""
+        ...
+
     async def publish(
         self,
         topic: str,

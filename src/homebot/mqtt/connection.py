@@ -249,6 +249,10 @@ class MqttConnection:
         """Tell the broker that these messages are in good hands; see `MqttClient.ack`."""
         self._client.ack(messages)
 
+    def drop(self) -> None:
+        """Cut the link without a word, as a power failure does; the next try is made as after any loss."""
+        self._client.drop()
+
     async def __aenter__(self) -> Self:
         if self._tasks is not None:
             raise UsageError(f"the connection to {self._url} is open already")

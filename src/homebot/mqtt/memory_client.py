@@ -153,6 +153,11 @@ class MemoryClient:
         if data and self._talk is not None:
             self._talk.put(data)
 
+    def drop(self) -> None:
+        """Cut the link; see `MqttClient.drop`."""
+        if self._talk is not None and self._up:
+            self._talk.drop()
+
     async def _publish_and_wait(self, talk: Conversation, packet: Publish) -> PublishResult:
         await talk.window.acquire()
         try:

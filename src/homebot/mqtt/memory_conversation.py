@@ -106,6 +106,10 @@ class Conversation:
             self._socket.close()
         self._lose(LinkError("closed"))
 
+    def drop(self) -> None:
+        """Cut the link without a word."""
+        self._break(LinkError("dropped"))
+
     @property
     def is_alive(self) -> bool:
         """Whether the link stands."""
