@@ -36,6 +36,11 @@ def test_a_prefix_may_have_levels() -> None:
     assert parse_config_topic("a/b", "a/b/light/x/config") == ConfigTopic("light", "", "x")
 
 
+def test_a_config_topic_that_would_fill_an_index_is_refused() -> None:
+    with pytest.raises(WireError, match="512"):
+        parse_config_topic("ha", f"ha/light/{'x' * 512}/config")
+
+
 @pytest.mark.parametrize("topic", ["a", "a/b c/ü", "$SYS/x", "/"])
 def test_a_command_goes_to_any_plain_topic(topic: str) -> None:
     assert command_topic(topic) == topic

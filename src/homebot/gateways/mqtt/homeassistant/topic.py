@@ -45,12 +45,17 @@ def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
 
     Home Assistant takes ids of letters, digits, ``_`` and ``-`` alone. Real devices have others too, such as the button
     ``recall_*`` of a remote; they are taken as they are.
+
+    Raises:
+        WireError: It is a config, but longer than 512 characters.
     """
     if not topic.startswith(f"{prefix}/") or not topic.endswith("/config"):
         return None
     levels = topic[len(prefix) + 1 : -len("/config")].split("/")
     if len(levels) not in _LEVELS:
         return None
+    if len(topic) > _MAX_CONFIG_TOPIC:
+        raise WireError(f"topic {shown(topic)} is {len(topic)} long; {_MAX_CONFIG_TOPIC} is the limit for a config")
     component, *ids = levels
     return ConfigTopic(component, ids[0] if len(ids) > 1 else "", ids[-1])
 
@@ -76,6 +81,7 @@ def state_topic(topic: str) -> str:
 
 
 _LEVELS = (2, 3)
+_MAX_CONFIG_TOPIC = 512
 _FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
 
 
