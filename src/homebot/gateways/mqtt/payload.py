@@ -10,7 +10,7 @@ from homebot.errors import WireError
 
 __all__ = ["MAX_ANNOUNCEMENT_BYTES", "MAX_STATE_BYTES", "clean_text", "parse_json", "parse_object", "shown"]
 
-MAX_ANNOUNCEMENT_BYTES = 512 * 1024
+MAX_ANNOUNCEMENT_BYTES = 256 * 1024
 """Longest announcement of one device; one with a hundred parts has about 100 kB."""
 
 MAX_STATE_BYTES = 256 * 1024

@@ -132,7 +132,7 @@ def test_what_has_no_right_form_is_refused(fields: object, problem: str) -> None
         ({"cmps": []}, "components is list of 0"),
         ({"cmps": {"a": "light"}}, "component 'a'"),
         ({"cmps": {"a": {"uniq_id": "x"}}}, "platform is None"),
-        ({"cmps": {f"c{n}": {"p": "light"} for n in range(MAX_COMPONENTS + 1)}}, "more than 1000"),
+        ({"cmps": {f"c{n}": {"p": "light"} for n in range(MAX_COMPONENTS + 1)}}, "more than 300"),
     ],
 )
 def test_a_whole_device_of_no_right_form_is_refused(fields: object, problem: str) -> None:

@@ -17,8 +17,8 @@ from homebot.gateways.mqtt.payload import MAX_ANNOUNCEMENT_BYTES, parse_object, 
 
 __all__ = ["MAX_COMPONENTS", "Announced", "Component", "read_announcement"]
 
-MAX_COMPONENTS = 1_000
-"""Most components of one device."""
+MAX_COMPONENTS = 300
+"""Most components of one device: each may bring templates, which cost a millisecond at worst."""
 
 Fields: TypeAlias = Mapping[str, object]
 
