@@ -1,0 +1,139 @@
+"""Comparisons in a text query: ``level>50``, ``temperature < 18 °C``, ``gateway=mqtt``, ``model="E27 bulb"``. Pure."""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from typing import get_args
+
+from homebot.devices.capabilities import CAPABILITIES, CapabilityType
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.query.folding import fold, words_of
+from homebot.devices.query.terms import (
+    And,
+    CanDo,
+    FactIs,
+    GatewayIs,
+    HasText,
+    InArea,
+    Not,
+    Operator,
+    Query,
+    ReachableIs,
+    StateIs,
+    TypeIs,
+    type_is,
+)
+from homebot.devices.query.tokens import Token
+from homebot.devices.query.vocabulary import CAPABILITY_WORDS, CONDITIONS, FIELDS
+from homebot.devices.value import PlainValue
+from homebot.errors import UsageError
+
+__all__ = ["UNITS", "comparison"]
+
+UNITS = frozenset({"%", "K", "°C", "C", "W", "kWh", "V", "A", "Hz", "lx", "hPa", "ppm", "µg/m³", "m³/h", "dBm"})
+"""Units that may stand after a number; they say nothing, for every capability has one unit."""
+
+_FLAGS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
+_FRESHNESS = ("fresh", "unconfirmed", "stale")
+_REACHABLE = {"yes": "yes", "true": "yes", "no": "no", "false": "no", "unknown": "unknown"}
+_NUMBER = re.compile(r"[+-]?\d{1,15}(?:\.\d{1,15})?")
+_CONTACT = {"open": True, "closed": False}
+
+
+def comparison(name: Token, operator: Token, value: Token) -> Query:
+    """Return what ``name operator value`` asks for.
+
+    Raises:
+        UsageError: The name is unknown, or the value or the operator does not fit it; says which would.
+    """
+    spelled = fold(name.text)
+    sign = next(one for one in get_args(Operator) if one == operator.text)
+    capability = CAPABILITY_WORDS.get(spelled)
+    if capability is not None and not (spelled in FIELDS and spelled != "text" and value.text in _REACHABLE):
+        return _state(CAPABILITIES[capability], sign, value)
+    if sign not in {"=", "!="}:
+        raise UsageError(f"{name.text} {operator.text} {value.text}: {_not_ordered(spelled, name)}")
+    found = _field(FIELDS.get(spelled, ""), name, value)
+    return Not(found) if sign == "!=" else found
+
+
+def _not_ordered(spelled: str, name: Token) -> str:
+    if spelled in FIELDS:
+        return f"{name.text} has no order; only = and != compare it"
+    near = get_close_matches(spelled, CAPABILITY_WORDS, n=3, cutoff=0.6)
+    hint = f"did you mean {' or '.join(near)}?" if near else "numbers are for example level, position and temperature"
+    return f"{name.text} is no capability; {hint}"
+
+
+def _state(capability: CapabilityType, operator: Operator, value: Token) -> StateIs | And:
+    wanted = _wanted(capability, value)
+    if operator not in {"=", "!="} and not isinstance(wanted, float):
+        raise UsageError(f"{capability.name} is no number; only = and != compare it")
+    return StateIs(capability.name, operator, wanted)
+
+
+def _wanted(capability: CapabilityType, value: Token) -> PlainValue:
+    word = fold(value.text)
+    match capability.kind:
+        case "bool":
+            flags = {**_FLAGS, **_CONTACT} if capability.name == "contact" else _FLAGS
+            if word not in flags:
+                raise UsageError(f"{capability.name} is true or false, not {value.text!r}")
+            return flags[word]
+        case "number":
+            digits = value.text.removesuffix("%").removesuffix("°C").removesuffix("K")
+            if _NUMBER.fullmatch(digits) is None:
+                raise UsageError(f"{capability.name} is a number{_in_unit(capability)}, not {value.text!r}")
+            return float(digits)
+        case "text":
+            if capability.options and word not in {fold(one) for one in capability.options}:
+                options = ", ".join(capability.options)
+                raise UsageError(f"{capability.name} is one of {options}, not {value.text!r}")
+            return word
+        case "numbers":
+            raise UsageError(f"{capability.name} is several numbers, which cannot be compared; ask `with` it")
+
+
+def _in_unit(capability: CapabilityType) -> str:
+    return f" in {capability.unit}" if capability.unit else ""
+
+
+def _field(field: str, name: Token, value: Token) -> Query:
+    word = fold(value.text)
+    match field:
+        case "area":
+            return InArea(word)
+        case "type":
+            return _type(value)
+        case "freshness" | "reachable":
+            return _condition(field, name, value)
+        case "can" | "has":
+            if word not in CAPABILITY_WORDS:
+                raise UsageError(f"{value.text!r} is no capability")
+            return CanDo(CAPABILITY_WORDS[word], settable=field == "can")
+        case "text":
+            return And(tuple(HasText(one) for one in words_of(value.text)))
+        case "gateway":
+            return GatewayIs(value.text)
+        case "id" | "convention":
+            return FactIs(field, value.text.casefold())
+        case _:
+            return FactIs(field or name.text.casefold(), word)
+
+
+def _condition(field: str, name: Token, value: Token) -> Query:
+    word = fold(value.text)
+    if field == "reachable":
+        if word not in _REACHABLE:
+            raise UsageError(f"{name.text} is yes, no or unknown, not {value.text!r}")
+        return ReachableIs(_REACHABLE[word])
+    if word not in _FRESHNESS:
+        raise UsageError(f"{name.text} is one of {', '.join(_FRESHNESS)}, not {value.text!r}")
+    return CONDITIONS[word]
+
+
+def _type(value: Token) -> TypeIs:
+    if value.text in DEVICE_TYPES:
+        return TypeIs(value.text, frozenset({value.text}), by_word=False)
+    return type_is(value.text)

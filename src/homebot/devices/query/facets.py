@@ -1,0 +1,121 @@
+"""A device as queries see it: everything that may be asked for, folded and ready to compare. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from homebot.devices.device import Device, DevicePart, Fact
+from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.query.folding import fold, words_of
+from homebot.devices.value import PlainValue
+
+__all__ = ["MAX_WORDS", "Facets", "facets_of", "folded_facts", "kinds_of"]
+
+MAX_WORDS = 48
+"""Words of one device that can be searched for."""
+
+_TEXTS = frozenset({"manufacturer", "model", "model_id", "serial_number"})
+
+
+@dataclass(frozen=True, slots=True)
+class Facets:
+    """What can be asked of a device.
+
+    Attributes:
+        id: Its id.
+        name: Its name, folded.
+        kinds: Type and tag of each part that it is there for; without parts the type of its word, where that is one.
+        words_said: The words it was announced with, folded.
+        senses: What the word of a device without parts may mean; empty for a device with parts.
+        capabilities: What its parts can be asked or told.
+        settable: What they can be told.
+        area: Folded.
+        words: The words of its id, names, area and model, folded.
+        freshness: See :class:`Device`.
+        reachable: See :class:`Device`.
+        gateways: Who hears it.
+        conventions: How it was announced.
+        facts: All facts by name, folded.
+        values: Type of the part, capability, and value.
+        main_type: The type that it has in the first place.
+        is_guessed: Whether the type of its first part was guessed.
+    """
+
+    id: str
+    name: str
+    kinds: frozenset[tuple[str, str]]
+    words_said: frozenset[str]
+    senses: frozenset[str]
+    capabilities: frozenset[str]
+    settable: frozenset[str]
+    area: str
+    words: frozenset[str]
+    freshness: str
+    reachable: str
+    gateways: frozenset[str]
+    conventions: frozenset[str]
+    facts: Mapping[str, tuple[str, ...]]
+    values: tuple[tuple[str, str, PlainValue], ...]
+    main_type: str
+    is_guessed: bool
+
+
+def facets_of(device: Device) -> Facets:
+    """Return what can be asked of *device*."""
+    types = {one.id: one.part.service_type for one in device.parts}
+    kinds, senses = kinds_of(device.service_type, device.parts)
+    capabilities = [one for part in device.parts for one in part.part.capabilities]
+    facts = folded_facts(device.facts)
+    for one in device.metadata:
+        if one.key not in facts:
+            facts[one.key] = (fold(one.value),)
+    texts = [device.id, *device.names, device.name, device.area]
+    texts += [text for name, found in facts.items() if name in _TEXTS for text in found]
+    texts += [part.part.name for part in device.parts if not part.part.category]
+    routes = [route for part in device.parts for route in part.routes]
+    main = next((one.part for one in device.parts if one.part.service_type == device.service_type), None)
+    return Facets(
+        id=device.id,
+        name=fold(device.name),
+        kinds=kinds,
+        words_said=frozenset(fold(one) for one in device.service_types or (device.service_type,)),
+        senses=senses,
+        capabilities=frozenset(one.name for one in capabilities),
+        settable=frozenset(one.name for one in capabilities if one.settable),
+        area=fold(device.area),
+        words=frozenset(list(dict.fromkeys(word for text in texts for word in words_of(text)))[:MAX_WORDS]),
+        freshness=device.freshness,
+        reachable=device.reachable.state,
+        gateways=frozenset([*(one.gateway for one in device.endpoints), *(route.gateway for route in routes)]),
+        conventions=frozenset([*(one.convention for one in device.facts), *(route.convention for route in routes)]),
+        facts=facts,
+        values=tuple((types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states),
+        main_type=device.service_type,
+        is_guessed=main.guessed if main is not None else False,
+    )
+
+
+def kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozenset[tuple[str, str]], frozenset[str]]:
+    """Return the kinds of a device, and what the word of one without parts may mean.
+
+    Settings and self-observations count only where there is nothing else: nobody who asks for switches means the
+    one that dims a lamp's own light.
+    """
+    if not parts:
+        meant = wanted_types(service_type)
+        sure = meant if len(meant) == 1 else frozenset()
+        return frozenset((one, "") for one in sure | ({service_type} & DEVICE_TYPES.keys())), meant
+    counted = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
+    return frozenset((one.service_type, one.tag) for one in counted), frozenset()
+
+
+def folded_facts(facts: tuple[Fact, ...]) -> dict[str, tuple[str, ...]]:
+    """Return the folded values of all facts by name, the one that counts first."""
+    found: dict[str, tuple[str, ...]] = {}
+    for one in facts:
+        value = fold(one.value)
+        known = found.get(one.name, ())
+        if value not in known:
+            found[one.name] = (*known, value)
+    return found

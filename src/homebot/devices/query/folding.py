@@ -1,0 +1,58 @@
+"""Words as they are compared: without case, accents and punctuation, and with a typo's tolerance. Pure."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from functools import lru_cache
+
+__all__ = ["MAX_WORD", "WORD_TYPO", "fold", "is_typo", "words_of"]
+
+MAX_WORD = 40
+"""Characters of a word that count."""
+
+WORD_TYPO = 4
+"""Shortest word in which one typo is forgiven."""
+
+_MAX_TEXT = 400
+_WORD = re.compile(r"\w+")
+_LETTERS = {"ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "đ": "d", "ł": "l"}
+_TABLE = str.maketrans(_LETTERS)
+
+
+@lru_cache(maxsize=4096)
+def fold(text: str) -> str:
+    """Return *text* in lower case and without accents, each run of blanks, ``_`` and ``-`` one blank.
+
+    Only its first 400 characters count.
+    """
+    plain = text[:_MAX_TEXT]
+    if not plain.isascii():
+        decomposed = unicodedata.normalize("NFKD", plain.casefold().translate(_TABLE))
+        plain = "".join(one for one in decomposed if not unicodedata.combining(one))
+    return " ".join(plain.lower().replace("_", " ").replace("-", " ").split())
+
+
+@lru_cache(maxsize=4096)
+def words_of(text: str) -> tuple[str, ...]:
+    """Return the words of *text*, folded, each once, in order."""
+    return tuple(dict.fromkeys(word[:MAX_WORD] for word in _WORD.findall(fold(text))))
+
+
+def is_typo(word: str, other: str) -> bool:
+    """Whether one letter more, less, changed or swapped with its neighbour makes *word* out of *other*.
+
+    False for equal words, and for words of less than four letters: a typo there makes another word.
+    """
+    if word == other or abs(len(word) - len(other)) > 1 or min(len(word), len(other)) < WORD_TYPO:
+        return False
+    start = 0
+    shorter = min(len(word), len(other))
+    while start < shorter and word[start] == other[start]:
+        start += 1
+    rest, other_rest = word[start:], other[start:]
+    if len(rest) > len(other_rest):
+        return rest[1:] == other_rest
+    if len(rest) < len(other_rest):
+        return rest == other_rest[1:]
+    return rest[1:] == other_rest[1:] or (rest[1::-1] == other_rest[:2] and rest[2:] == other_rest[2:])

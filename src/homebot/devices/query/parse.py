@@ -1,0 +1,275 @@
+"""Text queries: ``light and dimmable in kitchen``, ``on lights``, ``sensor with temperature not stale``. Pure.
+
+Grammar, the loosest binding first::
+
+    query      = all {"or" all}
+    all        = one {["and" | "but" | ","] one}
+    one        = ("not" | "without") one | "(" query ")" | "in" AREA | "with" CAPABILITY | comparison | word
+    comparison = WORD ("=" | "!=" | "<" | "<=" | ">" | ">=") VALUE
+    word       = a type, a capability, an adjective such as ``on`` or ``stale``, or free text
+
+An adjective of a state is about the parts of the types that stand beside it: ``on lights`` is not found by the plug
+in the same device.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from difflib import get_close_matches
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.query.comparison import UNITS, comparison
+from homebot.devices.query.folding import MAX_WORD, fold, words_of
+from homebot.devices.query.terms import And, CanDo, HasText, InArea, Not, Or, Query, StateIs, TypeIs, type_is
+from homebot.devices.query.tokens import Token, tokens_of
+from homebot.devices.query.vocabulary import (
+    ABILITIES,
+    ADJECTIVES,
+    CAPABILITY_WORDS,
+    CONDITIONS,
+    FILLERS,
+    KEYWORDS,
+)
+from homebot.errors import UsageError
+
+__all__ = ["parse_query", "quoted"]
+
+_MAX_DEPTH = 20
+_LONGEST_PHRASE = 4
+
+
+def parse_query(text: str) -> Query:
+    """Return what *text* asks for; an empty text asks for everything.
+
+    Raises:
+        UsageError: It is no query; says what of it is not understood, and what would be.
+    """
+    return _Parser(tokens_of(text)).query()
+
+
+def quoted(text: str) -> str:
+    """Return *text* as it can stand in a query where a value stands, whatever is in it."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+class _Parser:
+    def __init__(self, tokens: tuple[Token, ...]) -> None:
+        self._tokens = tokens
+        self._place = 0
+        self._depth = 0
+
+    def query(self) -> Query:
+        if not self._tokens:
+            return And(())
+        found = self._any()
+        if (extra := self._peek()) is not None:
+            raise UsageError(f"the query has {extra.text!r} at character {extra.at}, but nothing that it closes")
+        return found
+
+    def _any(self) -> Query:
+        terms = [self._all()]
+        while self._takes("or"):
+            terms.append(self._all())
+        return terms[0] if len(terms) == 1 else Or(tuple(terms))
+
+    def _all(self) -> Query:
+        terms: list[Query] = []
+        is_open = True
+        while (token := self._peek()) is not None and token.kind != ")" and not _is(token, "or"):
+            if _is(token, "and") or _is(token, "but") or token.kind == ",":
+                if is_open:
+                    raise _missing(token)
+                self._place += 1
+                is_open = True
+                continue
+            if token.kind == "word" and fold(token.text) in FILLERS and not self._is_compared():
+                self._place += 1
+                is_open = False
+                continue
+            terms.append(self._one())
+            is_open = False
+        if is_open:
+            raise _missing(self._peek() or self._tokens[-1])
+        scoped = _with_scopes(terms)
+        return scoped[0] if len(scoped) == 1 else And(tuple(scoped))
+
+    def _one(self) -> Query:
+        token = self._tokens[self._place]
+        if token.kind == "word":
+            match fold(token.text):
+                case "not" | "without":
+                    return self._negated(token)
+                case "in" if not self._is_compared():
+                    self._place += 1
+                    return InArea(self._area(token))
+                case "with":
+                    self._place += 1
+                    return self._ability(token)
+            return comparison(*self._compared()) if self._is_compared() else self._phrase()
+        if token.kind == "text":
+            self._place += 1
+            return _all_words(token.text)
+        if token.kind == "(":
+            return self._bracket(token)
+        raise UsageError(f"{token.text!r} at character {token.at} compares nothing: a name must stand before it")
+
+    def _negated(self, token: Token) -> Query:
+        self._place += 1
+        following = self._peek()
+        if following is None or following.kind == ")":
+            raise _missing(token)
+        with_capability = fold(token.text) == "without"
+        self._enter(token)
+        term = self._ability(token) if with_capability else self._one()
+        self._depth -= 1
+        return Not(term)
+
+    def _bracket(self, token: Token) -> Query:
+        self._place += 1
+        self._enter(token)
+        found = self._any()
+        self._depth -= 1
+        closing = self._peek()
+        if closing is None or closing.kind != ")":
+            raise UsageError(f"the bracket at character {token.at} is never closed")
+        self._place += 1
+        return found
+
+    def _enter(self, token: Token) -> None:
+        self._depth += 1
+        if self._depth > _MAX_DEPTH:
+            raise UsageError(f"the query is nested deeper than {_MAX_DEPTH} at character {token.at}")
+
+    def _compared(self) -> tuple[Token, Token, Token]:
+        name, operator = self._tokens[self._place : self._place + 2]
+        self._place += 2
+        value = self._peek()
+        if value is None or value.kind not in {"word", "text"}:
+            raise UsageError(f"nothing stands after {name.text} {operator.text}; a value must")
+        self._place += 1
+        unit = self._peek()
+        if unit is not None and unit.kind == "word" and unit.text in UNITS:
+            self._place += 1
+        return name, operator, value
+
+    def _is_compared(self) -> bool:
+        following = self._tokens[self._place + 1 : self._place + 2]
+        return bool(following) and following[0].kind == "operator"
+
+    def _area(self, token: Token) -> str:
+        words: list[str] = []
+        while (following := self._peek()) is not None and following.kind in {"word", "text"}:
+            word = fold(following.text)
+            if following.kind == "text":
+                if not words:
+                    self._place += 1
+                    words.append(word)
+                break
+            if word in KEYWORDS or self._is_compared() or (words and _is_known(word)):
+                break
+            self._place += 1
+            if word != "the" or words:
+                words.append(word)
+        if not words:
+            raise UsageError(f"no room stands after {token.text!r} at character {token.at}")
+        return " ".join(words)
+
+    def _ability(self, token: Token) -> Query:
+        for length in range(_LONGEST_PHRASE, 0, -1):
+            name = CAPABILITY_WORDS.get(self._folded(length))
+            if name is not None:
+                self._place += length
+                return CanDo(name)
+        following = self._peek()
+        if following is None:
+            raise _missing(token)
+        raise _unknown_capability(following)
+
+    def _phrase(self) -> Query:
+        """The longest phrase that means something; a single word that does not is searched for."""
+        for length in range(_LONGEST_PHRASE, 0, -1):
+            if (meant := _meaning(self._folded(length))) is not None:
+                self._place += length
+                return meant
+        token = self._tokens[self._place]
+        self._place += 1
+        return _all_words(token.text)
+
+    def _folded(self, length: int) -> str:
+        tokens = self._tokens[self._place : self._place + length]
+        is_phrase = len(tokens) == length and all(one.kind == "word" for one in tokens)
+        return fold(" ".join(one.text for one in tokens)) if is_phrase else ""
+
+    def _takes(self, keyword: str) -> bool:
+        token = self._peek()
+        if token is None or not _is(token, keyword):
+            return False
+        self._place += 1
+        return True
+
+    def _peek(self) -> Token | None:
+        return self._tokens[self._place] if self._place < len(self._tokens) else None
+
+
+def _meaning(phrase: str) -> Query | None:
+    if not phrase:
+        return None
+    if (meant := CONDITIONS.get(phrase) or ABILITIES.get(phrase)) is not None:
+        return meant
+    if (states := ADJECTIVES.get(phrase)) is not None:
+        return states[0] if len(states) == 1 else Or(states)
+    capability = CAPABILITY_WORDS.get(phrase)
+    if wanted_types(phrase) or phrase in {"sensor", "sensors"}:
+        named = type_is(phrase)
+        return named if capability is None else Or((named, CanDo(capability)))
+    return None if capability is None else CanDo(capability)
+
+
+def _is_known(word: str) -> bool:
+    return word in ADJECTIVES or word in CONDITIONS or word in ABILITIES or bool(type_is(word).types)
+
+
+def _with_scopes(terms: list[Query]) -> list[Query]:
+    """Let adjectives speak of the types beside them."""
+    types = frozenset(one for term in terms if isinstance(term, TypeIs) for one in term.types)
+    return [_scoped(term, types) for term in terms] if types else terms
+
+
+def _scoped(term: Query, types: frozenset[str]) -> Query:
+    if term in _ADJECTIVE_TERMS:
+        match term:
+            case StateIs():
+                return replace(term, types=types)
+            case Or(terms):
+                return Or(tuple(replace(one, types=types) for one in terms if isinstance(one, StateIs)))
+    return Not(_scoped(term.term, types)) if isinstance(term, Not) else term
+
+
+_ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for states in ADJECTIVES.values())
+
+
+def _all_words(text: str) -> Query:
+    words = [HasText(word[:MAX_WORD]) for word in words_of(text)]
+    if not words:
+        raise UsageError(f"{text[:40]!r} has no word to look for")
+    return words[0] if len(words) == 1 else And(tuple(words))
+
+
+def _is(token: Token, keyword: str) -> bool:
+    return token.kind == "word" and token.text.lower() == keyword
+
+
+def _missing(token: Token) -> UsageError:
+    return UsageError(f"something is missing beside {token.text!r} at character {token.at} of the query")
+
+
+def _unknown_capability(token: Token) -> UsageError:
+    word = fold(token.text)
+    near = get_close_matches(word, CAPABILITY_WORDS, n=3, cutoff=0.6)
+    hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(sorted(CAPABILITIES)[:12])}, …"
+    is_type = bool(wanted_types(re.sub(r"\s+", " ", word))) or word in DEVICE_TYPES
+    hint = f"it is a type of device: leave out the word before it; {hint}" if is_type else hint
+    return UsageError(f"{token.text[:40]!r} at character {token.at} is no capability; {hint}")

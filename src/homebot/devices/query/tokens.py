@@ -1,0 +1,83 @@
+"""The tokens of a text query. Pure."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from homebot.errors import UsageError
+
+__all__ = ["MAX_QUERY", "MAX_TOKENS", "Token", "tokens_of"]
+
+MAX_QUERY = 1000
+"""Characters of a query."""
+
+MAX_TOKENS = 100
+
+TokenKind: TypeAlias = Literal["word", "text", "operator", "(", ")", ","]
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A piece of a query.
+
+    Attributes:
+        kind: ``word``, ``text`` (in quotes), ``operator`` (a comparison), a bracket or a comma.
+        text: As it was written, without quotes.
+        at: Where it begins, the first character being 1.
+    """
+
+    kind: TokenKind
+    text: str
+    at: int
+
+
+_PIECE = re.compile(
+    r"""\s*(?:
+        (?P<text>"(?:[^"\\]|\\.)*"|'[^']*') |
+        (?P<operator><=|>=|!=|==|[=<>:≤≥≠]) |
+        (?P<bracket>[(),]) |
+        (?P<word>(?:[^\s"'(),=<>:!≤≥≠]|!(?!=))(?:[^\s"(),=<>:!≤≥≠]|!(?!=))*)
+    )""",
+    re.VERBOSE | re.DOTALL,
+)
+_SPELT: dict[str, str] = {"==": "=", ":": "=", "≤": "<=", "≥": ">=", "≠": "!="}
+
+
+def tokens_of(text: str) -> tuple[Token, ...]:
+    """Return the tokens of *text*.
+
+    Raises:
+        UsageError: It is too long, or a character begins nothing that is known; names the place.
+    """
+    if len(text) > MAX_QUERY:
+        raise UsageError(f"the query has {len(text):,} characters; {MAX_QUERY:,} is the limit")
+    tokens: list[Token] = []
+    end, place = len(text.rstrip()), 0
+    while place < end:
+        piece = _PIECE.match(text, place)
+        if piece is None:
+            rest = text[place:].lstrip()
+            problem = "a quotation mark that is never closed" if rest[0] in "\"'" else "nothing that a query has"
+            raise UsageError(f"character {end - len(rest.rstrip()) + 1} of the query, {rest[:1]!r}, is {problem}")
+        tokens.append(_token(piece))
+        place = piece.end()
+        if len(tokens) > MAX_TOKENS:
+            raise UsageError(f"the query has more than {MAX_TOKENS} words")
+    return tuple(tokens)
+
+
+def _token(piece: re.Match[str]) -> Token:
+    kind = piece.lastgroup or ""
+    found, at = piece.group(kind), piece.start(kind) + 1
+    match kind, found:
+        case "operator", _:
+            return Token("operator", _SPELT.get(found, found), at)
+        case "bracket", ("(" | ")" | ",") as bracket:
+            return Token(bracket, found, at)
+        case "text", _:
+            inner = found[1:-1]
+            return Token("text", re.sub(r"\\(.)", r"\1", inner, flags=re.DOTALL) if found[0] == '"' else inner, at)
+        case _:
+            return Token("word", found, at)

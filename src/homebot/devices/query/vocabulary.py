@@ -1,0 +1,128 @@
+"""The words that a text query understands beside those of the device types. Pure data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.query.folding import fold
+from homebot.devices.query.terms import CanDo, FreshnessIs, Or, Query, ReachableIs, StateIs
+
+__all__ = ["ABILITIES", "ADJECTIVES", "CAPABILITY_WORDS", "CONDITIONS", "FIELDS", "FILLERS", "KEYWORDS"]
+
+KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
+
+_FILLERS = "the a an all any every each device devices that which are is my of"
+FILLERS = frozenset(_FILLERS.split())
+"""Words that make a query a sentence and say nothing."""
+
+FIELDS: Mapping[str, str] = MappingProxyType(
+    {
+        "gateway": "gateway",
+        "area": "area",
+        "room": "area",
+        "type": "type",
+        "freshness": "freshness",
+        "reachable": "reachable",
+        "can": "can",
+        "has": "has",
+        "id": "id",
+        "name": "name",
+        "convention": "convention",
+        "manufacturer": "manufacturer",
+        "vendor": "manufacturer",
+        "brand": "manufacturer",
+        "model": "model",
+        "text": "text",
+    }
+)
+"""What may be asked by ``word=value`` beside capabilities and facts."""
+
+
+def _capability_words() -> Mapping[str, str]:
+    words = {fold(name): name for name in CAPABILITIES}
+    words |= {
+        "brightness": "level",
+        "dimmer": "level",
+        "colour": "color",
+        "colour temperature": "color_temperature",
+        "setpoint": "heating_setpoint",
+        "speed": "fan_speed",
+        "co2": "carbon_dioxide",
+        "lux": "illuminance",
+        "on": "on_off",
+        "pm2.5": "pm25",
+        "rssi": "signal_strength",
+        "voc": "volatile_organic_compounds",
+    }
+    return MappingProxyType(words)
+
+
+CAPABILITY_WORDS: Mapping[str, str] = _capability_words()
+"""How the capabilities are called, folded."""
+
+ABILITIES: Mapping[str, Query] = MappingProxyType(
+    {
+        "dimmable": CanDo("level", settable=True),
+        "tunable": CanDo("color_temperature", settable=True),
+        "colored": CanDo("color", settable=True),
+        "coloured": CanDo("color", settable=True),
+        "colorful": CanDo("color", settable=True),
+        "switchable": CanDo("on_off", settable=True),
+        "openable": Or(tuple(CanDo(one, settable=True) for one in ("position", "movement", "valve"))),
+        "lockable": CanDo("lock", settable=True),
+    }
+)
+"""Adjectives of what a device can be told."""
+
+ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
+    {
+        "on": (StateIs("on_off", "=", True),),  # noqa: FBT003 - a value, not a switch
+        "off": (StateIs("on_off", "=", False),),  # noqa: FBT003 - likewise
+        "open": (
+            StateIs("contact", "=", True),  # noqa: FBT003 - likewise
+            StateIs("movement", "=", "open"),
+            StateIs("valve", "=", "open"),
+            StateIs("position", ">", 0.0),
+            StateIs("lock", "=", "open"),
+        ),
+        "closed": (
+            StateIs("contact", "=", False),  # noqa: FBT003 - likewise
+            StateIs("movement", "=", "closed"),
+            StateIs("valve", "=", "closed"),
+            StateIs("position", "=", 0.0),
+        ),
+        "opening": (StateIs("movement", "=", "opening"), StateIs("valve", "=", "opening")),
+        "closing": (StateIs("movement", "=", "closing"), StateIs("valve", "=", "closing")),
+        "locked": (StateIs("lock", "=", "locked"),),
+        "unlocked": (
+            StateIs("lock", "=", "unlocked"),
+            StateIs("lock", "=", "open"),
+            StateIs("unlocked", "=", True),  # noqa: FBT003 - likewise
+        ),
+        "occupied": (StateIs("occupancy", "=", True),),  # noqa: FBT003 - likewise
+        "unoccupied": (StateIs("occupancy", "=", False),),  # noqa: FBT003 - likewise
+        "wet": (StateIs("water_leak", "=", True),),  # noqa: FBT003 - likewise
+        "dry": (StateIs("water_leak", "=", False),),  # noqa: FBT003 - likewise
+        "jammed": (StateIs("lock", "=", "jammed"),),
+        "cleaning": (StateIs("vacuum", "=", "cleaning"),),
+        "docked": (StateIs("vacuum", "=", "docked"), StateIs("mower", "=", "docked")),
+        "heating": (StateIs("thermostat_action", "=", "heating"),),
+        "cooling": (StateIs("thermostat_action", "=", "cooling"),),
+    }
+)
+"""Adjectives of a state: any of these values."""
+
+CONDITIONS: Mapping[str, Query] = MappingProxyType(
+    {
+        "fresh": FreshnessIs("fresh"),
+        "stale": FreshnessIs("stale"),
+        "unconfirmed": FreshnessIs("unconfirmed"),
+        "reachable": ReachableIs("yes"),
+        "online": ReachableIs("yes"),
+        "unreachable": ReachableIs("no"),
+        "offline": ReachableIs("no"),
+    }
+)
+"""Adjectives of how a device is."""

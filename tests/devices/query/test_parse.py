@@ -1,0 +1,123 @@
+"""Text queries: what each form means, and what is said where it means nothing."""
+
+from __future__ import annotations
+
+import contextlib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.query import (
+    And,
+    CanDo,
+    FactIs,
+    FreshnessIs,
+    GatewayIs,
+    HasText,
+    InArea,
+    Not,
+    Or,
+    Query,
+    ReachableIs,
+    StateIs,
+    parse_query,
+    quoted,
+    type_is,
+)
+from homebot.errors import UsageError
+
+LIGHT = frozenset({"light"})
+ON_LIGHT = StateIs("on_off", "=", True, LIGHT)
+
+UNDERSTOOD: dict[str, Query] = {
+    "": And(()),
+    "all devices": And(()),
+    "light": type_is("light"),
+    "the Lamps": type_is("lamps"),
+    "light and dimmable in kitchen": And((type_is("light"), CanDo("level", settable=True), InArea("kitchen"))),
+    "on lights": And((ON_LIGHT, type_is("lights"))),
+    "lights not on": And((type_is("lights"), Not(ON_LIGHT))),
+    "sensor with temperature not stale": And((type_is("sensor"), CanDo("temperature"), Not(FreshnessIs("stale")))),
+    "lamps in living room on": And((type_is("lamps"), InArea("living room"), ON_LIGHT)),
+    'in "on the roof"': InArea("on the roof"),
+    "light or plug, fresh": Or((type_is("light"), And((type_is("plug"), FreshnessIs("fresh"))))),
+    "(light or plug) fresh": And((Or((type_is("light"), type_is("plug"))), FreshnessIs("fresh"))),
+    "without battery": Not(CanDo("battery")),
+    "level>50": StateIs("level", ">", 50.0),
+    "brightness >= 50 %": StateIs("level", ">=", 50.0),
+    "temperature < 18.5 °C": StateIs("temperature", "<", 18.5),
+    "level≠0": StateIs("level", "!=", 0.0),
+    "on_off=true": StateIs("on_off", "=", True),
+    "contact: open": StateIs("contact", "=", True),
+    "movement=Opening": StateIs("movement", "=", "opening"),
+    "gateway=mqtt": GatewayIs("mqtt"),
+    "area=küche": InArea("kuche"),
+    'model="E27 Bulb"': FactIs("model", "e27 bulb"),
+    "via_device != bridge": Not(FactIs("via_device", "bridge")),
+    "freshness=unconfirmed": FreshnessIs("unconfirmed"),
+    "offline": ReachableIs("no"),
+    "reachable=unknown": ReachableIs("unknown"),
+    "can=level": CanDo("level", settable=True),
+    "has=level": CanDo("level"),
+    "peter's!": And((HasText("peter"), HasText("s"))),
+    "roomlights405": HasText("roomlights405"),
+    '"desk lamp"': And((HasText("desk"), HasText("lamp"))),
+    "color temperature": CanDo("color_temperature"),
+}
+
+
+@pytest.mark.parametrize(("text", "meant"), UNDERSTOOD.items(), ids=UNDERSTOOD)
+def test_each_form_means_what_it_says(text: str, meant: Query) -> None:
+    assert parse_query(text) == meant
+
+
+REFUSED = {
+    "light or": "something is missing beside 'or' at character 7",
+    "light and and plug": "something is missing beside 'and' at character 11",
+    "not": "something is missing beside 'not'",
+    "(light": "the bracket at character 1 is never closed",
+    "light)": "')' at character 6",
+    "in and light": "no room stands after 'in'",
+    "brightnes>3": "brightnes is no capability; did you mean brightness?",
+    "with temperatur": "did you mean temperature",
+    "with lamp": "it is a type of device: leave out the word before it",
+    "on_off>3": "on_off is true or false, not '3'",
+    "level=blue": "level is a number in %, not 'blue'",
+    "lock=bolted": "lock is one of locked, unlocked",
+    "movement>open": "movement is no number; only = and != compare it",
+    "color=red": "cannot be compared",
+    "gateway>mqtt": "gateway has no order",
+    "level>": "nothing stands after level >",
+    "> 5": "compares nothing",
+    '"lamp': "a quotation mark that is never closed",
+    "freshness=dead": "one of fresh, unconfirmed, stale",
+    "?!": "no word to look for",
+    "(" * 30 + "light" + ")" * 30: "nested deeper than 20",
+    "lamp " * 101: "more than 100 words",
+    "x" * 1001: "1,000 is the limit",
+}
+
+
+@pytest.mark.parametrize(("text", "problem"), REFUSED.items(), ids=[text[:20] for text in REFUSED])
+def test_what_is_not_understood_is_named(text: str, problem: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        parse_query(text)
+    assert problem in str(caught.value)
+
+
+@given(st.text(alphabet=st.sampled_from("onlights and(or)not in=\"'<>5,\\%:\0ß"), max_size=60))
+def test_any_text_is_a_query_or_a_usage_error(text: str) -> None:
+    with contextlib.suppress(UsageError):
+        assert isinstance(parse_query(text), Query)
+
+
+@given(st.text(max_size=50))
+def test_a_quoted_text_is_one_value_whatever_is_in_it(text: str) -> None:
+    assert parse_query(f"id={quoted(text)} fresh") == And((FactIs("id", text.casefold()), FreshnessIs("fresh")))
+
+
+@pytest.mark.parametrize("name", CAPABILITIES)
+def test_every_capability_can_be_asked_for_by_its_name(name: str) -> None:
+    assert parse_query(f"with {name}") == CanDo(name)
