@@ -57,7 +57,7 @@ def _modes(config: Config) -> frozenset[str]:
     if not modes:
         return frozenset({"brightness" if config.flag("brightness") else "onoff"})
     alone = len(modes) > 1 and modes & {"brightness", "onoff"}
-    if modes - _MODES or alone or (modes == {"white"}) or ("white" in modes and not modes & CHANNELS.keys()):
+    if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
         raise WireError(f"light: supported_color_modes are {shown(', '.join(sorted(modes)))}, which cannot be")
     return modes
 
