@@ -74,9 +74,9 @@ def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: p
 def test_the_examples_of_the_guide_pass(pytester: pytest.Pytester) -> None:
     guide = (Path(__file__).parents[2] / "docs" / "testing.md").read_text(encoding="utf-8")
     section = guide.split("\n## A broker in your tests\n")[1].split("\n## ")[0]
-    first, second = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
-    pytester.makepyfile(test_first=first, test_second=second)
-    pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=2)
+    examples = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
+    pytester.makepyfile(**{f"test_{number}": example for number, example in enumerate(examples)})
+    pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=3)
 
 
 def test_those_who_do_not_use_it_import_nothing_for_it() -> None:
