@@ -52,6 +52,7 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def _logs_are_plain() -> None:
     """As in production: structlog's default draws tracebacks with rich, which reads files while the loop waits."""
+    structlog.reset_defaults()  # a command that ran in the process may have chosen a level
     structlog.configure(
         processors=[
             structlog.processors.add_log_level,
