@@ -96,6 +96,10 @@ class Listeners:
         """Return who gets what is said on *address*; the same list until :meth:`tidy`, so that it can be kept."""
         return self._by_address[address]
 
+    def now(self, address: str) -> tuple[Publisher[RawMessage], ...]:
+        """Return who gets what is said on *address* at this moment."""
+        return tuple(self._by_address.get(address, ()))
+
     def tidy(self, address: str) -> None:
         """Forget *address* if nobody listens to it; for an address whose list nobody keeps."""
         if not self._by_address.get(address, True):

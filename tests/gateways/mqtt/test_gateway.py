@@ -63,7 +63,9 @@ class House:
 @asynccontextmanager
 async def gateway_on(url: str, **settings: object) -> AsyncIterator[House]:
     """Run a gateway on the broker at *url* in home ``home425``, acting unless told otherwise."""
-    table = MqttGatewaySettings.model_validate({"url": url, "root": "home425", "act": True, **settings})
+    table = MqttGatewaySettings.model_validate(
+        {"url": url, "root": "home425", "act": True, "conventions": ("thesis",), **settings}
+    )
     graph = Graph()
     async with (
         Node(graph, "mqtt", namespace="/gateway") as node,

@@ -9,7 +9,6 @@ from __future__ import annotations
 import platform
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from random import Random
 from typing import ClassVar, Literal
 
@@ -21,15 +20,19 @@ from pydantic import BaseModel
 from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.gateway_state import ONLY_OBSERVES
 from homebot.devices.services import NEVER, SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.devices.words import read_words_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
+from homebot.gateways.mqtt.board import REFRESH
 from homebot.gateways.mqtt.channels import Channel, Channels
-from homebot.gateways.mqtt.convention import Announcement, TopicLayout
+from homebot.gateways.mqtt.convention import Announcement
+from homebot.gateways.mqtt.conventions import find_conventions
+from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.described_devices import DescribedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import EntityKind, Node
-from homebot.log import LogLimit
 from homebot.messages import Time
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttClient, Subscription
@@ -37,7 +40,6 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.topics import validate_topic
-from homebot.plugins import load_plugin
 
 __all__ = ["GatewayCounters", "MqttGateway"]
 
@@ -46,38 +48,15 @@ GHOST = "gateway.retained_only"
 COMMAND_REFUSED = "gateway.command_refused"
 COMMAND_FAILED = "gateway.command_failed"
 
-CONVENTIONS = "homebot.mqtt_conventions"
-
-REFRESH = 1.0
-"""Seconds between two sightings of a device that keeps talking: `last_seen` is exact to this much."""
-
-MAX_WARNINGS = 20
-"""Lines of one kind in ten seconds, each about another culprit."""
-
 _OUT_DEPTH = 1000
 
 _TURN = 200
 """Messages handed over before their readers get a turn: below the 256 that a reader takes in one, so that a burst of
 QoS 0 does not overrun an inbox whose reader keeps up."""
 
-
-@dataclass(slots=True)
-class GatewayCounters:
-    """What one gateway did since its start.
-
-    Attributes:
-        received: Messages of devices.
-        rejected: Messages that no device can have sent: their topic breaks the layout.
-        commands: Commands that the broker took.
-        commands_refused: Commands that were refused, by us or by the broker.
-        commands_failed: Commands that found no link.
-    """
-
-    received: int = 0
-    rejected: int = 0
-    commands: int = 0
-    commands_refused: int = 0
-    commands_failed: int = 0
+_ANNOUNCEMENT = 25
+"""Messages that an announcement counts for in that: it is as much work, and those of a whole house come at once, which
+the broker must be able to get rid of."""
 
 
 class MqttGateway(Gateway):
@@ -116,16 +95,25 @@ class MqttGateway(Gateway):
         self.counters = GatewayCounters()
         self._settings = settings
         self._clock = node.graph.clock
-        self._limit = LogLimit(self._clock)
-        self._flood_limit = LogLimit(self._clock, burst=MAX_WARNINGS)
-        self._conventions = [_convention(name, settings.root) for name in settings.conventions]
-        self._channels = Channels(self._conventions)
+        understood = find_conventions(settings.conventions, settings.tables, settings.root)
+        self._layouts = understood.layouts
+        self._channels = Channels(self._layouts)
         self._listeners = Listeners(node, self.names, inboxes=settings.delivery == "inbox")
         # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
         status_topic = f"homebot/{_topic_level(computer or platform.node())}/{node.name}/status"
         self._connection = MqttConnection(
             settings.options(), make_client, status_topic=status_topic, clock=self._clock, random=random
         )
+        self._described = DescribedDevices(
+            self,
+            understood.conventions,
+            self._layout_filters(),
+            self._listeners,
+            self._connection,
+            self.counters,
+            settings.stale_after,
+        )
+        self._warn = self._described.tribunal.warn
         node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
         if node.name == "mqtt":
@@ -139,19 +127,20 @@ class MqttGateway(Gateway):
             UsageError: A convention cannot be loaded, a file cannot be read, or settings contradict each other.
         """
         if isinstance(settings, MqttGatewaySettings):
-            for name in settings.conventions:
-                _convention(name, settings.root)
+            find_conventions(settings.conventions, settings.tables, settings.root)
             settings.check_files()
             if settings.url != EMBEDDED:
                 settings.options()
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the link and handle what comes until cancelled; ready when the first try to connect has ended."""
-        filters = [one for convention in self._conventions for one in convention.filters()]
+        layouts, announcements = self._layout_filters(), self._described.filters()
         async with self._connection as connection, anyio.create_task_group() as tasks:
-            await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in filters))
-            report = LinkReport(self, connection, self._listening_to(), len(filters))
+            await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in layouts))
+            await connection.subscribe(*(Subscription(one, no_local=True) for one in announcements))
+            report = LinkReport(self, connection, self._listening_to(), (*layouts, *announcements))
             tasks.start_soon(report.watch)
+            tasks.start_soon(self._described.serve)
             tasks.start_soon(self._watch_nodes)
             tasks.start_soon(self._receive, connection)
             await report.wait_for_first_try()
@@ -165,6 +154,9 @@ class MqttGateway(Gateway):
                 return
             await self._handle(batch)
             connection.ack(batch)
+
+    def _layout_filters(self) -> tuple[str, ...]:
+        return tuple(one for layout in self._layouts for one in layout.filters())
 
     def _listening_to(self) -> str:
         return f"home {self._settings.root}" if self._settings.root else "every home"
@@ -185,10 +177,18 @@ class MqttGateway(Gateway):
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
         stamp = Time.from_seconds(self._clock.now())
         now = self._clock.monotonic()
-        for number, message in enumerate(batch, 1):
-            if number % _TURN == 0:
+        self._described.tick()
+        work = 0
+        for message in batch:
+            work += 1
+            if work >= _TURN:
+                work = 0
                 await anyio.lowlevel.checkpoint()
+            route = self._described.route(message.topic)
             channel = self._channels.get(message.topic) or self._open(message)
+            if route is not None:
+                work += _ANNOUNCEMENT * len(route.conventions) + len(route.voices)
+                await self._described.hear(message, route, raw=channel is None)
             if channel is None:
                 continue
             if not message.payload:
@@ -272,26 +272,34 @@ class MqttGateway(Gateway):
 
     async def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
         try:
-            validate_topic(request.topic)
-            device = self._channels.announced(request.topic)
-            if device is None:
-                raise WireError(f"topic {request.topic!r} is none that a device speaks on")
+            key, name = self._speaker(request.topic)
             is_new = not self._listeners.has(request.topic, request.listener)
-            publisher = self._listeners.add(request.topic, device.key, device.name, request.listener)
+            publisher = self._listeners.add(request.topic, key, name, request.listener)
         except HomebotError as exc:
             return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
         channel = self._channels.get(request.topic)
-        missed = channel.missed_by(request.since.to_seconds()) if channel and is_new else ()
+        missed: tuple[RawMessage, ...] = ()
+        if is_new:
+            since = request.since.to_seconds()
+            missed = channel.missed_by(since) if channel else self._described.missed_by(request)
         return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
+
+    def _speaker(self, address: str) -> tuple[str, str]:
+        """Key and name of the device that speaks on *address*."""
+        if (described := self._described.known(address)) is not None:
+            return described
+        validate_topic(address)
+        device = self._channels.announced(address)
+        if device is None:
+            raise WireError(f"topic {address!r} is none that a device speaks on")
+        return device.key, device.name
 
     async def _send(self, command: RawCommand) -> None:
         try:
-            validate_topic(command.address)
-            if not self.acts:
-                raise RefusedError("the command", ONLY_OBSERVES)
-            await self._connection.publish(
-                command.address, command.payload.encode(), qos=command.qos, retain=command.retain
-            )
+            if (part := read_words_address(command.address)) is not None:
+                await self._described.commands.tell(*part, command.payload)
+            else:
+                await self._publish(command)
             self.counters.commands += 1
         except LinkError as exc:
             self.counters.commands_failed += 1
@@ -300,20 +308,14 @@ class MqttGateway(Gateway):
             self.counters.commands_refused += 1
             self._warn(COMMAND_REFUSED, f"not sent to {command.address}: {exc}", topic=command.address)
 
-    def _warn(self, event: str, words: str, *, topic: str) -> None:
-        """Tell of a culprit once in a while, and of so many culprits at most."""
-        repeated = self._limit.allows(f"{event} {topic}")
-        if repeated is None or (unheard := self._flood_limit.allows(event)) is None:
-            return
-        held_back = repeated + unheard
-        more = f" (and {held_back} more like this)" if held_back else ""
-        self.node.log.warning(event, message=f"{words}{more}", topic=topic, held_back=held_back)
+    async def _publish(self, command: RawCommand) -> None:
+        validate_topic(command.address)
+        if not self.acts:
+            raise RefusedError("the command", ONLY_OBSERVES)
+        await self._connection.publish(
+            command.address, command.payload.encode(), qos=command.qos, retain=command.retain
+        )
 
 
 def _topic_level(text: str) -> str:
     return re.sub(r"[+#/\0]", "_", text) or "unknown"
-
-
-def _convention(name: str, root: str) -> TopicLayout:
-    convention: TopicLayout = load_plugin(CONVENTIONS, name)(root)
-    return convention

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import anyio
 
 from homebot.gateways.base import Gateway
@@ -19,6 +21,8 @@ NO_ANSWER = "gateway.no_answer"
 PATIENCE = 2.0
 """Seconds for which the start of homebot waits for a broker that does not answer; the gateway goes on trying."""
 
+_MAX_NAMES = 10
+
 MAX_LOSSES = 5
 """Lines about a lost link in ten seconds."""
 
@@ -30,14 +34,14 @@ class LinkReport:
         gateway: In whose name it speaks.
         connection: The connection.
         listening_to: What is listened to, in words.
-        filter_count: How many subscriptions that takes.
+        filters: The subscriptions that this takes; without any of them it hears nothing.
     """
 
-    def __init__(self, gateway: Gateway, connection: MqttConnection, listening_to: str, filter_count: int) -> None:
+    def __init__(self, gateway: Gateway, connection: MqttConnection, listening_to: str, filters: Sequence[str]) -> None:
         self._gateway = gateway
         self._connection = connection
         self._listening_to = listening_to
-        self._filter_count = filter_count
+        self._filters = filters
         self._tried = anyio.Event()
         self._was_up = False
         clock = gateway.node.graph.clock
@@ -74,9 +78,9 @@ class LinkReport:
             self._gateway.report("active")
             self._gateway.node.log.info(CONNECTED, message=f"connected to {url}, {hears}", broker=url)
             return
-        names = ", ".join(refused)
+        names = ", ".join(list(refused)[:_MAX_NAMES]) + (", …" if len(refused) > _MAX_NAMES else "")
         reason = f"the broker refused the subscription to {names}: {next(iter(refused.values()))}"
-        is_deaf = len(refused) == self._filter_count
+        is_deaf = all(one in refused for one in self._filters)
         self._gateway.report("unavailable" if is_deaf else "active", reason)
         outcome = "it hears nothing" if is_deaf else hears
         self._gateway.node.log.warning(NOT_HEARD, message=f"connected to {url}, but {reason}; {outcome}", broker=url)

@@ -8,10 +8,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, field_validator, model_validator
 
 from homebot.config import read_secret
 from homebot.errors import HomebotError, UsageError
+from homebot.gateways.mqtt.conventions import check_tables, default_conventions
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
 from homebot.units import Seconds
@@ -26,6 +27,10 @@ RECEIVE_MAXIMUM = 2048
 So many, and the 1,000 that a default Mosquitto queues, can be retained on the broker without the first subscription
 losing any.
 """
+
+INBOX_MESSAGES = 100_000
+INBOX_BYTES = 64 * 1024 * 1024
+"""A house's announcements, all of which the broker sends at once; what it cannot get rid of soon, it drops."""
 
 Delivery = Literal["inbox", "mirror"]
 
@@ -51,10 +56,13 @@ class MqttGatewaySettings(BaseModel):
         max_payload: Largest message accepted, in bytes; the broker is told.
         session_expiry: Seconds for which the broker keeps messages for this gateway while it is away.
         stale_after: Seconds of silence after which a device counts as stale.
-        conventions: Which uses of topics to understand, by entry-point name or ``module:Class``.
+        conventions: Which uses of topics to understand, by entry-point name or ``module:Class``; by default all that
+            homebot brings along.
+
+    A further key is the name of a convention, with that convention's own table, see :attr:`tables`.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="allow")
 
     url: str = EMBEDDED
     root: str = ""
@@ -71,7 +79,12 @@ class MqttGatewaySettings(BaseModel):
     max_payload: Annotated[int, Field(ge=1024, lt=2**28)] = 256 * 1024
     session_expiry: Annotated[int, Field(ge=0, lt=2**32)] = 3600
     stale_after: Seconds = 3600.0
-    conventions: tuple[str, ...] = ("thesis",)
+    conventions: tuple[str, ...] = Field(default_factory=default_conventions)
+
+    @property
+    def tables(self) -> dict[str, object]:
+        """The tables of conventions, by their names."""
+        return self.model_extra or {}
 
     @field_validator("url")
     @classmethod
@@ -95,6 +108,12 @@ class MqttGatewaySettings(BaseModel):
             raise ValueError("give password_file or password_env, not both")
         return self
 
+    @model_validator(mode="after")
+    def _check_tables(self) -> MqttGatewaySettings:
+        if problems := check_tables(self.conventions, self.tables):
+            raise ValidationError.from_exception_data(type(self).__name__, problems)
+        return self
+
     def options(self) -> MqttOptions:
         """Return what the client needs, with the password read from where it is kept.
 
@@ -115,6 +134,8 @@ class MqttGatewaySettings(BaseModel):
             maximum_packet_size=self.max_payload,
             session_expiry=self.session_expiry,
             receive_maximum=RECEIVE_MAXIMUM,
+            inbox_messages=INBOX_MESSAGES,
+            inbox_bytes=INBOX_BYTES,
             session_ends_on_close="client_id" not in self.model_fields_set,
             **{name: value for name, value in given.items() if value is not None},
         )

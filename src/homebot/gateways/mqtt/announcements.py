@@ -1,0 +1,128 @@
+"""Takes what devices announce, and lets it stand until it is taken back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.board import Board
+from homebot.gateways.mqtt.claim import Claim
+from homebot.gateways.mqtt.claims import Change, Claims
+from homebot.gateways.mqtt.convention import Convention
+from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.description import Described, Question, Withdrawn
+from homebot.gateways.mqtt.timekeeper import Timekeeper
+from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.mqtt.message import MqttMessage
+
+__all__ = ["Announcements"]
+
+REJECTED = "gateway.announcement_rejected"
+NOT_READ = "gateway.state_topic_refused"
+
+GRACE = 10.0
+"""Seconds for which a device that is taken back may be announced anew before it counts as gone.
+
+Zigbee2MQTT renames a device by taking it back and announcing it two seconds later.
+"""
+
+
+class Announcements:
+    """The way from announcements to sightings.
+
+    Args:
+        claims: What stands.
+        board: Where it is told.
+        timekeeper: Ends the grace of what was taken back.
+        tribunal: Judges those who break the rules.
+        counters: Of the gateway.
+        on_change: Told of every description that was taken, after its sighting.
+        on_removal: Told when one is gone.
+        on_question: Told what a convention wants to ask a device.
+    """
+
+    def __init__(
+        self,
+        claims: Claims,
+        board: Board,
+        timekeeper: Timekeeper,
+        tribunal: Tribunal,
+        counters: GatewayCounters,
+        on_change: Callable[[Change], None],
+        on_removal: Callable[[], None],
+        on_question: Callable[[Question], None],
+    ) -> None:
+        self._claims = claims
+        self._board = board
+        self._timekeeper = timekeeper
+        self._tribunal = tribunal
+        self._counters = counters
+        self._on_change = on_change
+        self._on_removal = on_removal
+        self._on_question = on_question
+
+    def take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
+        """Take *message* as an announcement to *conventions*; of the quarantined only that something is gone."""
+        if message.payload and self._tribunal.is_confined(message.topic):
+            self._counters.announcements_ignored += 1
+            return
+        self._counters.announcements += 1
+        for convention in conventions:
+            try:
+                for heard in convention.take(message.topic, message.payload, retained=message.retain):
+                    match heard:
+                        case Described():
+                            self._describe(heard, message)
+                        case Withdrawn():
+                            self._withdraw(convention, heard)
+                        case Question():
+                            self._on_question(heard)
+            except WireError as exc:
+                self._counters.announcements_rejected += 1
+                self._tribunal.accuse(message.topic, REJECTED, f"no announcement to {convention.name}: {exc}")
+            except Exception as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+                self._tribunal.failed(message.topic, convention.name, exc)
+
+    def _describe(self, described: Described, message: MqttMessage) -> None:
+        try:
+            change = self._claims.describe(described)
+        except WireError:
+            self._counters.devices_refused += 1
+            raise
+        claim, before = change.claim, change.before
+        self._timekeeper.drop(("gone", claim.key))
+        for problem in change.refused:
+            self._counters.topics_refused += 1
+            self._tribunal.warn(NOT_READ, f"{claim.key} is not heard in full: {problem}", topic=message.topic)
+        is_live = described.is_sighting and not message.retain
+        if before is None:
+            why = f"the broker keeps its announcement on {message.topic}" if message.retain else "it was announced"
+            self._board.sight(claim, "appeared", why, confirmed=is_live)
+        elif not claim.has_same_face(before):
+            self._board.sight(claim, "updated", "it is described anew", confirmed=is_live)
+        elif not message.retain and self._board.now >= claim.refresh_at:
+            self._board.sight(claim, "updated", "it was announced again", confirmed=is_live)
+        self._on_change(change)
+
+    def _withdraw(self, convention: Convention, withdrawn: Withdrawn) -> None:
+        claim = self._claims.get(f"{convention.name}:{withdrawn.key}")
+        if claim is None:
+            return
+        if withdrawn.is_final or not self._timekeeper.plan(
+            ("gone", claim.key), GRACE, partial(self._remove_in_time, claim.key, withdrawn.why)
+        ):
+            self._remove(claim, withdrawn.why)
+
+    def _remove_in_time(self, key: str, why: str) -> None:
+        claim = self._claims.get(key)
+        if claim is not None:
+            self._board.tick()
+            self._remove(claim, why)
+
+    def _remove(self, claim: Claim, why: str) -> None:
+        self._timekeeper.drop(("gone", claim.key))
+        self._claims.withdraw(claim.key)
+        self._board.sight(claim, "removed", why, confirmed=True)
+        self._board.clear(claim)
+        self._on_removal()

@@ -1,0 +1,70 @@
+"""What goes onto the graph of the devices that conventions describe."""
+
+from __future__ import annotations
+
+from homebot.devices.report import Reading, Report
+from homebot.devices.services import NEVER
+from homebot.gateways.base import Gateway
+from homebot.gateways.mqtt.claim import Claim, SightingKind
+from homebot.graph import DurabilityPolicy, QoSProfile
+from homebot.messages import Time
+
+__all__ = ["REFRESH", "Board"]
+
+REFRESH = 1.0
+"""Seconds between two sightings of a device that keeps talking: `last_seen` is exact to this much."""
+
+_READINGS_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Board:
+    """Publishes sightings and reports of one gateway, all with the time of the last :meth:`tick`.
+
+    Args:
+        gateway: Whose devices they are.
+        stale_after: Seconds of silence after which a device counts as stale.
+
+    Attributes:
+        now: Reading of the monotonic clock.
+        stamp: The time.
+    """
+
+    def __init__(self, gateway: Gateway, stale_after: float) -> None:
+        self._gateway = gateway
+        self._clock = gateway.node.graph.clock
+        self._stale_after = stale_after
+        self._reports = gateway.node.create_publisher(Report, gateway.names.readings, _READINGS_QOS)
+        self.tick()
+
+    def tick(self) -> None:
+        """Let time have passed."""
+        seconds = self._clock.now()
+        self.now = self._clock.monotonic()
+        self.stamp = Time.from_seconds(seconds)
+        self._until = Time.from_seconds(min(seconds + self._stale_after, NEVER.to_seconds()))
+
+    def sight(self, claim: Claim, kind: SightingKind, why: str, *, confirmed: bool) -> None:
+        """Tell that a device is there, still there, or gone."""
+        claim.refresh_at = self.now + REFRESH
+        claim.is_confirmed = claim.is_confirmed or confirmed
+        self._gateway.sight(claim.sighting(kind, why, at=self.stamp, until=self._until, confirmed=confirmed))
+
+    def report(self, claim: Claim, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool) -> None:
+        """Tell what a device said of itself."""
+        self._reports.publish(
+            Report(
+                gateway=claim.gateway,
+                key=claim.key,
+                readings=readings,
+                address=address,
+                stream=stream,
+                retained=retained,
+                received_at=self.stamp,
+            )
+        )
+
+    def clear(self, claim: Claim) -> None:
+        """Keep no report of a device for late joiners any more."""
+        for stream in claim.streams:
+            self._reports.dispose(stream)
+        claim.streams.clear()

@@ -1,0 +1,165 @@
+"""One announcement that stands: what it says of its device, and how that device was last heard. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Literal, TypeAlias
+
+from homebot.devices import KeyValue, RawMessage, Sighting
+from homebot.devices.words import main_part, takes_words, words_address
+from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.reachability import Reachability
+from homebot.messages import Time
+
+__all__ = ["Claim", "SightingKind", "Voice", "Witness"]
+
+SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
+
+_MAX_STREAMS = 100
+_KEPT = 10
+_NEVER = Time(sec=0, nanosec=0)
+
+
+@dataclass(slots=True, eq=False)
+class Voice:
+    """One part of a described device, as it speaks.
+
+    Attributes:
+        claim: Whose part it is.
+        described: The part.
+        address: Its words address.
+        kept: Its last 10 words, for a listener that comes a moment later.
+    """
+
+    claim: Claim
+    described: DescribedPart
+    address: str
+    kept: tuple[RawMessage, ...] = ()
+
+    def keep(self, message: RawMessage) -> None:
+        """Remember a word."""
+        self.kept = (*self.kept[1 - _KEPT :], message)
+
+    def missed_by(self, since: float) -> tuple[RawMessage, ...]:
+        """Return the kept words that a listener wants that was there from *since* on, in seconds since the Unix epoch.
+
+        What the broker had kept is among them where it is still the part's last word.
+        """
+        last = self.kept[-1] if self.kept else None
+        return tuple(
+            one for one in self.kept if one.received_at.to_seconds() >= since or (one is last and one.retained)
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Witness:
+    """One topic that tells whether a described device can be reached.
+
+    Attributes:
+        claim: Whose availability.
+        index: Which of its sources.
+    """
+
+    claim: Claim
+    index: int
+
+
+@dataclass(slots=True, eq=False)
+class Claim:
+    """One announcement that stands.
+
+    Attributes:
+        gateway: The gateway that heard it.
+        key: What that gateway calls it: the convention's name and key.
+        described: What it says.
+        voices: Its parts by id.
+        reachability: What is known of whether the device can be reached; None where it never tells.
+        reachable: What of that the graph was told last.
+        is_confirmed: Whether the device itself has spoken.
+        refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
+        streams: The streams of reports that late joiners get.
+        enlisted: The filters that it is read on, each with who reads.
+    """
+
+    gateway: str
+    key: str
+    described: Described
+    voices: dict[str, Voice] = field(init=False)
+    reachability: Reachability | None = field(init=False)
+    reachable: bool | None = None
+    is_confirmed: bool = False
+    refresh_at: float = 0.0
+    streams: set[str] = field(default_factory=set)
+    enlisted: list[tuple[str, Voice | Witness]] = field(default_factory=list)
+    _face: Sighting = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.voices = {
+            one.part.id: Voice(self, one, words_address(self.key, one.part.id)) for one in self.described.parts
+        }
+        availability = self.described.availability
+        self.reachability = Reachability(availability) if availability is not None and availability.sources else None
+        self._face = self._looks()
+
+    def has_same_face(self, other: Claim) -> bool:
+        """Whether the graph sees no difference between the two."""
+        return self._face == other._face
+
+    def inherit(self, before: Claim) -> None:
+        """Take over what is known of the device from the announcement *before* this one."""
+        self.is_confirmed = before.is_confirmed
+        self.refresh_at = before.refresh_at
+        self.streams = before.streams
+        self.reachable = before.reachable
+        if before.reachability is not None and before.described.availability == self.described.availability:
+            self.reachability = before.reachability
+        for part_id, voice in self.voices.items():
+            if (old := before.voices.get(part_id)) is not None:
+                voice.kept = old.kept
+
+    def stream(self, address: str) -> str:
+        """Return the name of the stream of what is said on *address*; of a device with hundreds, they share one."""
+        name = f"{self.key} {address}"
+        if name not in self.streams:
+            if len(self.streams) >= _MAX_STREAMS:
+                name = f"{self.key} *"
+            self.streams.add(name)
+        return name
+
+    def sighting(self, kind: SightingKind, why: str, *, at: Time, until: Time, confirmed: bool) -> Sighting:
+        """Return what to tell the graph of it."""
+        return self._face.model_copy(
+            update={"kind": kind, "why": why, "seen_at": at, "expires_at": until, "confirmed": confirmed}
+        )
+
+    def _looks(self) -> Sighting:
+        """What all sightings of it have in common; made here, so that what cannot be told is found at once."""
+        described = self.described
+        parts = tuple(one.part for one in described.parts)
+        main = main_part(parts)
+        address = "" if main is None else self.voices[main.id].address
+        return Sighting(
+            gateway=self.gateway,
+            key=self.key,
+            kind="updated",
+            why="",
+            name=described.name,
+            service_type="" if main is None else main.service_type,
+            address=address,
+            command_address=address if main is not None and takes_words(main) else "",
+            metadata=tuple(_fact(key, value) for key, value in described.facts.items()),
+            convention=described.convention,
+            identifiers=described.identifiers,
+            area=described.area,
+            parts=parts,
+            announced_on=described.topic,
+            seen_at=_NEVER,
+            expires_at=_NEVER,
+            confirmed=False,
+        )
+
+
+@lru_cache(maxsize=10_000)
+def _fact(key: str, value: str) -> KeyValue:
+    return KeyValue(key=key, value=value)

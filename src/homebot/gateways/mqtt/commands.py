@@ -1,0 +1,101 @@
+"""Brings commands to described devices."""
+
+from __future__ import annotations
+
+from homebot.devices.command import Command, SendCommandResponse
+from homebot.devices.gateway_state import ONLY_OBSERVES
+from homebot.devices.value import PlainValue
+from homebot.devices.words import meaning
+from homebot.errors import HomebotError, LinkError, RefusedError
+from homebot.gateways.mqtt.claim import Voice
+from homebot.gateways.mqtt.claims import Claims
+from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.topics import validate_topic
+
+__all__ = ["Commands"]
+
+
+class Commands:
+    """The way from commands to publications.
+
+    Args:
+        claims: Who can be told.
+        connection: Where it is published.
+        tribunal: Judges conventions that fail.
+        counters: Of the gateway.
+        acts: Whether anything is sent at all.
+    """
+
+    def __init__(
+        self, claims: Claims, connection: MqttConnection, tribunal: Tribunal, counters: GatewayCounters, *, acts: bool
+    ) -> None:
+        self._claims = claims
+        self._connection = connection
+        self._tribunal = tribunal
+        self._counters = counters
+        self._acts = acts
+
+    async def serve(self, command: Command) -> SendCommandResponse:
+        """Answer the service: send *command*, and say what became of it when the broker has it."""
+        try:
+            await self.send(command.key, command.part, command.capability, command.value.plain(), command.transition)
+        except LinkError as exc:
+            self._counters.commands_failed += 1
+            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
+        except HomebotError as exc:
+            self._counters.commands_refused += 1
+            return SendCommandResponse(success=False, message=str(exc), problem="refused")
+        self._counters.commands += 1
+        return SendCommandResponse(success=True)
+
+    async def tell(self, key: str, part_id: str, said: str) -> None:
+        """Tell a part the word *said*; see :mod:`homebot.devices.words`.
+
+        Raises:
+            RefusedError: As for :meth:`send`, or the part does not take that word.
+            LinkError: There is no link.
+        """
+        voice = self._voice(key, part_id)
+        await self._write(voice, *meaning(said, voice.described.part), 0.0)
+
+    async def send(self, key: str, part_id: str, capability: str, value: PlainValue, transition: float) -> None:
+        """Make *capability* become *value*.
+
+        Raises:
+            RefusedError: Nobody is described by that key and part, it cannot do that, the gateway only observes, or
+                the broker said no.
+            LinkError: There is no link.
+        """
+        await self._write(self._voice(key, part_id), capability, value, transition)
+
+    def _voice(self, key: str, part_id: str) -> Voice:
+        what = f"a command to {key[:100]}"
+        if not self._acts:
+            raise RefusedError(what, ONLY_OBSERVES)
+        claim = self._claims.get(key)
+        if claim is None:
+            raise RefusedError(what, "no device is announced by that key")
+        voice = claim.voices.get(part_id)
+        if voice is None:
+            known = ", ".join(repr(one) for one in sorted(claim.voices)[:10])
+            raise RefusedError(what, f"it has no part {part_id[:100]!r}; it has {known}")
+        return voice
+
+    async def _write(self, voice: Voice, capability: str, value: PlainValue, transition: float) -> None:
+        for publication in self._written(voice, capability, value, transition):
+            validate_topic(publication.topic)
+            await self._connection.publish(
+                publication.topic, publication.payload, qos=publication.qos, retain=publication.retain
+            )
+
+    def _written(self, voice: Voice, capability: str, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        try:
+            return voice.described.codec.write(capability, value, transition=transition)
+        except RefusedError:
+            raise
+        except Exception as exc:  # told by the tribunal; a plug-in's fault must not be everybody's
+            self._tribunal.failed(voice.claim.described.topic, voice.claim.described.convention, exc)
+            raise RefusedError(f"{capability} of {voice.claim.key[:100]}", "its convention failed") from exc

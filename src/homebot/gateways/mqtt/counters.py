@@ -1,0 +1,56 @@
+"""What one gateway did since its start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from homebot.devices.quarantine import Count
+
+__all__ = ["GatewayCounters"]
+
+
+@dataclass(slots=True)
+class GatewayCounters:
+    """What one gateway did since its start.
+
+    Attributes:
+        received: Messages of devices.
+        rejected: Messages that no device can have sent: their topic breaks the layout.
+        commands: Commands that the broker took.
+        commands_refused: Commands that were refused, by us or by the broker.
+        commands_failed: Commands that found no link.
+        announcements: Messages in which devices were announced or taken back.
+        announcements_rejected: Those that broke the rules of their convention.
+        announcements_ignored: Those of the quarantined.
+        devices_refused: Descriptions that were one too many, or had too many parts.
+        topics_refused: State topics that were not subscribed to.
+        reports: Reports of what devices told.
+        oversize: Messages of state that were too long to be looked at.
+        failures: Times that a convention raised what it must not.
+        asks: Questions to devices for their state.
+        asks_dropped: Questions that were one too many.
+        fades_dropped: Values that do not end by themselves because too many others do.
+        quarantines: Times that somebody was quarantined.
+    """
+
+    received: int = 0
+    rejected: int = 0
+    commands: int = 0
+    commands_refused: int = 0
+    commands_failed: int = 0
+    announcements: int = 0
+    announcements_rejected: int = 0
+    announcements_ignored: int = 0
+    devices_refused: int = 0
+    topics_refused: int = 0
+    reports: int = 0
+    oversize: int = 0
+    failures: int = 0
+    asks: int = 0
+    asks_dropped: int = 0
+    fades_dropped: int = 0
+    quarantines: int = 0
+
+    def counts(self) -> tuple[Count, ...]:
+        """Return all of them by name."""
+        return tuple(Count(name=one.name, count=getattr(self, one.name)) for one in fields(self))

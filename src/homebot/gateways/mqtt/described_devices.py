@@ -1,0 +1,197 @@
+"""The devices that conventions describe: what they announce, what they say, what they are told.
+
+All of it is handled in the order of the broker, by the task that receives. The tasks of :meth:`DescribedDevices.serve`
+do what takes time or must wait: subscribing, asking, and ending what ends by itself.
+"""
+
+from __future__ import annotations
+
+import anyio
+
+from homebot.devices import RawMessage
+from homebot.devices.command import SendCommand
+from homebot.devices.quarantine import GetHealth, HealthRequest, HealthResponse
+from homebot.devices.services import SubscribeToTopicRequest
+from homebot.devices.words import read_words_address
+from homebot.gateways.base import Gateway
+from homebot.gateways.listeners import Listeners
+from homebot.gateways.mqtt.announcements import Announcements
+from homebot.gateways.mqtt.board import Board
+from homebot.gateways.mqtt.claim import Voice, Witness
+from homebot.gateways.mqtt.claims import Change, Claims, Route
+from homebot.gateways.mqtt.commands import Commands
+from homebot.gateways.mqtt.convention import Convention
+from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.filter_tree import FilterTree
+from homebot.gateways.mqtt.last_words import LastWord, LastWords
+from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.gateways.mqtt.states import States
+from homebot.gateways.mqtt.subscriber import Subscriber
+from homebot.gateways.mqtt.timekeeper import Timekeeper
+from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.message import MqttMessage
+
+__all__ = ["DescribedDevices"]
+
+
+class DescribedDevices:
+    """What one gateway does with its conventions.
+
+    Args:
+        gateway: The gateway.
+        conventions: Its conventions.
+        other_filters: What it subscribes to beside their announcements.
+        listeners: Who wants what its devices say.
+        connection: Its connection.
+        counters: Its counters.
+        stale_after: Seconds of silence after which a device counts as stale.
+
+    Attributes:
+        tribunal: Judges those who break the rules.
+    """
+
+    def __init__(
+        self,
+        gateway: Gateway,
+        conventions: tuple[Convention, ...],
+        other_filters: tuple[str, ...],
+        listeners: Listeners,
+        connection: MqttConnection,
+        counters: GatewayCounters,
+        stale_after: float,
+    ) -> None:
+        self.conventions = conventions
+        self._connection = connection
+        self._counters = counters
+        self._listeners = listeners
+        self._board = Board(gateway, stale_after)
+        self._timekeeper = Timekeeper(gateway.node.graph.clock)
+        self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters)
+        self._topics = StateTopics(_tree((*self.filters(), *other_filters)))
+        self._claims = Claims(gateway.node.name, conventions, self._topics)
+        self._last_words = LastWords()
+        self._missed: list[tuple[str, Voice | Witness]] = []
+        self._states = States(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
+        self._subscriber = Subscriber(self._topics, self._claims, conventions, self.tribunal, counters)
+        self._announcements = Announcements(
+            self._claims,
+            self._board,
+            self._timekeeper,
+            self.tribunal,
+            counters,
+            on_change=self._changed,
+            on_removal=self._subscriber.wake,
+            on_question=self._subscriber.question,
+        )
+        self.commands = Commands(self._claims, connection, self.tribunal, counters, acts=gateway.acts)
+        gateway.node.create_service(SendCommand, gateway.names.send_command, self.commands.serve, concurrent=True)
+        gateway.node.create_service(GetHealth, gateway.names.health, self._health)
+
+    def filters(self) -> tuple[str, ...]:
+        """Return the filters of all announcements."""
+        return tuple(dict.fromkeys(one for convention in self.conventions for one in convention.filters()))
+
+    async def serve(self) -> None:
+        """Subscribe, ask and keep the time until cancelled."""
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._timekeeper.run)
+            tasks.start_soon(self._subscriber.run, self._connection)
+
+    def tick(self) -> None:
+        """Let time have passed; once before each batch of messages."""
+        self._board.tick()
+
+    def route(self, topic: str) -> Route | None:
+        """Return who reads *topic*; None for nobody."""
+        return self._claims.route(topic)
+
+    async def hear(self, message: MqttMessage, route: Route, *, raw: bool) -> None:
+        """Take a message on a topic that *route* leads from.
+
+        Args:
+            message: The message.
+            route: Who reads it.
+            raw: Whether to hand its bytes to those who listen to the topic itself.
+        """
+        if route.conventions:
+            self._announcements.take(message, route.conventions)
+            missed, self._missed = self._missed, []
+            for topic, reader in missed:
+                await self._make_up_for(topic, reader)
+        if not route.voices and not route.witnesses:
+            return
+        self._counters.received += 1
+        self._last_words.keep(message.topic, LastWord(message.payload, message.retain, self._board.stamp))
+        if route.witnesses:
+            self._states.witness(message, route.witnesses)
+        if route.voices:
+            await self._states.read(message, route.voices)
+            if raw and (listeners := self._listeners.now(message.topic)):
+                word = self._raw(route.voices[0], message.topic, message.payload, retained=message.retain)
+                for listener in listeners:
+                    await self._listeners.deliver(listener, word, patient=message.qos > 0)
+
+    def known(self, address: str) -> tuple[str, str] | None:
+        """Return key and name of the device that speaks on *address*, a topic or a words address.
+
+        A words address may be listened to before its device is announced. None for an address of nobody.
+        """
+        if (part := read_words_address(address)) is not None:
+            voice = self._claims.voice(*part)
+            return part[0], part[0] if voice is None else voice.claim.described.name
+        route = self._claims.route(address)
+        if route is None or not route.voices:
+            return None
+        claim = route.voices[0].claim
+        return claim.key, claim.described.name
+
+    def missed_by(self, request: SubscribeToTopicRequest) -> tuple[RawMessage, ...]:
+        """Return what a new listener wants of what was said before."""
+        since = request.since.to_seconds()
+        if (part := read_words_address(request.topic)) is not None:
+            voice = self._claims.voice(*part)
+            return voice.missed_by(since) if voice is not None else ()
+        route, word = self._claims.route(request.topic), self._last_words.get(request.topic)
+        if route is None or not route.voices or word is None or (not word.retained and word.at.to_seconds() < since):
+            return ()
+        message = self._raw(route.voices[0], request.topic, word.payload, retained=word.retained)
+        return (message.model_copy(update={"received_at": word.at}),)
+
+    def _changed(self, change: Change) -> None:
+        self._missed += change.readers
+        self._subscriber.wake()
+        if change.before is None or not change.claim.has_same_face(change.before):
+            self._subscriber.ask(change.claim)
+
+    async def _make_up_for(self, topic: str, reader: Voice | Witness) -> None:
+        """A topic that is subscribed to already does not tell its kept message again."""
+        word = self._last_words.get(topic)
+        if word is None:
+            return
+        message = MqttMessage(topic, word.payload, retain=True)
+        if isinstance(reader, Witness):
+            self._states.witness(message, (reader,))
+        else:
+            await self._states.read(message, (reader,))
+
+    def _raw(self, voice: Voice, topic: str, payload: bytes, *, retained: bool) -> RawMessage:
+        return RawMessage(
+            gateway=voice.claim.gateway,
+            key=voice.claim.key,
+            address=topic,
+            payload=payload,
+            retained=retained,
+            received_at=self._board.stamp,
+        )
+
+    def _health(self, request: HealthRequest) -> HealthResponse:
+        del request
+        return HealthResponse(counts=self._counters.counts(), quarantined=self.tribunal.confined())
+
+
+def _tree(filters: tuple[str, ...]) -> FilterTree[str]:
+    tree: FilterTree[str] = FilterTree()
+    for one in filters:
+        tree.add(one, one)
+    return tree

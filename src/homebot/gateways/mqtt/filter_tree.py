@@ -1,0 +1,91 @@
+"""Which of many topic filters match a topic. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+__all__ = ["FilterTree", "has_wildcard"]
+
+T = TypeVar("T")
+
+
+def has_wildcard(topic_filter: str) -> bool:
+    """Whether a valid filter may match more than one topic."""
+    return "+" in topic_filter or "#" in topic_filter
+
+
+@dataclass(slots=True)
+class _Node(Generic[T]):
+    children: dict[str, _Node[T]] = field(default_factory=dict)
+    items: dict[T, None] = field(default_factory=dict)
+
+
+class FilterTree(Generic[T]):
+    """Items by valid topic filters; a topic finds them in the order of adding, those of exact filters first.
+
+    Source: MQTT Version 5.0, section 4.7.
+    """
+
+    def __init__(self) -> None:
+        self._exact: dict[str, dict[T, None]] = {}
+        self._root: _Node[T] = _Node()
+
+    def add(self, topic_filter: str, item: T) -> None:
+        """Have *item* found by every topic that *topic_filter* matches; twice is once."""
+        if not has_wildcard(topic_filter):
+            self._exact.setdefault(topic_filter, {})[item] = None
+            return
+        node = self._root
+        for level in topic_filter.split("/"):
+            node = node.children.setdefault(level, _Node())
+        node.items[item] = None
+
+    def remove(self, topic_filter: str, item: T) -> None:
+        """Take back what was added; what was not is passed over."""
+        if not has_wildcard(topic_filter):
+            items = self._exact.get(topic_filter, {})
+            items.pop(item, None)
+            if not items:
+                self._exact.pop(topic_filter, None)
+            return
+        path = [self._root]
+        levels = topic_filter.split("/")
+        for level in levels:
+            if level not in path[-1].children:
+                return
+            path.append(path[-1].children[level])
+        path[-1].items.pop(item, None)
+        for level, parent in zip(reversed(levels), reversed(path[:-1]), strict=True):
+            child = parent.children[level]
+            if child.items or child.children:
+                break
+            del parent.children[level]
+
+    def match(self, topic: str) -> tuple[T, ...]:
+        """Return the items of every filter that matches *topic*, each once."""
+        exact = self._exact.get(topic, {})
+        if not self._root.children:
+            return tuple(exact)
+        found = dict(exact)
+        for node in self._matching(topic.split("/")):
+            found.update(node.items)
+        return tuple(found)
+
+    def _matching(self, levels: list[str]) -> Iterator[_Node[T]]:
+        depth = len(levels)
+        nodes = [(self._root, 0)]
+        while nodes:
+            node, index = nodes.pop()
+            children = node.children
+            is_wild = index > 0 or not levels[0].startswith("$")
+            if is_wild and "#" in children:
+                yield children["#"]
+            if index == depth:
+                yield node
+                continue
+            if is_wild and "+" in children:
+                nodes.append((children["+"], index + 1))
+            if levels[index] in children:
+                nodes.append((children[levels[index]], index + 1))

@@ -1,0 +1,61 @@
+"""The last message on each state topic, for a part that is described after it came. Pure."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import NamedTuple
+
+from homebot.messages import Time
+
+__all__ = ["LastWord", "LastWords"]
+
+MAX_TOTAL = 32 * 1024 * 1024
+MAX_EACH = 64 * 1024
+
+
+class LastWord(NamedTuple):
+    """The last message on a topic.
+
+    Attributes:
+        payload: The bytes.
+        retained: Whether the broker had kept it from before.
+        at: When it came.
+    """
+
+    payload: bytes
+    retained: bool
+    at: Time
+
+
+class LastWords:
+    """Messages by topic, 32 MiB at most; the one that was replaced the longest ago goes first.
+
+    A longer payload than 64 KiB is not kept.
+    """
+
+    def __init__(self, max_total: int = MAX_TOTAL, max_each: int = MAX_EACH) -> None:
+        self._max_total = max_total
+        self._max_each = max_each
+        self._kept: OrderedDict[str, LastWord] = OrderedDict()
+        self._total = 0
+
+    def keep(self, topic: str, word: LastWord) -> None:
+        """Remember *word* as the last one on *topic*."""
+        self.forget(topic)
+        if len(word.payload) > self._max_each:
+            return
+        self._kept[topic] = word
+        self._total += len(word.payload) + len(topic)
+        while self._total > self._max_total:
+            oldest, lost = self._kept.popitem(last=False)
+            self._total -= len(lost.payload) + len(oldest)
+
+    def get(self, topic: str) -> LastWord | None:
+        """Return the last word on *topic*, or None."""
+        return self._kept.get(topic)
+
+    def forget(self, topic: str) -> None:
+        """Remember nothing of *topic*."""
+        word = self._kept.pop(topic, None)
+        if word is not None:
+            self._total -= len(word.payload) + len(topic)

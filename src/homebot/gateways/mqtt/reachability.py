@@ -1,0 +1,51 @@
+"""Whether a device can be reached, by what its availability topics say. Pure."""
+
+from __future__ import annotations
+
+from homebot.gateways.mqtt.description import Availability
+
+__all__ = ["Reachability"]
+
+
+class Reachability:
+    """The last words about one device, and what they mean together.
+
+    Args:
+        availability: Where the words come from, and how they are joined.
+    """
+
+    __slots__ = ("_latest", "_words", "availability")
+
+    def __init__(self, availability: Availability) -> None:
+        self.availability = availability
+        self._words: list[tuple[bool, bool] | None] = [None] * len(availability.sources)
+        self._latest: tuple[bool, bool] | None = None
+
+    @property
+    def value(self) -> bool | None:
+        """Whether the device can be reached; None for unknown."""
+        if self.availability.mode == "latest":
+            return self._latest[0] if self._latest is not None else None
+        known = [word[0] for word in self._words if word is not None]
+        decisive = self.availability.mode == "any"
+        if decisive in known:
+            return decisive
+        return not decisive if len(known) == len(self._words) else None
+
+    def hear(self, index: int, payload: bytes, *, retained: bool) -> None:
+        """Take a message of source *index*; one that says neither changes nothing."""
+        said = self.availability.sources[index].read(payload)
+        if said is not None:
+            self._words[index] = self._latest = said, retained
+
+    def doubt(self) -> None:
+        """The device spoke: forget each "offline" that the broker had kept from before, which is often never cleared.
+
+        An "offline" that was heard live stays, and so does every "online".
+        """
+        if self._latest == _KEPT_NO:
+            self._latest = None
+        self._words = [None if word == _KEPT_NO else word for word in self._words]
+
+
+_KEPT_NO = (False, True)

@@ -1,0 +1,93 @@
+"""Which state topics are needed, and what therefore is to be subscribed to next. Pure."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+from homebot.errors import InvalidNameError, WireError
+from homebot.gateways.mqtt.filter_tree import FilterTree, has_wildcard
+from homebot.mqtt.topics import validate_filter
+
+__all__ = ["StateTopics"]
+
+MAX_TOPICS = 100_000
+LONGEST = 1000
+
+
+class StateTopics:
+    """Counts who needs which filter; 100,000 filters at most.
+
+    Args:
+        covering: The filters that are subscribed to in any case.
+        max_topics: How many filters may be in use.
+    """
+
+    def __init__(self, covering: FilterTree[str], max_topics: int = MAX_TOPICS) -> None:
+        self._covering = covering
+        self._max_topics = max_topics
+        self._users: dict[str, int] = {}
+        self._wanted: dict[str, None] = {}
+        self._unwanted: dict[str, None] = {}
+
+    def use(self, topic_filter: str) -> None:
+        """Need *topic_filter* once more.
+
+        Raises:
+            WireError: It is no filter, is longer than 1,000 characters, asks for everything, or is one too many.
+        """
+        users = self._users.get(topic_filter)
+        if users is None:
+            self._check(topic_filter)
+            if topic_filter in self._unwanted:
+                del self._unwanted[topic_filter]
+            else:
+                self._wanted[topic_filter] = None
+        self._users[topic_filter] = (users or 0) + 1
+
+    def leave(self, topic_filter: str) -> None:
+        """Need *topic_filter* once less; one that nobody needs is passed over."""
+        users = self._users.get(topic_filter)
+        if users is None:
+            return
+        if users > 1:
+            self._users[topic_filter] = users - 1
+            return
+        del self._users[topic_filter]
+        if topic_filter in self._wanted:
+            del self._wanted[topic_filter]
+        else:
+            self._unwanted[topic_filter] = None
+
+    def is_covered(self, topic_filter: str) -> bool:
+        """Whether what it matches comes anyway; a subscription is then good for the kept message alone."""
+        return not has_wildcard(topic_filter) and bool(self._covering.match(topic_filter))
+
+    def take_wanted(self, at_most: int) -> tuple[str, ...]:
+        """Return filters to subscribe to, in the order of their coming; they count as subscribed to from now on."""
+        return _take(self._wanted, at_most)
+
+    def take_unwanted(self, at_most: int) -> tuple[str, ...]:
+        """Return filters to unsubscribe from."""
+        return _take(self._unwanted, at_most)
+
+    def __len__(self) -> int:
+        return len(self._users)
+
+    def _check(self, topic_filter: str) -> None:
+        if len(topic_filter) > LONGEST:
+            raise WireError(f"a state topic of {len(topic_filter)} characters is longer than {LONGEST}")
+        try:
+            validate_filter(topic_filter)
+        except InvalidNameError as exc:
+            raise WireError(str(exc)) from None
+        if topic_filter[0] in "+#" or topic_filter.startswith("$share/"):
+            raise WireError(f"the state topic {topic_filter!r} asks for what is not this device's alone")
+        if len(self._users) >= self._max_topics:
+            raise WireError(f"state topic {topic_filter!r} is one too many: {self._max_topics:,} are in use")
+
+
+def _take(filters: dict[str, None], at_most: int) -> tuple[str, ...]:
+    taken = tuple(islice(filters, at_most))
+    for one in taken:
+        del filters[one]
+    return taken

@@ -1,0 +1,160 @@
+"""Reads what described devices say: reports for the graph, plain words, and whether a device can be reached."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+from homebot.devices import RawMessage
+from homebot.devices.report import REACHABLE, Reading
+from homebot.devices.value import PlainValue, Value
+from homebot.devices.words import word
+from homebot.gateways.listeners import Listeners
+from homebot.gateways.mqtt.board import Board
+from homebot.gateways.mqtt.claim import Claim, Voice, Witness
+from homebot.gateways.mqtt.claims import Claims
+from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.description import Fade
+from homebot.gateways.mqtt.payload import MAX_STATE_BYTES
+from homebot.gateways.mqtt.timekeeper import Timekeeper
+from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.mqtt.message import MqttMessage
+
+__all__ = ["States"]
+
+
+class States:
+    """The way from messages of state to the graph.
+
+    Args:
+        claims: What stands.
+        board: Where it is told.
+        listeners: Who wants plain words.
+        timekeeper: Ends values that end by themselves.
+        tribunal: Judges conventions that fail.
+        counters: Of the gateway.
+    """
+
+    def __init__(
+        self,
+        claims: Claims,
+        board: Board,
+        listeners: Listeners,
+        timekeeper: Timekeeper,
+        tribunal: Tribunal,
+        counters: GatewayCounters,
+    ) -> None:
+        self._claims = claims
+        self._board = board
+        self._listeners = listeners
+        self._timekeeper = timekeeper
+        self._tribunal = tribunal
+        self._counters = counters
+
+    def witness(self, message: MqttMessage, witnesses: tuple[Witness, ...]) -> None:
+        """Take *message* as one that tells whether devices can be reached."""
+        for witness in witnesses:
+            claim = witness.claim
+            if claim.reachability is None:
+                continue
+            try:
+                claim.reachability.hear(witness.index, message.payload, retained=message.retain)
+            except Exception as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+                self._tribunal.failed(message.topic, claim.described.convention, exc)
+            self._tell_reachable(claim, message.topic, retained=message.retain)
+
+    async def read(self, message: MqttMessage, voices: tuple[Voice, ...]) -> None:
+        """Take *message* as one in which parts tell their state; one that is too long is only counted."""
+        if len(message.payload) > MAX_STATE_BYTES:
+            self._counters.oversize += 1
+            return
+        readings: list[Reading] = []
+        claim: Claim | None = None
+        for voice in voices:
+            told = self._told(voice, message)
+            if not told:
+                continue
+            if voice.claim is not claim:
+                self._report(claim, readings, message)
+                claim, readings = voice.claim, []
+            readings += told[1]
+            for fade in voice.described.fades:
+                self._plan(voice, fade, told[0])
+            await self._speak(voice, told[0], message)
+        self._report(claim, readings, message)
+
+    def _told(self, voice: Voice, message: MqttMessage) -> tuple[Mapping[str, PlainValue], list[Reading]] | None:
+        try:
+            told = voice.described.codec.read(message.topic, message.payload, retained=message.retain)
+            if not told:
+                return None
+            part = voice.described.part.id
+            return told, [Reading(part=part, capability=name, value=Value.of(value)) for name, value in told.items()]
+        except Exception as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+            self._tribunal.failed(message.topic, voice.claim.described.convention, exc)
+            return None
+
+    def _report(self, claim: Claim | None, readings: list[Reading], message: MqttMessage) -> None:
+        if claim is None:
+            return
+        self._counters.reports += 1
+        self._board.report(claim, tuple(readings), message.topic, claim.stream(message.topic), retained=message.retain)
+        if message.retain:
+            return
+        if claim.reachable is False and claim.reachability is not None:
+            claim.reachability.doubt()
+            self._tell_reachable(claim, message.topic, retained=False)
+        if not claim.is_confirmed or self._board.now >= claim.refresh_at:
+            self._board.sight(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
+
+    def _tell_reachable(self, claim: Claim, topic: str, *, retained: bool) -> None:
+        reachable = None if claim.reachability is None else claim.reachability.value
+        if reachable is claim.reachable:
+            return
+        claim.reachable = reachable
+        reading = Reading(part="", capability=REACHABLE, value=Value.of(reachable))
+        self._board.report(claim, (reading,), topic, claim.stream(REACHABLE), retained=retained)
+
+    async def _speak(self, voice: Voice, told: Mapping[str, PlainValue], message: MqttMessage) -> None:
+        raw = self._word(voice, told, retained=message.retain)
+        if raw is not None:
+            for listener in self._listeners.now(voice.address):
+                await self._listeners.deliver(listener, raw, patient=message.qos > 0)
+
+    def _word(self, voice: Voice, told: Mapping[str, PlainValue], *, retained: bool) -> RawMessage | None:
+        said = word(told)
+        if said is None:
+            return None
+        raw = RawMessage(
+            gateway=voice.claim.gateway,
+            key=voice.claim.key,
+            address=voice.address,
+            payload=said.encode(),
+            retained=retained,
+            received_at=self._board.stamp,
+        )
+        voice.keep(raw)
+        return raw
+
+    def _plan(self, voice: Voice, fade: Fade, told: Mapping[str, PlainValue]) -> None:
+        if fade.capability not in told:
+            return
+        value = told[fade.capability]
+        name = ("fade", voice.claim.key, voice.described.part.id, fade.capability)
+        if value == fade.value or (fade.only is not None and value != fade.only):
+            self._timekeeper.drop(name)
+        elif not self._timekeeper.plan(name, fade.after, partial(self._fade, *name[1:], fade)):
+            self._counters.fades_dropped += 1
+
+    def _fade(self, key: str, part: str, capability: str, fade: Fade) -> None:
+        voice = self._claims.voice(key, part)
+        if voice is None or fade not in voice.described.fades:
+            return
+        self._board.tick()
+        reading = Reading(part=part, capability=capability, value=Value.of(fade.value))
+        stream = voice.claim.stream(f"fade {part} {capability}")
+        self._board.report(voice.claim, (reading,), "", stream, retained=False)
+        raw = self._word(voice, {capability: fade.value}, retained=False)
+        if raw is not None:
+            for listener in self._listeners.now(voice.address):
+                listener.publish(raw)

@@ -1,0 +1,162 @@
+"""Subscribes to the topics of described devices, and asks them for their state; both in a measured way."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import TypeAlias
+
+import anyio
+
+from homebot.errors import HomebotError, LinkError, RefusedError
+from homebot.gateways.mqtt.claim import Claim
+from homebot.gateways.mqtt.claims import Claims
+from homebot.gateways.mqtt.convention import Convention
+from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.description import Publication, Question
+from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.connection import LinkPhase, MqttConnection
+
+__all__ = ["Subscriber"]
+
+NOT_HEARD = "gateway.state_not_heard"
+NOT_ASKED = "gateway.not_asked"
+
+BATCH = 100
+"""Filters in one request: their kept messages stay far below what a broker queues at most."""
+
+ASK_EVERY = 0.02
+"""Seconds between two questions, so that a thousand devices do not answer at once."""
+
+MAX_ASKS = 50_000
+MAX_ASKS_EACH = 20
+
+
+class Subscriber:
+    """Brings the subscriptions after what the descriptions need, all of it at QoS 0.
+
+    Args:
+        topics: What is needed.
+        claims: What stands.
+        conventions: Whose births are published on each new link.
+        tribunal: Tells what went wrong.
+        counters: Of the gateway.
+    """
+
+    def __init__(
+        self,
+        topics: StateTopics,
+        claims: Claims,
+        conventions: tuple[Convention, ...],
+        tribunal: Tribunal,
+        counters: GatewayCounters,
+    ) -> None:
+        self._topics = topics
+        self._claims = claims
+        self._conventions = conventions
+        self._tribunal = tribunal
+        self._counters = counters
+        self._needed = anyio.Event()
+        self._asked = anyio.Event()
+        self._asks_later: dict[Hashable, _Asks] = {}
+        self._asks: dict[Hashable, _Asks] = {}
+        self._linked = anyio.Event()
+
+    def wake(self) -> None:
+        """Look again at what is needed."""
+        self._needed.set()
+
+    def ask(self, claim: Claim) -> None:
+        """Ask the device for its state once all that is needed now is subscribed to."""
+        for ask in _asks_of(claim):
+            if len(self._asks_later) + len(self._asks) >= MAX_ASKS:
+                self._counters.asks_dropped += 1
+                return
+            self._asks_later[ask] = (ask,)
+        self._needed.set()
+
+    def question(self, question: Question) -> None:
+        """Ask a device who it is; a later question with the same key takes the place of an earlier one."""
+        if question.key not in self._asks and len(self._asks) >= MAX_ASKS:
+            self._counters.asks_dropped += 1
+            return
+        self._asks[question.key] = question.publications[:MAX_ASKS_EACH]
+        self._asked.set()
+
+    async def run(self, connection: MqttConnection) -> None:
+        """Subscribe, unsubscribe and ask until cancelled."""
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._subscribe, connection)
+            tasks.start_soon(self._ask_slowly, connection)
+            tasks.start_soon(self._greet, connection)
+
+    async def _subscribe(self, connection: MqttConnection) -> None:
+        while True:
+            await self._needed.wait()
+            self._needed = anyio.Event()
+            while wanted := self._topics.take_wanted(BATCH):
+                await self._subscribe_to(connection, wanted)
+            while unwanted := self._topics.take_unwanted(BATCH):
+                await connection.unsubscribe(*unwanted)
+            self._asks.update(self._asks_later)
+            self._asks_later.clear()
+            if self._asks:
+                self._asked.set()
+
+    async def _subscribe_to(self, connection: MqttConnection, filters: tuple[str, ...]) -> None:
+        try:
+            await connection.subscribe(*(Subscription(one, no_local=True) for one in filters))
+        except RefusedError as exc:
+            self._counters.topics_refused += sum(one in connection.refused for one in filters)
+            self._tribunal.warn(NOT_HEARD, f"devices are not heard in full: {exc}", topic=filters[0])
+        if covered := tuple(one for one in filters if self._topics.is_covered(one)):
+            await connection.unsubscribe(*covered)
+
+    async def _ask_slowly(self, connection: MqttConnection) -> None:
+        while True:
+            await self._linked.wait()
+            if not self._asks:
+                self._asked = anyio.Event()
+                await self._asked.wait()
+                continue
+            for ask in self._asks.pop(next(iter(self._asks))):
+                if not await self._publish(connection, ask):
+                    self._asks.clear()  # on the next link all are asked again
+                    break
+                await anyio.sleep(ASK_EVERY)
+
+    async def _greet(self, connection: MqttConnection) -> None:
+        """On each link ask devices to announce themselves, and on each but the first for their state."""
+        is_first = True
+        async for state in connection.states():
+            if state.phase is not LinkPhase.CONNECTED:
+                self._linked = anyio.Event()
+                continue
+            self._linked.set()
+            for convention in self._conventions:
+                for birth in convention.births():
+                    await self._publish(connection, birth)
+            if not is_first:
+                for claim in self._claims.all():
+                    self.ask(claim)
+            is_first = False
+
+    async def _publish(self, connection: MqttConnection, message: Publication) -> bool:
+        """Return whether there was a link."""
+        try:
+            await connection.publish(message.topic, message.payload, qos=message.qos, retain=message.retain)
+            self._counters.asks += 1
+        except LinkError:
+            return False
+        except HomebotError as exc:
+            self._tribunal.warn(NOT_ASKED, f"not asked on {message.topic}: {exc}", topic=message.topic)
+        return True
+
+
+_Asks: TypeAlias = tuple[Publication, ...]
+
+
+def _asks_of(claim: Claim) -> _Asks:
+    asks = dict.fromkeys(ask for voice in claim.voices.values() for ask in voice.described.asks)
+    return tuple(asks)[:MAX_ASKS_EACH]
