@@ -1,0 +1,119 @@
+"""What several components have alike: a word out of a list, and a number, each with its own topics. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
+from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.rendered import number_of
+from homebot.gateways.mqtt.homeassistant.source import Source
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
+
+__all__ = ["offer_choice", "offer_flag", "offer_number"]
+
+
+def offer_choice(
+    entity: Entity,
+    name: str,
+    source: Source | None,
+    command: CommandTopic | None,
+    options: tuple[str, ...],
+    words: Mapping[str, str | None] | None = None,
+) -> None:
+    """Let *entity* have a word out of *options*; other words are not heard, and not told.
+
+    Args:
+        entity: Whose.
+        name: Of the capability.
+        source: Where it is said, if it is.
+        command: Where it is told, if it is.
+        options: The words.
+        words: What further words mean; by default ``None`` means that it is unknown.
+    """
+    if not options:
+        return
+    known: dict[str, str | None] = {**{word: word for word in options}, **(_UNKNOWN if words is None else words)}
+
+    def read(text: str) -> Readings:
+        return {name: known[text]} if text and text in known else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        word = wanted_option(name, value, options)
+        return (command.publication(word),) if command else ()
+
+    entity.offers(name, readable=entity.hears(source, read), writer=write if command else None, options=options)
+    entity.listens(command)
+
+
+def offer_flag(
+    entity: Entity,
+    name: str,
+    source: Source | None,
+    command: CommandTopic | None,
+    payloads: Mapping[bool, str],
+) -> None:
+    """Let *entity* be on or off, which the *payloads* say; ``None`` means that it is unknown."""
+    states: dict[str, bool | None] = {"None": None, payloads[False]: False, payloads[True]: True}
+
+    def read(text: str) -> Readings:
+        return {name: states[text]} if text and text in states else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        payload = payloads[wanted_flag(name, value)]
+        return (command.publication(payload),) if command else ()
+
+    entity.offers(name, readable=entity.hears(source, read), writer=write if command else None)
+    entity.listens(command)
+
+
+def offer_number(
+    entity: Entity,
+    name: str,
+    source: Source | None,
+    command: CommandTopic | None,
+    *,
+    bounds: tuple[float, float],
+    unit: str = "",
+    unknown: str = "None",
+    heard: Callable[[float], float | None] = float,
+    told: Callable[[float], float] = float,
+) -> None:
+    """Let *entity* have a number.
+
+    Args:
+        entity: Whose.
+        name: Of the capability.
+        source: Where it is said, if it is.
+        command: Where it is told, if it is.
+        bounds: Smallest and largest number that it is told.
+        unit: Of the numbers, outside of the device.
+        unknown: The word which says that it is unknown.
+        heard: Makes the outside number of what the device says; None where that cannot be.
+        told: Makes what the device is told of the outside number.
+    """
+
+    def read(text: str) -> Readings:
+        if text == unknown:
+            return {name: None}
+        number = number_of(text)
+        value = None if number is None else heard(number)
+        return NOTHING if value is None else {name: value}
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        number = told(wanted_number(name, value, *bounds, unit))
+        return (command.publication(number),) if command else ()
+
+    entity.offers(
+        name,
+        readable=entity.hears(source, read),
+        writer=write if command else None,
+        unit=unit,
+        bounds=bounds if command else (),
+    )
+    entity.listens(command)
+
+
+_UNKNOWN: Mapping[str, str | None] = {"None": None}

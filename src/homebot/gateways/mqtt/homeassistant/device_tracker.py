@@ -1,0 +1,38 @@
+"""The component ``device_tracker``. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/device_tracker.py``.
+"""
+
+from __future__ import annotations
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.payload import clean_text
+
+__all__ = ["build_device_tracker"]
+
+
+def build_device_tracker(config: Config) -> DescribedPart:
+    """Describe what tells where somebody is. One that tells only coordinates has no place to say."""
+    source = config.source("state_topic")
+    if source is None and not config.has("json_attributes_topic"):
+        raise WireError("device_tracker: it has neither state_topic nor json_attributes_topic")
+    places: dict[str, str | None] = {
+        config.text("payload_reset", "None"): None,
+        config.text("payload_not_home", "not_home"): "not_home",
+        config.text("payload_home", "home"): "home",
+    }
+
+    def read(text: str) -> Readings:
+        if not text.strip():
+            return NOTHING
+        return {"place": places[text] if text in places else clean_text(text, _LONGEST)}
+
+    entity = Entity(config, "x_tracker", config.words("source_type"))
+    entity.offers("place", readable=entity.hears(source, read))
+    return entity.described()
+
+
+_LONGEST = 120

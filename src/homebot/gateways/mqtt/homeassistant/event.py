@@ -1,0 +1,75 @@
+"""The components ``event``, ``device_automation`` and ``tag``: what happens, and is over at once. Pure.
+
+A message that the broker had kept happened before and is ignored: an old doorbell must not ring again.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/event.py``, ``device_trigger.py`` and ``tag.py``.
+"""
+
+from __future__ import annotations
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.rendered import fields_of
+from homebot.gateways.mqtt.homeassistant.said import Said
+from homebot.gateways.mqtt.payload import clean_text, shown
+
+__all__ = ["build_event", "build_tag", "build_trigger"]
+
+
+def build_event(config: Config) -> DescribedPart:
+    """Describe something that tells events of declared types, such as a doorbell."""
+    source = config.required_source("state_topic")
+    if not config.has("event_types"):
+        raise WireError("event: event_types is None, not a list of texts")
+    types = config.options("event_types")
+
+    def read(said: Said, text: str) -> Readings:
+        event = None if said.retained else fields_of(text).get("event_type")
+        if isinstance(event, (bool, int, float)):
+            event = str(event)
+        return {"press": event} if isinstance(event, str) and event in types else NOTHING
+
+    entity = Entity(config, "generic_switch")
+    if entity.hears_message(source, read):
+        entity.offers("press", options=types)
+    return entity.described()
+
+
+def build_trigger(config: Config) -> DescribedPart:
+    """Describe one event of a remote: ``single`` where its type is only ``action``, and else ``type subtype``."""
+    kind, subtype = (config.words(key) for key in ("type", "subtype"))
+    automation = config.text("automation_type")
+    if automation != "trigger":
+        raise WireError(f"device_automation: automation_type is {shown(automation)}, not trigger")
+    if not kind or not subtype:
+        raise WireError("device_automation: it misses type or subtype")
+    source = config.required_source("topic")
+    wanted = config.text("payload")
+    press = subtype if kind == "action" else f"{kind} {subtype}"
+
+    def read(said: Said, text: str) -> Readings:
+        return {"press": press} if not said.retained and wanted in ("", text) else NOTHING
+
+    entity = Entity(config, "generic_switch", kind)
+    if entity.hears_message(source, read):
+        entity.offers("press", options=(press,))
+    return entity.described()
+
+
+def build_tag(config: Config) -> DescribedPart:
+    """Describe a reader of tags: each of its messages is one that it read."""
+    source = config.required_source("topic")
+
+    def read(said: Said, text: str) -> Readings:
+        tag = "" if said.retained else clean_text(text, _LONGEST)
+        return {"scan": tag} if tag else NOTHING
+
+    entity = Entity(config, "x_tag_reader")
+    if entity.hears_message(source, read):
+        entity.offers("scan")
+    return entity.described()
+
+
+_LONGEST = 255

@@ -1,0 +1,42 @@
+"""The component ``lawn_mower``. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/lawn_mower.py``.
+"""
+
+from __future__ import annotations
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
+
+__all__ = ["build_lawn_mower"]
+
+
+def build_lawn_mower(config: Config) -> DescribedPart:
+    """Describe a robot that mows; each of its commands has a topic of its own."""
+    commands = {
+        word: (command, action)
+        for word, action in _TOLD.items()
+        if (command := config.command(f"{action}_command_topic", f"{action}_command_template")) is not None
+    }
+
+    def read(text: str) -> Readings:
+        if text.lower() == "none":
+            return {"mower": None}
+        return {"mower": text} if text in _STATES else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        command, action = commands[wanted_option("mower", value, commands)]
+        return (command.publication(action),)
+
+    entity = Entity(config, "x_lawn_mower")
+    source = config.source("activity_state_topic", "activity_value_template")
+    entity.offers("mower", readable=entity.hears(source, read), writer=write if commands else None)
+    entity.listens(*(command for command, _ in commands.values()))
+    return entity.described()
+
+
+_TOLD = {"mowing": "start_mowing", "paused": "pause", "docked": "dock"}
+_STATES = frozenset({"mowing", "paused", "docked", "returning", "error"})

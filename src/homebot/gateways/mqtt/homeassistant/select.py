@@ -1,0 +1,37 @@
+"""The component ``select``: a setting with a list of options. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/select.py``.
+"""
+
+from __future__ import annotations
+
+from homebot.devices.value import PlainValue
+from homebot.errors import WireError
+from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
+
+__all__ = ["build_select"]
+
+
+def build_select(config: Config) -> DescribedPart:
+    """Describe a choice. Where it says ``none``, however that is written, the option is unknown."""
+    if not config.has("options"):
+        raise WireError("select: options is None, not a list of texts")
+    options = config.options("options")
+    known = frozenset(options)
+    command = config.required_command()
+
+    def read(text: str) -> Readings:
+        if text.lower() == "none":
+            return {"option": None}
+        return {"option": text} if text.strip() and text in known else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (command.publication(wanted_option("option", value, options)),)
+
+    entity = Entity(config, "x_setting")
+    entity.offers("option", readable=entity.hears(config.source("state_topic"), read), writer=write, options=options)
+    entity.listens(command)
+    return entity.described()

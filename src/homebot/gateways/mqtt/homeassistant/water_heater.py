@@ -1,0 +1,41 @@
+"""The component ``water_heater``. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/water_heater.py``.
+"""
+
+from __future__ import annotations
+
+from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.homeassistant.aspects import offer_choice, offer_flag, offer_number
+from homebot.gateways.mqtt.homeassistant.climate import source_of
+from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.entity import Entity
+from homebot.gateways.mqtt.homeassistant.temperature import read_thermometer
+
+__all__ = ["build_water_heater"]
+
+
+def build_water_heater(config: Config) -> DescribedPart:
+    """Describe a water heater. It is told on and off where it has a topic for that, and never says it."""
+    thermometer = read_thermometer(config)
+    entity = Entity(config, "water_heater")
+    offer_number(
+        entity,
+        "heating_setpoint",
+        source_of(config, "temperature_state"),
+        config.command("temperature_command_topic", "temperature_command_template"),
+        bounds=thermometer.bounds(config, 0.0, 100.0),
+        unit="°C",
+        heard=thermometer.celsius,
+        told=thermometer.number,
+    )
+    measured = source_of(config, "current_temperature")
+    offer_number(entity, "local_temperature", measured, None, bounds=(0, 0), unit="°C", heard=thermometer.celsius)
+    mode = config.command("mode_command_topic", "mode_command_template")
+    offer_choice(entity, "water_heater_mode", source_of(config, "mode_state"), mode, config.options("modes") or _MODES)
+    payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
+    offer_flag(entity, "on_off", None, config.command("power_command_topic", "power_command_template"), payloads)
+    return entity.described()
+
+
+_MODES = ("eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off")
