@@ -88,8 +88,8 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
             "gateways.m.class: json:JSONDecoder is not a Gateway; derive it",
         ),
         (
-            '[gateways.mqtt]\nconventions = ["homie"]\n',
-            "gateways.mqtt: plug-in 'homie': is not installed (installed: t",
+            '[gateways.mqtt]\nconventions = ["knx"]\n',
+            "gateways.mqtt: plug-in 'knx': is not installed (installed: ",
         ),
         (
             '[gateways.mqtt]\nurl = "mqtt://b"\nuser = "a"\npassword_file = "none"\n',
