@@ -131,7 +131,7 @@ class Subscriber:
         is_first = True
         async for state in connection.states():
             if state.phase is not LinkPhase.CONNECTED:
-                self._linked = anyio.Event()
+                self._linked = anyio.Event() if self._linked.is_set() else self._linked
                 continue
             self._linked.set()
             for convention in self._conventions:

@@ -1,0 +1,286 @@
+"""A house on a broker in memory, in virtual time, whose devices announce themselves by a small convention."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from dataclasses import dataclass
+from random import Random
+from typing import ClassVar, TypeAlias, TypeVar
+
+import anyio
+import anyio.abc
+import pytest
+from pydantic import BaseModel, ConfigDict
+
+from homebot.devices import Sighting
+from homebot.devices.command import Command, SendCommand, SendCommandResponse
+from homebot.devices.identity import identifiers
+from homebot.devices.part import Capability, Part
+from homebot.devices.quarantine import GetHealth, HealthRequest, HealthResponse, Quarantine
+from homebot.devices.report import Report
+from homebot.devices.value import PlainValue, Value
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
+from homebot.gateways.mqtt.description import (
+    Availability,
+    Described,
+    DescribedPart,
+    Fade,
+    Heard,
+    Publication,
+    Question,
+    Withdrawn,
+)
+from homebot.gateways.mqtt.payload import parse_object
+from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
+from homebot.messages.message import Message
+from homebot.mqtt.client import Subscription as MqttSubscription
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.options import MqttOptions
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class SimpleSettings(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    prefix: str = "hello"
+    birth: str = ""
+
+
+@dataclass(frozen=True)
+class OnlineWord:
+    topic: str
+
+    def read(self, payload: bytes) -> bool | None:
+        return {b"online": True, b"offline": False}.get(payload)
+
+
+@dataclass(frozen=True)
+class SimpleCodec:
+    """Says ``CAPABILITY=on|off|<text>``, several parted by blanks; ``crash`` raises what it must not."""
+
+    state: str
+    command: str
+
+    def topics(self) -> tuple[str, ...]:
+        return (self.state,)
+
+    def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
+        del topic, retained
+        if payload == b"crash":
+            raise RuntimeError("crash")
+        told: dict[str, PlainValue] = {}
+        for pair in payload.decode(errors="replace").split():
+            name, mark, value = pair.partition("=")
+            if mark:
+                told[name] = {"on": True, "off": False, "?": None}.get(value, value)
+        return told
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+        del transition
+        if capability == "crash":
+            raise RuntimeError("crash")
+        if capability != "on_off" or not isinstance(value, bool):
+            raise RefusedError(capability, "this part takes on_off")
+        return (Publication(self.command, b"ON" if value else b"OFF"),)
+
+
+class SimpleConvention:
+    """``PREFIX/ID`` announces in JSON: name, parts, ids, online, latest, mode, asks, fade, is_live."""
+
+    Settings: ClassVar[type[BaseModel]] = SimpleSettings
+    name: ClassVar[str] = "simple"
+
+    def __init__(self, settings: SimpleSettings) -> None:
+        self.rejected = 0
+        self._settings = settings
+
+    def filters(self) -> tuple[str, ...]:
+        return (f"{self._settings.prefix}/+", "covered/#")
+
+    def births(self) -> tuple[Publication, ...]:
+        return (Publication(self._settings.birth, b"who"),) if self._settings.birth else ()
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+        del retained
+        prefix, _, key = topic.partition("/")
+        if prefix != self._settings.prefix:
+            return ()
+        match payload:
+            case b"":
+                return (Withdrawn(key, "it was taken back"),)
+            case b"bye":
+                return (Withdrawn(key, "it left", is_final=True),)
+            case b"who?":
+                return (Question(key, (Publication(f"ask/{key}", b"who are you"),)),)
+            case b"crash":
+                raise RuntimeError("crash")
+        try:
+            told = parse_object(payload)
+        except WireError:
+            self.rejected += 1
+            raise
+        return (_described(topic, key, told),)
+
+
+def _described(topic: str, key: str, told: dict[str, object]) -> Described:
+    def text(name: str, otherwise: str) -> str:
+        return str(told.get(name, otherwise))
+
+    names = text("parts", "lamp").split()
+    states = text("state", f"{key}/state").split()
+    fades = (Fade("on_off", 5.0, value=False, only=True),) if "fade" in told else ()
+    parts = tuple(
+        DescribedPart(
+            Part(
+                id=name,
+                service_type="light",
+                capabilities=(Capability(name="on_off", settable=True),),
+                reads=(state,),
+                writes=(f"{key}/{name}/set",),
+            ),
+            SimpleCodec(state, f"{key}/{name}/set"),
+            asks=(Publication(f"{key}/get", b""),) if "asks" in told else (),
+            fades=fades,
+        )
+        for name, state in zip(names, states * len(names), strict=False)
+    )
+    online = text("online", "").split()
+    return Described(
+        key=key,
+        convention=SimpleConvention.name,
+        identifiers=identifiers(text("ids", key).split()),
+        name=text("name", key),
+        parts=parts,
+        topic=topic,
+        area=text("area", ""),
+        facts={"model": text("model", "simple")},
+        availability=Availability(tuple(OnlineWord(one) for one in online), "all") if online else None,
+        is_sighting="is_live" in told,
+    )
+
+
+@dataclass
+class House:
+    """A gateway, a node that watches it, and a client on the devices' side of the broker."""
+
+    broker: MemoryBroker
+    graph: Graph
+    gateway: MqttGateway
+    watcher: Node
+    devices: MqttConnection
+    sightings: Subscription[Sighting]
+    reports: Subscription[Report]
+    quarantine: Subscription[Quarantine]
+
+    async def say(self, topic: str, payload: str | bytes | dict[str, object] = "", *, retain: bool = False) -> None:
+        """Publish, and wait until everybody is done with it."""
+        words = json.dumps(payload) if isinstance(payload, dict) else payload
+        await self.devices.publish(topic, words.encode() if isinstance(words, str) else words, qos=1, retain=retain)
+        await settled()
+
+    async def announce(self, key: str, *, retain: bool = True, **fields: object) -> None:
+        await self.say(f"hello/{key}", fields, retain=retain)
+
+    def sighted(self) -> list[Sighting]:
+        """The sightings since the last call."""
+        return _drain(self.sightings)
+
+    def told(self) -> list[tuple[str, dict[str, PlainValue], bool]]:
+        """The reports since the last call: key, values by ``part.capability``, and whether they were kept ones."""
+        return [
+            (one.key, {f"{r.part}.{r.capability}": r.value.plain() for r in one.readings}, one.retained)
+            for one in _drain(self.reports)
+        ]
+
+    async def command(self, key: str, part: str, capability: str, value: PlainValue) -> SendCommandResponse:
+        client = self.watcher.create_client(SendCommand, self.gateway.names.send_command)
+        return await client.call(Command(key=key, part=part, capability=capability, value=Value.of(value)))
+
+    async def health(self) -> HealthResponse:
+        return await self.watcher.create_client(GetHealth, self.gateway.names.health).call(HealthRequest())
+
+    async def heard(self) -> list[MqttMessage]:
+        """What came on the topics that the devices' side subscribed to."""
+        await settled()
+        with anyio.move_on_after(0.001):
+            return await self.devices.receive()
+        return []
+
+    async def cut(self) -> None:
+        """Cut the gateway's link, and wait until it has a new one."""
+        self.broker.links[-1].abort()
+        await anyio.sleep(5)
+
+    async def listen(self, *filters: str) -> None:
+        await self.devices.subscribe(*(MqttSubscription(one) for one in filters))
+
+
+async def settled() -> None:
+    """Wait until nothing is left to do at this moment: virtual time goes on only then."""
+    await anyio.sleep(0.001)
+
+
+def _drain(subscription: Subscription[MessageT]) -> list[MessageT]:
+    found: list[MessageT] = []
+    while (one := subscription.take()) is not None:
+        found.append(one)
+    return found
+
+
+MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[House]]
+
+
+@pytest.fixture
+def make_house() -> MakeHouse:
+    """Make a house; keywords are settings of its gateway, and ``before`` is done before that starts."""
+    return _house
+
+
+@asynccontextmanager
+async def _house(
+    before: Callable[[MqttConnection], Awaitable[None]] | None = None, **settings: object
+) -> AsyncIterator[House]:
+    table = {"root": "home425", "act": True, "conventions": (f"{__name__}:SimpleConvention",), **settings}
+    graph = Graph()
+    async with (
+        MemoryBroker(random=Random(1)) as broker,  # noqa: S311 - the same run each time
+        Node(graph, "mqtt", namespace="/gateway") as node,
+        Node(graph, "watcher") as watcher,
+        MqttConnection(MqttOptions.from_url(broker.url), broker.make_client, status_topic=None) as devices,
+        anyio.create_task_group() as tasks,
+    ):
+        await devices.wait_connected()
+        if before is not None:
+            await before(devices)
+        gateway = MqttGateway(
+            node,
+            MqttGatewaySettings.model_validate({"url": broker.url, **table}),
+            make_client=broker.make_client,
+            random=Random(1),  # noqa: S311 - the same run each time
+        )
+        house = House(
+            broker,
+            graph,
+            gateway,
+            watcher,
+            devices,
+            watcher.create_subscription(Sighting, gateway.names.received_topics, qos_profile=LATCHED),
+            watcher.create_subscription(Report, gateway.names.readings, qos_profile=LATCHED),
+            watcher.create_subscription(Quarantine, gateway.names.quarantine, qos_profile=LATCHED),
+        )
+        await tasks.start(_serve, gateway)
+        await settled()
+        yield house
+        tasks.cancel_scope.cancel()
+
+
+async def _serve(gateway: MqttGateway, *, task_status: anyio.abc.TaskStatus[None]) -> None:
+    await gateway.serve(task_status=task_status)

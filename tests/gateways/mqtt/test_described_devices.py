@@ -1,0 +1,530 @@
+"""What the gateway makes of devices that announce themselves, from the first word to the last."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+from typing import Any, TypeAlias
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+
+from homebot.devices import Devices, RawCommand, RawMessage, SubscribeToTopic
+from homebot.devices.device import Device, Endpoint
+from homebot.devices.report import Report
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.devices.words import words_address
+from homebot.graph import DurabilityPolicy, QoSProfile
+from homebot.messages import Time
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.connection import MqttConnection
+
+pytestmark = pytest.mark.virtual_time
+
+MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[Any]]
+
+LAMP = "simple:lamp1"
+START = Time(sec=0, nanosec=0)
+
+
+async def test_an_announced_device_is_sighted_with_its_parts(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", name="Kitchen lamp", area="kitchen", ids="0x00158d0001abcdef")
+
+        (sighting,) = house.sighted()
+        assert (sighting.kind, sighting.key, sighting.confirmed) == ("appeared", LAMP, False)
+        assert (sighting.name, sighting.area, sighting.service_type) == ("Kitchen lamp", "kitchen", "light")
+        assert sighting.convention == "simple"
+        assert sighting.identifiers == ("eui64:00158d0001abcdef",)
+        assert sighting.announced_on == "hello/lamp1"
+        assert sighting.address == sighting.command_address == words_address(LAMP, "lamp")
+        assert [part.id for part in sighting.parts] == ["lamp"]
+        assert {fact.key: fact.value for fact in sighting.metadata} == {"model": "simple"}
+
+
+async def test_an_announcement_that_the_broker_kept_is_found_at_the_start_with_the_state_beside_it(
+    make_house: MakeHouse,
+) -> None:
+    async def past(devices: MqttConnection) -> None:
+        await devices.publish("hello/lamp1", b"{}", retain=True, qos=1)
+        await devices.publish("lamp1/state", b"on_off=on", retain=True, qos=1)
+
+    async with make_house(before=past) as house:
+        assert [(one.key, one.confirmed) for one in house.sighted()] == [(LAMP, False)]
+        assert house.told() == [(LAMP, {"lamp.on_off": True}, True)]
+
+
+async def test_only_a_device_that_speaks_itself_is_confirmed_and_that_once_a_second(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.say("lamp1/state", "nothing of it")
+        assert [one.confirmed for one in house.sighted()] == [False]
+
+        await house.say("lamp1/state", "on_off=on")
+        await house.say("lamp1/state", "on_off=off")
+        assert [(one.kind, one.confirmed) for one in house.sighted()] == [("updated", True)]
+        await anyio.sleep(1.1)
+        await house.say("lamp1/state", "on_off=on")
+        assert [one.confirmed for one in house.sighted()] == [True]
+
+
+async def test_a_live_announcement_of_the_device_itself_is_a_sign_of_life(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", is_live=True)
+        assert [one.confirmed for one in house.sighted()] == [True]
+
+
+async def test_one_message_of_several_parts_is_one_report_and_unknown_is_a_value(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("strip", parts="left right")
+        await house.say("strip/state", "on_off=? level=high")
+
+        ((key, readings, retained),) = house.told()
+        assert (key, retained) == ("simple:strip", False)
+        assert readings == {
+            "left.on_off": None,
+            "left.level": "high",
+            "right.on_off": None,
+            "right.level": "high",
+        }
+
+
+async def test_one_topic_may_be_read_by_several_devices(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("one", state="shared/state")
+        await house.announce("two", state="shared/state")
+        await house.say("shared/state", "on_off=on")
+        assert [key for key, _, _ in house.told()] == ["simple:one", "simple:two"]
+
+
+async def test_a_device_that_is_described_later_than_its_topic_spoke_is_told_what_was_said(
+    make_house: MakeHouse,
+) -> None:
+    """The broker does not send a kept message again to who has the topic already."""
+    async with make_house() as house:
+        await house.announce("one", state="shared/state", online="bridge/state")
+        await house.say("bridge/state", "online", retain=True)
+        await house.say("shared/state", "on_off=on")
+        house.told()
+        await house.announce("two", state="shared/state", online="bridge/state")
+        assert house.told() == [
+            ("simple:two", {"lamp.on_off": True}, True),
+            ("simple:two", {".reachable": True}, True),
+        ]
+
+
+async def test_a_device_that_speaks_on_a_filter_is_heard_on_each_topic(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", state="lamp1/+/state")
+        await house.say("lamp1/a/state", "on_off=on")
+        await house.say("lamp1/b/state", "on_off=off")
+        assert len(house.told()) == 2
+
+
+@pytest.mark.parametrize("state", ["#", "+/state", "$share/a/b", "a#", "x" * 1001])
+async def test_a_state_topic_for_everything_or_for_nothing_is_not_subscribed_to(
+    make_house: MakeHouse, state: str
+) -> None:
+    """The device is there all the same."""
+    async with make_house() as house:
+        await house.announce("lamp1", state=state)
+        assert len(house.sighted()) == 1
+        assert house.gateway.counters.topics_refused == 1
+        await house.say("lamp1/state", "on_off=on")
+        assert house.told() == []
+
+
+async def test_a_new_description_takes_the_place_of_the_old_one(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", state="old/state")
+        await house.announce("lamp1", state="new/state", name="New")
+        assert [(one.kind, one.name) for one in house.sighted()] == [("appeared", "lamp1"), ("updated", "New")]
+        await house.say("old/state", "on_off=on")
+        assert house.told() == []
+        await house.say("new/state", "on_off=on")
+        assert len(house.told()) == 1
+
+
+async def test_the_same_description_again_is_no_news(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.announce("lamp1")
+        assert len(house.sighted()) == 1
+
+
+async def test_a_device_that_is_taken_back_is_gone_ten_seconds_later(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.say("hello/lamp1", "", retain=True)
+        await anyio.sleep(9)
+        assert [one.kind for one in house.sighted()] == ["appeared"]
+        await anyio.sleep(2)
+        (gone,) = house.sighted()
+        assert (gone.kind, gone.key, gone.why) == ("removed", LAMP, "it was taken back")
+        await house.say("lamp1/state", "on_off=on")
+        assert house.told() == []
+
+
+async def test_a_device_that_is_renamed_is_never_gone(make_house: MakeHouse) -> None:
+    """Taken back, and announced again within ten seconds."""
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.say("hello/lamp1", "", retain=True)
+        await anyio.sleep(2)
+        await house.announce("lamp1", name="New")
+        await anyio.sleep(20)
+        assert [one.kind for one in house.sighted()] == ["appeared", "updated"]
+
+
+async def test_a_device_that_is_known_to_be_gone_is_gone_at_once(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.say("hello/lamp1", "bye")
+        assert [one.kind for one in house.sighted()] == ["appeared", "removed"]
+
+
+async def test_whether_a_device_can_be_reached_is_unknown_before_the_first_word(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", online="bridge/state lamp1/online")
+        await house.say("bridge/state", "online", retain=True)
+        assert house.told() == []
+        await house.say("lamp1/online", "online")
+        await house.say("lamp1/online", "offline")
+        await house.say("lamp1/online", "neither")
+        assert house.told() == [(LAMP, {".reachable": True}, False), (LAMP, {".reachable": False}, False)]
+
+
+async def test_a_live_word_makes_a_kept_offline_doubtful(make_house: MakeHouse) -> None:
+    async def past(devices: MqttConnection) -> None:
+        await devices.publish("lamp1/online", b"offline", retain=True, qos=1)
+        await devices.publish("hello/lamp1", b'{"online": "lamp1/online"}', retain=True, qos=1)
+
+    async with make_house(before=past) as house:
+        assert house.told() == [(LAMP, {".reachable": False}, True)]
+        await house.say("lamp1/state", "on_off=on")
+        assert house.told() == [(LAMP, {"lamp.on_off": True}, False), (LAMP, {".reachable": None}, False)]
+
+
+async def test_a_value_fades_and_a_new_one_begins_the_time_anew(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", fade=True)
+        await house.say("lamp1/state", "on_off=on")
+        await anyio.sleep(4)
+        await house.say("lamp1/state", "on_off=on")
+        await anyio.sleep(4)
+        assert len(house.told()) == 2
+        await anyio.sleep(2)
+        assert house.told() == [(LAMP, {"lamp.on_off": False}, False)]
+        await anyio.sleep(60)
+        assert house.told() == []
+
+
+async def test_a_value_that_ended_before_its_time_does_not_fade(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", fade=True)
+        await house.say("lamp1/state", "on_off=on")
+        await house.say("lamp1/state", "on_off=off")
+        await anyio.sleep(60)
+        assert len(house.told()) == 2
+
+
+async def test_who_comes_late_gets_the_newest_report_of_each_topic_and_none_of_who_left(
+    make_house: MakeHouse,
+) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", parts="a b", state="lamp1/a lamp1/b")
+        await house.announce("lamp2")
+        await house.say("lamp1/a", "on_off=on")
+        await house.say("lamp1/a", "on_off=off")
+        await house.say("lamp1/b", "on_off=on")
+        await house.say("lamp2/state", "on_off=on")
+        await house.say("hello/lamp2", "bye")
+
+        qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        late = house.watcher.create_subscription(Report, house.gateway.names.readings, qos_profile=qos)
+        kept = []
+        while (report := late.take()) is not None:
+            kept.append({one.part: one.value.plain() for one in report.readings})
+        assert kept == [{"a": False}, {"b": True}]
+
+
+async def test_a_device_is_asked_for_its_state_once_its_topics_are_subscribed_to_and_on_each_new_link(
+    make_house: MakeHouse,
+) -> None:
+    async with make_house() as house:
+        await house.listen("+/get")
+        await house.announce("lamp1", asks=True, parts="a b")
+        assert [one.topic for one in await house.heard()] == ["lamp1/get"]
+        await house.announce("lamp1", asks=True, parts="a b")
+        assert await house.heard() == []
+
+        await house.cut()
+        assert [one.topic for one in await house.heard()] == ["lamp1/get"]
+
+
+async def test_a_thousand_devices_are_not_asked_within_a_second(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.listen("+/get")
+        for number in range(200):
+            await house.devices.publish(f"hello/{number}", b'{"asks": 1}', qos=1)
+        await anyio.sleep(1)
+        assert 40 <= len(await house.heard()) <= 60
+        await anyio.sleep(4)
+        assert len(await house.heard()) > 130
+        assert house.gateway.counters.asks == 200
+
+
+async def test_a_device_that_tells_who_it_is_only_when_asked_is_asked(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.listen("ask/#")
+        await house.say("hello/lamp1", "who?")
+        assert [(one.topic, one.payload) for one in await house.heard()] == [("ask/lamp1", b"who are you")]
+
+
+async def test_devices_are_asked_to_announce_themselves_on_each_link(make_house: MakeHouse) -> None:
+    async def listen(devices: MqttConnection) -> None:
+        await devices.subscribe(Subscription("please"))
+
+    async with make_house(before=listen, simple={"birth": "please"}) as house:
+        assert [one.payload for one in await house.heard()] == [b"who"]
+        await house.cut()
+        assert [one.payload for one in await house.heard()] == [b"who"]
+
+
+async def test_a_state_topic_that_an_announcement_filter_covers_is_heard_once(make_house: MakeHouse) -> None:
+    """Its kept message, which came before the description, is asked for all the same."""
+
+    async def past(devices: MqttConnection) -> None:
+        await devices.publish("covered/lamp1", b"on_off=on", retain=True, qos=1)
+
+    async with make_house(before=past) as house:
+        await house.announce("lamp1", state="covered/lamp1")
+        assert house.told() == [(LAMP, {"lamp.on_off": True}, True)]
+        await house.say("covered/lamp1", "on_off=off")
+        assert house.told() == [(LAMP, {"lamp.on_off": False}, False)]
+
+
+async def test_after_a_new_link_everything_is_heard_again(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.cut()
+        await house.say("lamp1/state", "on_off=on")
+        assert len(house.told()) == 1
+        assert [one.kind for one in house.sighted()] == ["appeared", "updated"]
+
+
+async def subscribe(house: Any, topic: str, since: Time = START) -> SubscribeToTopicResponse:
+    client = house.watcher.create_client(SubscribeToTopic, house.gateway.names.subscribe)
+    response: SubscribeToTopicResponse = await client.call(
+        SubscribeToTopicRequest(topic=topic, listener="/watcher", since=since)
+    )
+    return response
+
+
+async def test_the_bytes_of_a_state_topic_are_there_for_who_wants_them(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.say("lamp1/state", "on_off=on")
+        answer = await subscribe(house, "lamp1/state")
+        assert [(one.key, one.payload) for one in answer.missed] == [(LAMP, b"on_off=on")]
+        inbox = house.watcher.create_subscription(RawMessage, answer.data_topic, qos_profile=10)
+        await house.say("lamp1/state", b"\xff")
+        assert inbox.take().payload == b"\xff"
+        assert not (await subscribe(house, "nobody/state")).success
+
+
+async def test_plain_words_may_be_listened_to_before_the_device_is_there(make_house: MakeHouse) -> None:
+    """An application that was there before the gateway asks for them as soon as that is back."""
+    async with make_house() as house:
+        answer = await subscribe(house, words_address(LAMP, "lamp"))
+        assert answer.success
+        inbox = house.watcher.create_subscription(RawMessage, answer.data_topic, qos_profile=10)
+        await house.announce("lamp1")
+        await house.say("lamp1/state", "on_off=on level=7")
+        message = inbox.take()
+        assert (message.key, message.address, message.payload) == (LAMP, words_address(LAMP, "lamp"), b"on")
+        assert inbox.take() is None
+
+
+async def test_an_application_of_plain_words_switches_any_lamp(make_house: MakeHouse) -> None:
+    """As the light service does it."""
+    async with make_house() as house:
+        await house.listen("+/+/set")
+        await house.announce("lamp1")
+        await house.say("lamp1/state", "on_off=on", retain=True)
+        (sighting, _) = house.sighted()
+        lamp = device_of(sighting)
+        devices = Devices(house.watcher)
+        heard: list[str] = []
+
+        async def answer(message: RawMessage) -> None:
+            heard.append(message.text())
+            if message.text() == "on":
+                await devices.tell(lamp, "off")
+
+        await devices.listen(lamp, answer)
+        await house.say("lamp1/state", "on_off=on")
+        assert heard == ["on"]
+        assert [(one.topic, one.payload) for one in await house.heard()] == [("lamp1/lamp/set", b"OFF")]
+        assert house.gateway.counters.commands == 1
+
+
+def device_of(sighting: Any) -> Device:
+    endpoint = Endpoint(
+        gateway=sighting.gateway,
+        key=sighting.key,
+        address=sighting.address,
+        command_address=sighting.command_address,
+    )
+    return Device(
+        id=sighting.key,
+        name=sighting.name,
+        service_type=sighting.service_type,
+        endpoints=(endpoint,),
+        metadata=(),
+        first_seen=sighting.seen_at,
+        last_seen=sighting.seen_at,
+        expires=sighting.expires_at,
+        freshness="fresh",
+    )
+
+
+async def test_a_word_that_the_lamp_does_not_take_is_refused_and_counted(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        out = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
+        with capture_logs() as lines:
+            out.publish(RawCommand(address=words_address(LAMP, "lamp"), payload="dance"))
+            await anyio.sleep(0.001)
+        assert house.gateway.counters.commands_refused == 1
+        assert "this part takes on, off" in str(lines)
+
+
+async def test_a_command_is_answered_when_the_broker_has_it(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.listen("+/+/set")
+        await house.announce("lamp1")
+        answer = await house.command(LAMP, "lamp", "on_off", True)
+        assert (answer.success, answer.problem) == (True, "")
+        assert [one.payload for one in await house.heard()] == [b"ON"]
+
+
+@pytest.mark.parametrize(
+    ("key", "part", "capability", "why"),
+    [
+        ("simple:nobody", "lamp", "on_off", "no device is announced by that key"),
+        (LAMP, "nothing", "on_off", "it has no part 'nothing'; it has 'lamp'"),
+        (LAMP, "lamp", "level", "this part takes on_off"),
+        (LAMP, "lamp", "crash", "its convention failed"),
+    ],
+)
+async def test_a_command_that_cannot_be_is_refused_with_the_reason(
+    make_house: MakeHouse, key: str, part: str, capability: str, why: str
+) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        answer = await house.command(key, part, capability, True)
+        assert (answer.success, answer.problem) == (False, "refused")
+        assert why in answer.message
+        assert house.gateway.counters.commands_refused == 1
+
+
+async def test_a_gateway_that_only_observes_refuses_every_command_and_still_asks(make_house: MakeHouse) -> None:
+    async with make_house(act=False) as house:
+        await house.listen("lamp1/#")
+        await house.announce("lamp1", asks=True)
+        answer = await house.command(LAMP, "lamp", "on_off", True)
+        assert (answer.problem, "only observes" in answer.message) == ("refused", True)
+        assert [one.topic for one in await house.heard()] == ["lamp1/get"]
+
+
+async def test_a_command_without_a_link_is_unreachable(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.broker.stop()
+        await anyio.sleep(0.001)
+        answer = await house.command(LAMP, "lamp", "on_off", True)
+        assert (answer.success, answer.problem) == (False, "unreachable")
+
+
+async def test_a_broken_announcement_costs_itself_alone(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.say("hello/lamp1", "{broken")
+        await house.say("hello/lamp2", "crash")
+        await house.announce("lamp3")
+        assert [one.key for one in house.sighted()] == ["simple:lamp3"]
+        assert house.gateway.counters.announcements_rejected == 1
+        assert house.gateway.counters.failures == 1
+
+
+async def test_a_part_that_fails_costs_itself_alone(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.say("lamp1/state", "crash")
+        await house.say("lamp1/state", "on_off=on")
+        assert len(house.told()) == 1
+        assert house.gateway.counters.failures == 1
+
+
+async def test_an_announcement_with_half_a_surrogate_in_its_name_is_rejected(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.say("hello/lamp1", '{"model": "\\ud800"}')
+        assert house.sighted() == []
+        await house.announce("lamp1")
+        assert len(house.sighted()) == 1
+
+
+async def test_who_breaks_the_rules_five_times_is_ignored_for_ten_minutes_then_for_twenty(
+    make_house: MakeHouse,
+) -> None:
+    async with make_house() as house:
+        for term in (600, 1200):
+            for _ in range(5):
+                await house.say("hello/lamp1", "{broken")
+            event = house.quarantine.take()
+            assert (event.offender, event.is_over) == ("hello/lamp1", False)
+            assert event.until.to_seconds() - event.since.to_seconds() == pytest.approx(term)
+            (confined,) = (await house.health()).quarantined
+            assert (confined.offender, confined.why) == (event.offender, event.why)
+            assert "is no JSON" in confined.why
+
+            await house.announce("lamp1")
+            await house.announce("lamp2")
+            assert {one.key for one in house.sighted()} <= {"simple:lamp2"}
+
+            await anyio.sleep(term + 1)
+            assert house.quarantine.take().is_over
+            assert (await house.health()).quarantined == ()
+        await house.announce("lamp1")
+        assert [one.key for one in house.sighted()] == [LAMP]
+        counts = {one.name: one.count for one in (await house.health()).counts}
+        assert (counts["quarantines"], counts["announcements_rejected"]) == (2, 10)
+
+
+async def test_a_device_of_a_quarantined_topic_can_still_be_taken_back(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1")
+        for _ in range(5):
+            await house.say("hello/lamp1", "{broken")
+        await house.say("hello/lamp1", "", retain=True)
+        await anyio.sleep(11)
+        assert [one.kind for one in house.sighted()] == ["appeared", "removed"]
+
+
+async def test_a_message_of_state_that_is_too_long_is_not_looked_at(make_house: MakeHouse) -> None:
+    async with make_house(max_payload=1024 * 1024) as house:
+        await house.announce("lamp1")
+        await house.say("lamp1/state", b"on_off=on " * 30_000)
+        assert house.told() == []
+        assert house.gateway.counters.oversize == 1
+
+
+async def test_the_layout_of_the_thesis_and_a_convention_live_on_one_broker(make_house: MakeHouse) -> None:
+    """A device that speaks on a topic of both is heard by both."""
+    conventions = ("thesis", "tests.gateways.mqtt.conftest:SimpleConvention")
+    async with make_house(conventions=conventions) as house:
+        await house.announce("lamp1", state="home425/lights/lamp1/out")
+        await house.say("home425/lights/lamp1/out", "on_off=on")
+        assert {one.key for one in house.sighted()} == {LAMP, "lights/lamp1"}
+        assert len(house.told()) == 1
