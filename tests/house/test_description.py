@@ -12,6 +12,7 @@ import pytest
 from homebot.errors import ConfigError
 from homebot.house.daylight import DAY
 from homebot.house.description import load_world, parse_world
+from homebot.house.dialects import DIALECTS
 from homebot.house.faults import Reverter, Slow, truth
 from homebot.house.kinds import FAULTS, KINDS
 from homebot.house.robot import Robot
@@ -31,7 +32,7 @@ def test_the_family_home_is_a_house_to_test_with() -> None:
     assert world.chronicle.dropped == 0
 
 
-@pytest.mark.parametrize("house", ["flat.toml", "family.toml"])
+@pytest.mark.parametrize("house", ["flat.toml", "family.toml", "mixed.toml"])
 def test_the_same_seed_is_the_same_day_and_another_seed_is_another(house: str) -> None:
     """Byte for byte."""
 
@@ -47,6 +48,7 @@ def test_the_same_seed_is_the_same_day_and_another_seed_is_another(house: str) -
 TIMED = """
 import sys, time
 from pathlib import Path
+from homebot.house.dialects import DIALECTS
 from homebot.house.description import load_world
 world = load_world(Path(sys.argv[1]))
 began = time.process_time()
@@ -92,8 +94,16 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
     [
         ("", "rooms", "is missing"),
         (f"{HALL}[house]\nsed = 1\n", "house.sed", "is unknown; known are seed, first_day, latitude, by_hand"),
-        (f"{HALL}[house]\ndialect = 'klingon'\n", "house.dialect", "must be one of thesis, got 'klingon'"),
-        (f"{LAMP}dialect = 'klingon'\n", "devices.lamp.dialect", "must be one of thesis, got 'klingon'"),
+        (
+            f"{HALL}[house]\ndialect = 'klingon'\n",
+            "house.dialect",
+            f"must be one of {', '.join(DIALECTS)}, got 'klingon'",
+        ),
+        (
+            f"{LAMP}dialect = 'klingon'\n",
+            "devices.lamp.dialect",
+            f"must be one of {', '.join(DIALECTS)}, got 'klingon'",
+        ),
         (f"{HALL}[house]\nlatitude = 91.0\n", "house.latitude", "less than or equal to 90"),
         (f"{HALL}window = 2.0\n", "rooms.hall.window", "less than or equal to 1"),
         ("[rooms.hall]\ndoors = ['attic']\n", "rooms.hall.doors", "there is no room 'attic'"),

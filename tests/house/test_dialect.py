@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from homebot.errors import UsageError
-from homebot.house.dialect import DIALECTS, Nameplate, Outgoing
+from homebot.house.condition import Condition
+from homebot.house.dialect import Nameplate, Outgoing
+from homebot.house.dialects import DIALECTS
 
 LAMP = Nameplate("villa", "lamp", "desk", "lights", "study")
 
@@ -14,8 +16,10 @@ def test_the_thesis_says_words_as_they_are_and_announces_nothing() -> None:
     """On the device's own topics."""
     thesis = DIALECTS["thesis"]
     assert thesis.filters(LAMP) == ("villa/lights/desk/in",)
-    assert thesis.said(LAMP, "21.5") == (Outgoing("villa/lights/desk/out", b"21.5", retain=False, qos=1),)
-    assert thesis.said(LAMP, "\ud800") == (Outgoing("villa/lights/desk/out", b"?"),)
+    assert thesis.said(LAMP, Condition(word="21.5")) == (
+        Outgoing("villa/lights/desk/out", b"21.5", retain=False, qos=1),
+    )
+    assert thesis.said(LAMP, Condition(word="\ud800")) == (Outgoing("villa/lights/desk/out", b"?"),)
     assert (thesis.birth(LAMP), thesis.will(LAMP)) == ((), None)
 
 

@@ -23,7 +23,9 @@ from homebot.house import Lamp, SimulatedHouse, WindowMotor, World
 from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
 from homebot.house.device import Machine
-from homebot.house.dialect import DIALECTS, Dialect, Nameplate, Outgoing, ThesisDialect
+from homebot.house.dialect import Dialect, Nameplate, Outgoing
+from homebot.house.dialects import DIALECTS
+from homebot.house.dialects.thesis import ThesisDialect
 from homebot.house.faults import Chatterbox, Unplugged
 from homebot.house.presence import QUEUED
 from homebot.house.rooms import Room, Rooms

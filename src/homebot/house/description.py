@@ -42,7 +42,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.house.device import Machine
-from homebot.house.dialect import DIALECTS
+from homebot.house.dialects.known import DIALECTS
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.people import Habit, Person
 from homebot.house.rooms import OUTSIDE, Room, Rooms
@@ -189,6 +189,9 @@ def _placed(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, sour
     _known(place.door or place.room, rooms.rooms, source, f"{key}.door")
     dialect = dialect if place.dialect is None else place.dialect
     _known_dialect(dialect, source, f"{key}.dialect")
+    if kind not in DIALECTS[dialect].kinds:
+        kinds = ", ".join(sorted(DIALECTS[dialect].kinds))
+        raise ConfigError(source, f"{key}.dialect", f"{dialect!r} has no {kind}, only {kinds}")
     own = {k: v for k, v in table.items() if k not in {*where, "kind"}}
     dice = random.Random(f"{seed}/{name}")  # noqa: S311  # dice of a game, no secrets
     device = parse_settings(KINDS[kind], own, source, key).build(Surroundings(name, place.room, rooms, dice))

@@ -1,17 +1,20 @@
 """How a device puts its words on MQTT: a port of pure functions, one for each family of devices.
 
 A word is what a device of :mod:`homebot.house` says or is told, such as ``on`` or ``21.5``. What goes over the
-wire is the dialect's own. A device that another speaks for, as a bridge for its lamps, says everything itself here.
+wire is the dialect's own. A device that another speaks for, as a bridge for its lamps, says everything itself here;
+only what the bridge says of itself and of all its devices is said by one client more.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 from homebot.errors import UsageError
+from homebot.house.condition import Condition
 
-__all__ = ["DIALECTS", "Dialect", "Nameplate", "Outgoing", "ThesisDialect"]
+__all__ = ["Bridge", "Dialect", "Nameplate", "Outgoing"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +61,26 @@ class Outgoing:
     qos: int = 1
 
 
+@dataclass(frozen=True, slots=True)
+class Bridge:
+    """What one program says for all devices that are bound to it.
+
+    Attributes:
+        birth: On each new link.
+        will: When it vanishes.
+    """
+
+    birth: tuple[Outgoing, ...]
+    will: Outgoing
+
+
 class Dialect(Protocol):
-    """A family of devices. No function raises, whatever words and payloads it is given."""
+    """A family of devices. No function raises, whatever conditions and payloads it is given."""
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """The kinds of devices, as houses are described, that there are in this family."""
+        ...
 
     def filters(self, device: Nameplate) -> tuple[str, ...]:
         """Return the topic filters that *device* subscribes to."""
@@ -73,45 +94,18 @@ class Dialect(Protocol):
         """Return what the broker says when *device* vanishes."""
         ...
 
-    def said(self, device: Nameplate, word: str) -> tuple[Outgoing, ...]:
-        """Return the messages by which *device* says *word*."""
+    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+        """Return the messages by which *device* says its last word, with the state that its family says with it."""
         ...
 
     def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the commands in a message that came in; empty where it holds none."""
         ...
 
+    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+        """Return what *device* says because a message that came in asks for it; empty where it asks nothing."""
+        ...
 
-class ThesisDialect:
-    """The layout of the thesis: words as they are, on ``HOME/SERVICE_TYPE/DEVICE_ID/out`` and ``…/in``."""
-
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
-        """Return its ``in``."""
-        return (f"{_base(device)}/in",)
-
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
-        """Return nothing: the layout announces no devices."""
-        del device
-        return ()
-
-    def will(self, device: Nameplate) -> Outgoing | None:
-        """Return None."""
-        del device
-        return None
-
-    def said(self, device: Nameplate, word: str) -> tuple[Outgoing, ...]:
-        """Return the word, on its ``out``; what is no Unicode becomes ``?``."""
-        return (Outgoing(f"{_base(device)}/out", word.encode(errors="replace")),)
-
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return the payload as text; what is no UTF-8 becomes U+FFFD."""
-        del device, topic
-        return (payload.decode(errors="replace"),)
-
-
-DIALECTS: dict[str, Dialect] = {"thesis": ThesisDialect()}
-"""The dialects by the names that houses are described with."""
-
-
-def _base(device: Nameplate) -> str:
-    return f"{device.home}/{device.service_type}/{device.device_id}"
+    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+        """Return the bridge that *devices*, all of this family in a house, are bound to; None where there is none."""
+        ...

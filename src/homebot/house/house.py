@@ -15,8 +15,11 @@ from anyio.lowlevel import checkpoint
 from homebot.clock import Clock
 from homebot.errors import UsageError
 from homebot.house.chronicle import Event
+from homebot.house.condition import Condition, condition_of
 from homebot.house.daylight import DAY
-from homebot.house.dialect import DIALECTS, Dialect, Nameplate
+from homebot.house.dialect import Dialect, Nameplate
+from homebot.house.dialects.bridge import BridgeDialect
+from homebot.house.dialects.known import DIALECTS
 from homebot.house.faults import truth
 from homebot.house.presence import HouseCounters, Presence
 from homebot.house.world import Placed, World
@@ -25,7 +28,7 @@ from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions, Will
-from homebot.mqtt.topics import validate_topic
+from homebot.mqtt.topics import validate_filter
 
 __all__ = ["HEARTBEAT", "SimulatedHouse"]
 
@@ -64,7 +67,8 @@ class SimulatedHouse:
         counters: What went over the wire.
 
     Raises:
-        UsageError: The heartbeat is not above 0, a device's name cannot be one on MQTT, or there is no such dialect.
+        UsageError: The heartbeat is not above 0, a device's name cannot be one on MQTT, there is no such dialect, or
+            it has no such kind of device.
     """
 
     def __init__(
@@ -94,17 +98,21 @@ class SimulatedHouse:
         self._midnight = _first_midnight(clock.now(), world.now)
         self._stirred = anyio.Event()
         self._is_served = False
-        self._presences = {name: self._presence(placed) for name, placed in world.devices.items()}
+        plates = {name: self._plate(placed) for name, placed in world.devices.items()}
+        self._presences = {
+            name: self._presence(plates[name], dialects[placed.dialect]) for name, placed in world.devices.items()
+        }
+        self._bridges = self._bound(world, plates)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Let the house live until cancelled."""
         self.world.run_until(self._now())
         for name, presence in self._presences.items():
             device = self.world.device(name)
-            presence.begin(device.state(), has_power=device.has_power)
+            presence.begin(self._condition(name, device.state()), has_power=device.has_power)
         self._is_served = True
         async with anyio.create_task_group() as tasks:
-            for presence in self._presences.values():
+            for presence in (*self._bridges, *self._presences.values()):
                 tasks.start_soon(presence.live)
             tasks.start_soon(self._beat)
             task_status.started()
@@ -163,22 +171,39 @@ class SimulatedHouse:
     def _show(self, events: Iterable[Event]) -> None:
         for event in events:
             if event.verb == "says":
-                self._presences[event.who].say(event.what)
+                self._presences[event.who].say(self._condition(event.who, event.what))
             elif event.verb == "power":
                 self._presences[event.who].power(on=event.what == "on")
 
-    def _presence(self, placed: Placed) -> Presence:
+    def _condition(self, name: str, word: str) -> Condition:
+        return condition_of(truth(self.world.device(name)), word)
+
+    def _plate(self, placed: Placed) -> Nameplate:
         device = placed.device
         if placed.dialect not in self._dialects:
             raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}; known are {', '.join(self._dialects)}")
-        dialect = self._dialects[placed.dialect]
-        plate = Nameplate(self._home, truth(device).kind, device.device_id, device.service_type, placed.room)
-        for message in dialect.said(plate, device.state()):
-            validate_topic(message.topic)
+        kind = truth(device).kind
+        if kind not in self._dialects[placed.dialect].kinds:
+            raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}, which has no {kind}")
+        return Nameplate(self._home, kind, device.device_id, device.service_type, placed.room)
+
+    def _bound(self, world: World, plates: Mapping[str, Nameplate]) -> list[Presence]:
+        """Return the bridges of the families that have one here."""
+        bridges = []
+        for name in dict.fromkeys(placed.dialect for placed in world.devices.values()):
+            bound = [plates[one] for one, placed in world.devices.items() if placed.dialect == name]
+            if (bridge := self._dialects[name].bridge(bound)) is not None:
+                plate = Nameplate(self._home, "bridge", f"{name} bridge", "bridge", "")
+                bridges.append(self._presence(plate, BridgeDialect(bridge)))
+        return bridges
+
+    def _presence(self, plate: Nameplate, dialect: Dialect) -> Presence:
+        for topic in (*dialect.filters(plate), *(message.topic for message in dialect.birth(plate))):
+            validate_filter(topic)
         will = dialect.will(plate)
         options = MqttOptions.from_url(
             self._url,
-            client_id=f"{self._home}-{device.device_id}",
+            client_id=f"{self._home}-{plate.device_id}",
             # Whoever speaks this often needs few pings in between.
             keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 12 * self._heartbeat), LONGEST_KEEP_ALIVE)),
             will=None if will is None else Will(will.topic, will.payload, will.qos, will.retain),
@@ -186,8 +211,7 @@ class SimulatedHouse:
         connection = MqttConnection(
             options, self._make_client, status_topic=None, clock=self._clock, random=self._random
         )
-        tell = partial(self.tell, device.device_id)
-        return Presence(plate, dialect, connection, tell, self.counters, self._lines)
+        return Presence(plate, dialect, connection, partial(self.tell, plate.device_id), self.counters, self._lines)
 
 
 def _first_midnight(now: float, lived: float) -> float:

@@ -17,6 +17,7 @@ import anyio
 import structlog
 
 from homebot.errors import LinkError, RefusedError
+from homebot.house.condition import Condition
 from homebot.house.dialect import Dialect, Nameplate, Outgoing
 from homebot.log import LogLimit
 from homebot.mqtt.client import Subscription
@@ -76,6 +77,7 @@ class Presence:
         self._device = device
         self._dialect = dialect
         self._connection = connection
+        self._condition = Condition(word="")
         self._last: tuple[Outgoing, ...] = ()
         self._again: tuple[Outgoing, ...] = ()
         self._tell = tell
@@ -86,14 +88,14 @@ class Presence:
         self._queue: deque[Outgoing] = deque()
         self._queued = asyncio.Event()  # anyio's cannot be cleared, and a new one for each message costs
 
-    def begin(self, word: str, *, has_power: bool) -> None:
-        """Begin with *word*, said at the first link; before :meth:`live`."""
-        self._keep(word)
+    def begin(self, condition: Condition, *, has_power: bool) -> None:
+        """Begin in *condition*, which is said at the first link; before :meth:`live`."""
+        self._keep(condition)
         self._has_power = has_power
 
-    def say(self, word: str) -> None:
-        """Say *word*, and again at each heartbeat and new link until there is another; never waits."""
-        self._keep(word)
+    def say(self, condition: Condition) -> None:
+        """Say the last word of *condition*, and again at each heartbeat and new link until another; never waits."""
+        self._keep(condition)
         if self._is_heard:
             self._enqueue(self._last)
         else:
@@ -131,8 +133,9 @@ class Presence:
     def _is_heard(self) -> bool:
         return self._has_power and self._connection.state.phase is LinkPhase.CONNECTED
 
-    def _keep(self, word: str) -> None:
-        self._last = self._dialect.said(self._device, word)
+    def _keep(self, condition: Condition) -> None:
+        self._condition = condition
+        self._last = self._dialect.said(self._device, condition)
         self._again = tuple(replace(message, qos=0) for message in self._last)
 
     def _enqueue(self, messages: tuple[Outgoing, ...]) -> None:
@@ -177,4 +180,5 @@ class Presence:
                 for command in self._dialect.told(self._device, message.topic, message.payload):
                     self._counters.told += 1
                     self._tell(command)
+                self._enqueue(self._dialect.answers(self._device, self._condition, message.topic, message.payload))
             self._connection.ack(messages)

@@ -1,0 +1,80 @@
+"""How a simulated device is, as far as it says: what a message of its whole state is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from homebot.house.device import Machine, number
+from homebot.house.lamp import Lamp
+from homebot.house.motor import WindowMotor
+from homebot.house.thermostat import Thermostat
+
+__all__ = ["Condition", "condition_of"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Condition:
+    """What a device says of itself; what its kind does not have keeps its default.
+
+    Attributes:
+        word: Its last word, for example ``on``, ``opening``, ``locked`` or ``21.5``.
+        is_on: Of a lamp: whether it shines.
+        brightness: Of a lamp: how bright it is while on, 0 to 1.
+        kelvin: Of a lamp: its colour temperature.
+        position: Of a motor: 0 is closed, 1 is open.
+        way: Of a motor: 1 while it opens, -1 while it closes, 0 at rest.
+        value: The number that a sensor says; 0 where it says none.
+        celsius: Of a thermostat: the room's temperature.
+        target: Of a thermostat: what it should be.
+        heats: Of a thermostat: whether it heats.
+    """
+
+    word: str
+    is_on: bool = False
+    brightness: float = 1.0
+    kelvin: float = 2700.0
+    position: float = 0.0
+    way: int = 0
+    value: float = 0.0
+    celsius: float = 20.0
+    target: float = 20.0
+    heats: bool = False
+
+
+def condition_of(device: Machine, word: str) -> Condition:
+    """Return how *device* is, if its last word is *word*, which may be a lie.
+
+    Args:
+        device: The device itself, under all its faults.
+        word: What was heard of it.
+    """
+    if isinstance(device, Lamp):
+        return _lamp(device, word)
+    if isinstance(device, WindowMotor):
+        return _motor(device, word)
+    if isinstance(device, Thermostat):
+        return Condition(word=word, celsius=device.celsius, target=device.target, heats=device.heats)
+    return Condition(word=word, value=number(word, float("-inf"), float("inf")) or 0.0)
+
+
+def _lamp(lamp: Lamp, word: str) -> Condition:
+    now = Condition(word=word, is_on=lamp.is_on, brightness=lamp.brightness, kelvin=lamp.kelvin)
+    if word in {"on", "off"}:
+        return replace(now, is_on=word == "on")
+    if word.endswith(" K"):
+        kelvin = number(word.removesuffix(" K"), 1.0, 100_000.0)
+        return now if kelvin is None else replace(now, kelvin=kelvin)
+    brightness = number(word, 0.0, 1.0)
+    if brightness is None:
+        return now
+    return replace(now, is_on=brightness > 0, brightness=brightness or now.brightness)
+
+
+def _motor(motor: WindowMotor, word: str) -> Condition:
+    now = Condition(word=word, position=motor.position, way=0)
+    if word in {"opening", "closing"}:
+        return replace(now, way=1 if word == "opening" else -1)
+    if word in {"open", "closed"}:
+        return replace(now, position=1.0 if word == "open" else 0.0)
+    position = number(word, 0.0, 1.0)
+    return now if position is None else replace(now, position=position)

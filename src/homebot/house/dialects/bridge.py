@@ -1,0 +1,61 @@
+"""A bridge as a device of its own on the wire: it says what the bridge says, hears nothing and does nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from homebot.house.condition import Condition
+from homebot.house.dialect import Bridge, Nameplate, Outgoing
+
+__all__ = ["BridgeDialect"]
+
+
+class BridgeDialect:
+    """Fills the port for one bridge.
+
+    Args:
+        bridge: What it says.
+    """
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """A bridge is no device that a house describes."""
+        return frozenset()
+
+    def filters(self, device: Nameplate) -> tuple[str, ...]:
+        """Return none."""
+        del device
+        return ()
+
+    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+        """Return what the bridge says on each new link."""
+        del device
+        return self._bridge.birth
+
+    def will(self, device: Nameplate) -> Outgoing | None:
+        """Return what the broker says when the bridge vanishes."""
+        del device
+        return self._bridge.will
+
+    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+        """Return nothing."""
+        del device, condition
+        return ()
+
+    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+        """Return nothing."""
+        del device, topic, payload
+        return ()
+
+    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+        """Return nothing."""
+        del device, condition, topic, payload
+        return ()
+
+    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+        """Return None: it is one."""
+        del devices
+        return None

@@ -1,0 +1,117 @@
+"""Devices that speak Homie 5, with the types of the smart-home profile of its libraries.
+
+A device ``ID`` describes itself on ``homie/5/ID/$description`` and says on ``$state`` whether it is there. The broker
+keeps all that it says. It hears on ``homie/5/ID/NODE/PROPERTY/set``.
+
+Source: Homie convention 5.0; types of hc-smarthome v2.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from homebot.house.condition import Condition
+from homebot.house.device import spoken
+from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialects.homie_nodes import NODES
+from homebot.house.dialects.wire import as_json, as_number, as_text, hardware_address, lamp_order
+
+__all__ = ["HomieDialect"]
+
+MIRED = 1e6
+
+
+class HomieDialect:
+    """Devices of one Homie domain.
+
+    Args:
+        domain: First level of their topics.
+    """
+
+    def __init__(self, domain: str = "homie") -> None:
+        self._domain = domain
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """All but robots."""
+        return frozenset(NODES)
+
+    def filters(self, device: Nameplate) -> tuple[str, ...]:
+        """Return where its properties can be set."""
+        return (f"{self._base(device)}/+/+/set",)
+
+    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+        """Return how it begins, what it is, and that it is ready; all kept."""
+        base = self._base(device)
+        nodes = {name: node.description() for name, node in NODES[device.kind].items()}
+        description = {"homie": "5.0", "version": 1, "name": device.device_id, "nodes": nodes}
+        return (
+            Outgoing(f"{base}/$state", b"init", retain=True),
+            Outgoing(f"{base}/$description", as_json(description), retain=True),
+            Outgoing(f"{base}/$state", b"ready", retain=True),
+        )
+
+    def will(self, device: Nameplate) -> Outgoing:
+        """Return that it is lost, kept."""
+        return Outgoing(f"{self._base(device)}/$state", b"lost", retain=True)
+
+    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+        """Return its properties, kept, each on its own topic."""
+        base = self._base(device)
+        return tuple(
+            Outgoing(f"{base}/{name}/{key}", value.encode(), retain=True)
+            for name, node in NODES[device.kind].items()
+            for key, value in node.values(condition).items()
+        )
+
+    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+        """Return what the value of a property means."""
+        property_id, text = topic.split("/")[-2], as_text(payload)
+        wanted = as_number(text)
+        if property_id == "action":
+            return _action(device.kind, text)
+        if property_id == "state":
+            return _state(device.kind, text)
+        if wanted is None:
+            return ()
+        if property_id == "color-temperature":
+            return lamp_order(kelvin=MIRED / wanted) if wanted else ()
+        if property_id == "value":
+            return lamp_order(brightness=wanted / 100) if device.kind == "lamp" else ()
+        return {"position": (spoken(wanted / 100),), "set-temperature": (spoken(wanted),)}.get(property_id, ())
+
+    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+        """Return nothing: the broker keeps all they say."""
+        del device, condition, topic, payload
+        return ()
+
+    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+        """Return None: each speaks for itself."""
+        del devices
+        return None
+
+    def _base(self, device: Nameplate) -> str:
+        return f"{self._domain}/5/{_id(device)}"
+
+
+def _id(device: Nameplate) -> str:
+    """A Homie id: lower-case letters, digits and ``-``."""
+    name = f"{device.home}-{device.device_id}"
+    plain = re.sub(r"[^a-z0-9-]", "-", name.lower())
+    return plain if plain == name else f"{plain}-{hardware_address(device)[-6:]}"
+
+
+def _state(kind: str, text: str) -> tuple[str, ...]:
+    wanted = {"true": True, "false": False}.get(text)
+    if wanted is None:
+        return ()
+    if kind == "lock":
+        return ("lock" if wanted else "unlock",)
+    return lamp_order(is_on=wanted) if kind == "lamp" else ()
+
+
+def _action(kind: str, text: str) -> tuple[str, ...]:
+    if kind in {"window", "cover"}:
+        return {"up": ("open",), "down": ("close",), "stop": ("stop",)}.get(text, ())
+    return (text,) if kind == "lock" and text in {"lock", "unlock"} else ()

@@ -1,0 +1,110 @@
+"""The Homie nodes that each kind of device has, with their properties and values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from homebot.house.condition import Condition
+from homebot.house.device import spoken
+
+__all__ = ["NODES", "Node"]
+
+PROFILE = "hc-smarthome/v2/cap"
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A node.
+
+    Attributes:
+        type: The capability that it is.
+        properties: What can be read or set.
+        values: Returns the values that a device in some condition says.
+    """
+
+    type: str
+    properties: Mapping[str, Mapping[str, object]]
+    values: Callable[[Condition], Mapping[str, str]]
+
+    def description(self) -> dict[str, object]:
+        """Return it as the device's description has it."""
+        return {"type": f"{PROFILE}/{self.type}", "properties": dict(self.properties)}
+
+
+_PERCENT = {"datatype": "integer", "format": "0:100", "unit": "%", "settable": True}
+_DIRECTION = {"datatype": "enum", "format": "up,down,stop", "settable": True, "retained": False}
+_TARGET = {"datatype": "float", "format": "5:30:0.5", "unit": "°C", "settable": True}
+_WARMTH = {"datatype": "integer", "format": "112:666", "unit": "MK⁻¹", "settable": True}
+
+_LAMP = {
+    "switch": Node(
+        "switch", {"state": {"datatype": "boolean", "settable": True}}, lambda lamp: {"state": _boolean(lamp.is_on)}
+    ),
+    "level": Node("level", {"value": _PERCENT}, lambda lamp: {"value": spoken(lamp.brightness * 100, 0)}),
+    "color": Node(
+        "color", {"color-temperature": _WARMTH}, lambda lamp: {"color-temperature": spoken(1e6 / lamp.kelvin, 0)}
+    ),
+}
+_MOTOR = {
+    "shutter": Node(
+        "shutter",
+        {"position": _PERCENT, "action": _DIRECTION},
+        lambda motor: {"position": spoken(motor.position * 100, 0)},
+    )
+}
+
+NODES: Mapping[str, Mapping[str, Node]] = MappingProxyType(
+    {
+        "lamp": _LAMP,
+        "window": _MOTOR,
+        "cover": _MOTOR,
+        "lock": {
+            "lock": Node(
+                "lock",
+                {"state": {"datatype": "boolean", "settable": True}},
+                lambda lock: {"state": _boolean(lock.word == "locked")},
+            )
+        },
+        "contact": {
+            "contact": Node(
+                "contact", {"state": {"datatype": "boolean"}}, lambda door: {"state": _boolean(door.word == "open")}
+            )
+        },
+        "motion": {
+            "motion": Node(
+                "motion", {"motion": {"datatype": "boolean"}}, lambda room: {"motion": _boolean(room.word == "motion")}
+            )
+        },
+        "lux": {
+            "illuminance": Node(
+                "illuminance",
+                {"illuminance": {"datatype": "float", "unit": "lx"}},
+                lambda lux: {"illuminance": spoken(lux.value)},
+            )
+        },
+        "power_meter": {
+            "powermeter": Node(
+                "powermeter",
+                {"power": {"datatype": "float", "unit": "W"}},
+                lambda meter: {"power": spoken(meter.value)},
+            )
+        },
+        "thermostat": {
+            "thermostat": Node(
+                "thermostat", {"set-temperature": _TARGET}, lambda room: {"set-temperature": spoken(room.target)}
+            ),
+            "climate": Node(
+                "climate",
+                {"temperature": {"datatype": "float", "unit": "°C"}},
+                lambda room: {"temperature": spoken(room.celsius, 1)},
+            ),
+        },
+    }
+)
+"""By kind and by the node's id."""
+
+
+def _boolean(value: bool) -> str:  # noqa: FBT001 - it is the value that is spelled
+    return "true" if value else "false"

@@ -1,0 +1,146 @@
+"""Shelly devices of the first generation: they announce themselves when they are born or asked to.
+
+A device ``MODEL-MAC`` speaks below ``shellies/MODEL-MAC``: ``online``, and its component, for example ``light/0``,
+``light/0/status`` and ``light/0/command``. The broker keeps only ``online``.
+
+Source: Shelly API documentation, Gen1, "MQTT".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from homebot.house.condition import Condition
+from homebot.house.device import spoken
+from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialects.wire import (
+    as_json,
+    as_number,
+    as_object,
+    as_text,
+    cover_order,
+    hardware_address,
+    lamp_order,
+)
+
+__all__ = ["ShellyDialect"]
+
+ALL = "shellies/command"
+
+
+@dataclass(frozen=True, slots=True)
+class _Model:
+    """A product: its name in topics, its type code, and the mode it is in."""
+
+    name: str
+    code: str
+    mode: str = ""
+    listens: tuple[str, ...] = ()
+
+
+_ROLLER = _Model("shellyswitch25", "SHSW-25", "roller", ("roller/0/command", "roller/0/command/pos"))
+_MODELS: Mapping[str, _Model] = MappingProxyType(
+    {
+        "lamp": _Model("ShellyBulbDuo", "SHBDUO-1", listens=("light/0/command", "light/0/set")),
+        "window": _ROLLER,
+        "cover": _ROLLER,
+        "contact": _Model("shellydw2", "SHDW-2"),
+        "power_meter": _Model("shellyem", "SHEM"),
+    }
+)
+
+
+class ShellyDialect:
+    """Devices with the topics that they have out of the box."""
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """Lamps, motors, contacts and meters."""
+        return frozenset(_MODELS)
+
+    def filters(self, device: Nameplate) -> tuple[str, ...]:
+        """Return where it takes commands, and where all Shellys do."""
+        base = _base(device)
+        return (ALL, f"{base}/command", *(f"{base}/{level}" for level in _MODELS[device.kind].listens))
+
+    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+        """Return that it is online, kept, and its announcement."""
+        return (Outgoing(f"{_base(device)}/online", b"true", retain=True), *_announced(device))
+
+    def will(self, device: Nameplate) -> Outgoing:
+        """Return that it is offline, kept."""
+        return Outgoing(f"{_base(device)}/online", b"false", retain=True)
+
+    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+        """Return its state."""
+        base = _base(device)
+        return tuple(Outgoing(f"{base}/{level}", payload) for level, payload in _state(device.kind, condition).items())
+
+    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+        """Return what a command means."""
+        channel = topic.removeprefix(f"{_base(device)}/")
+        if channel not in _MODELS[device.kind].listens:
+            return ()
+        text = as_text(payload)
+        if channel == "light/0/set":
+            wanted = as_object(payload)
+            brightness = as_number(wanted.get("brightness"))
+            return lamp_order(
+                is_on={"on": True, "off": False}.get(str(wanted.get("turn"))),
+                brightness=None if brightness is None else brightness / 100,
+                kelvin=as_number(wanted.get("temp")),
+            )
+        if channel == "light/0/command":
+            return lamp_order(is_on={"on": True, "off": False}.get(text))
+        if channel == "roller/0/command":
+            return cover_order(text)
+        position = as_number(text)
+        return () if position is None else (spoken(position / 100),)
+
+    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+        """Return its announcement or its state, where ``announce`` or ``update`` asked for it."""
+        if topic not in {ALL, f"{_base(device)}/command"}:
+            return ()
+        return {"announce": _announced(device), "update": self.said(device, condition)}.get(as_text(payload), ())
+
+    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+        """Return None: each speaks for itself."""
+        del devices
+        return None
+
+
+def _base(device: Nameplate) -> str:
+    return f"shellies/{_id(device)}"
+
+
+def _id(device: Nameplate) -> str:
+    return f"{_MODELS[device.kind].name}-{hardware_address(device).upper()}"
+
+
+def _announced(device: Nameplate) -> tuple[Outgoing, ...]:
+    model = _MODELS[device.kind]
+    says = {
+        "id": _id(device),
+        "model": model.code,
+        "mac": hardware_address(device).upper(),
+        "ip": "192.0.2.1",
+        "new_fw": False,
+        "fw_ver": "20230913-112003/v1.14.0-gcb84623",
+        **({"mode": model.mode} if model.mode else {}),
+    }
+    return tuple(Outgoing(topic, as_json(says)) for topic in ("shellies/announce", f"{_base(device)}/announce"))
+
+
+def _state(kind: str, condition: Condition) -> dict[str, bytes]:
+    if kind == "lamp":
+        brightness = round(condition.brightness * 100)
+        status = {"ison": condition.is_on, "brightness": brightness, "temp": round(condition.kelvin)}
+        return {"light/0": b"on" if condition.is_on else b"off", "light/0/status": as_json(status)}
+    if kind == "contact":
+        return {"sensor/state": b"open" if condition.word == "open" else b"close"}
+    if kind == "power_meter":
+        return {"emeter/0/power": spoken(condition.value, 2).encode()}
+    moves = {1: b"open", -1: b"close"}.get(condition.way, b"stop")
+    return {"roller/0": moves, "roller/0/pos": spoken(condition.position * 100, 0).encode()}

@@ -1,0 +1,133 @@
+"""Shelly devices of the second generation and later: they say who they are only when they are asked.
+
+A device ``MODEL-mac`` takes calls on ``MODEL-mac/rpc``, answers on ``SRC/rpc``, where ``SRC`` is the caller's, tells on
+``MODEL-mac/events/rpc`` what changed, and keeps at the broker only ``MODEL-mac/online``.
+
+Source: Shelly API documentation, Gen2, "MQTT" and "RPC protocol".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from homebot.house.condition import Condition
+from homebot.house.device import spoken
+from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialects.wire import as_json, as_number, as_object, cover_order, hardware_address, lamp_order
+
+__all__ = ["ShellyRpcDialect"]
+
+NOT_FOUND = 404
+MODELS = {"lamp": "shellydimmerg3", "window": "shellyplus2pm", "cover": "shellyplus2pm"}
+COMPONENTS = {"lamp": "light:0", "window": "cover:0", "cover": "cover:0"}
+
+
+class ShellyRpcDialect:
+    """Devices with the topics that they have out of the box."""
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """Lamps and motors."""
+        return frozenset(MODELS)
+
+    def filters(self, device: Nameplate) -> tuple[str, ...]:
+        """Return where it takes calls."""
+        return (f"{_id(device)}/rpc",)
+
+    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+        """Return that it is online, kept."""
+        return (Outgoing(f"{_id(device)}/online", b"true", retain=True),)
+
+    def will(self, device: Nameplate) -> Outgoing:
+        """Return that it is offline, kept."""
+        return Outgoing(f"{_id(device)}/online", b"false", retain=True)
+
+    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+        """Return its state, as news."""
+        news = {
+            "src": _id(device),
+            "dst": f"{_id(device)}/events",
+            "method": "NotifyStatus",
+            "params": {"ts": 0.0, COMPONENTS[device.kind]: _status(device.kind, condition)},
+        }
+        return (Outgoing(f"{_id(device)}/events/rpc", as_json(news)),)
+
+    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+        """Return what a call tells it to do."""
+        del topic
+        call = as_object(payload)
+        given = call.get("params")
+        wanted = given if isinstance(given, dict) else {}
+        component, _, verb = str(call.get("method")).lower().partition(".")
+        if component != COMPONENTS[device.kind].removesuffix(":0"):
+            return ()
+        if component == "light":
+            brightness, is_on = as_number(wanted.get("brightness")), wanted.get("on")
+            share = None if brightness is None else brightness / 100
+            return (
+                lamp_order(is_on=is_on if isinstance(is_on, bool) else None, brightness=share) if verb == "set" else ()
+            )
+        position = as_number(wanted.get("pos"))
+        if verb == "gotoposition":
+            return () if position is None else (spoken(position / 100),)
+        return cover_order(verb)
+
+    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+        """Return the answer to a call; a call without ``src`` gets none."""
+        del topic
+        call = as_object(payload)
+        caller = call.get("src")
+        if not isinstance(caller, str) or not caller or any(sign in caller for sign in "+#\0"):
+            return ()
+        method = str(call.get("method"))
+        own = COMPONENTS[device.kind]
+        results: Mapping[str, object] = {
+            "Shelly.GetDeviceInfo": _info(device),
+            "Shelly.GetStatus": {own: _status(device.kind, condition), "sys": {"mac": _mac(device)}},
+            "Shelly.GetConfig": {own: {"id": 0, "name": None}, "sys": {"device": {"name": device.device_id}}},
+        }
+        answer: dict[str, object] = {"id": call.get("id"), "src": _id(device), "dst": caller}
+        if method in results:
+            answer["result"] = results[method]
+        elif method.lower().startswith(own.removesuffix("0").replace(":", ".")):
+            answer["result"] = None
+        else:
+            answer["error"] = {"code": NOT_FOUND, "message": f"No handler for {method[:100]}"}
+        return (Outgoing(f"{caller[:200]}/rpc", as_json(answer)),)
+
+    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+        """Return None: each speaks for itself."""
+        del devices
+        return None
+
+
+def _id(device: Nameplate) -> str:
+    return f"{MODELS[device.kind]}-{hardware_address(device)}"
+
+
+def _mac(device: Nameplate) -> str:
+    return hardware_address(device).upper()
+
+
+def _info(device: Nameplate) -> dict[str, object]:
+    model = MODELS[device.kind]
+    return {
+        "name": device.device_id,
+        "id": _id(device),
+        "mac": _mac(device),
+        "model": model,
+        "gen": 3 if device.kind == "lamp" else 2,
+        "ver": "1.4.4",
+        "app": model,
+        "auth_en": False,
+        **({} if device.kind == "lamp" else {"profile": "cover"}),
+    }
+
+
+def _status(kind: str, condition: Condition) -> dict[str, object]:
+    if kind == "lamp":
+        brightness = round(condition.brightness * 100)
+        return {"id": 0, "source": "mqtt", "output": condition.is_on, "brightness": brightness}
+    rests = "open" if condition.position else "closed"
+    state = {1: "opening", -1: "closing"}.get(condition.way, rests)
+    return {"id": 0, "state": state, "pos_control": True, "current_pos": round(condition.position * 100)}

@@ -1,0 +1,173 @@
+"""Devices with Tasmota's firmware, which announce themselves on ``tasmota/discovery/MAC``.
+
+A device with the topic ``T`` says on ``tele/T/STATE`` or ``tele/T/SENSOR`` how it is, again when it is asked on
+``cmnd/T/STATE`` or ``cmnd/T/STATUS``, and on ``tele/T/LWT`` whether it is there; it hears on ``cmnd/T/…``.
+
+Source: Tasmota documentation, "MQTT" and "Commands", firmware 14; hatasmota 0.10 for the announcement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from homebot.house.condition import Condition
+from homebot.house.device import spoken
+from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialects.wire import (
+    as_json,
+    as_number,
+    as_text,
+    cover_order,
+    hardware_address,
+    lamp_order,
+    node_name,
+)
+
+__all__ = ["TasmotaDialect"]
+
+COLDEST, WARMEST = 153, 500
+"""Mired, as far as a Tasmota lamp goes."""
+
+RELAYS = {"lamp": (2,), "window": (3, 3), "cover": (3, 3)}
+SWITCHES = frozenset({"contact", "motion"})
+SENSORS = {"lux": ("BH1750", "Illuminance"), "power_meter": ("ENERGY", "Power")}
+
+
+class TasmotaDialect:
+    """Devices with Tasmota's default topics.
+
+    Args:
+        prefix: Where they announce themselves.
+    """
+
+    def __init__(self, prefix: str = "tasmota/discovery") -> None:
+        self._prefix = prefix
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """Lamps, motors, contacts, motion sensors, light sensors and meters."""
+        return frozenset({*RELAYS, *SWITCHES, *SENSORS})
+
+    def filters(self, device: Nameplate) -> tuple[str, ...]:
+        """Return where it takes commands."""
+        return (f"cmnd/{_topic(device)}/+",)
+
+    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+        """Return its two announcements, and that it is online; all kept."""
+        mac = hardware_address(device).upper()
+        return (
+            Outgoing(f"{self._prefix}/{mac}/config", as_json(_config(device, mac)), retain=True),
+            Outgoing(f"{self._prefix}/{mac}/sensors", as_json({"sn": _sensors(device), "ver": 1}), retain=True),
+            Outgoing(f"tele/{_topic(device)}/LWT", b"Online", retain=True),
+        )
+
+    def will(self, device: Nameplate) -> Outgoing:
+        """Return that it is offline, kept."""
+        return Outgoing(f"tele/{_topic(device)}/LWT", b"Offline", retain=True)
+
+    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+        """Return its state, as in each period."""
+        if device.kind in SENSORS or device.kind in SWITCHES:
+            return (Outgoing(f"tele/{_topic(device)}/SENSOR", as_json(_reading(device, condition))),)
+        if device.kind == "lamp":
+            return (Outgoing(f"tele/{_topic(device)}/STATE", as_json(_lamp_state(condition))),)
+        return (Outgoing(f"stat/{_topic(device)}/RESULT", as_json(_shutter(condition))),)
+
+    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+        """Return what a command means, or all those of a ``Backlog``."""
+        name, value = topic.rpartition("/")[2].lower(), as_text(payload)
+        if name.rstrip("0123456789") != "backlog":
+            return _told(device.kind, name, value)
+        orders = (order.strip().partition(" ") for order in value.split(";"))
+        return tuple(word for order, _, wanted in orders for word in _told(device.kind, order.lower(), wanted.strip()))
+
+    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+        """Return its state where ``STATE``, its readings where ``STATUS 10`` was asked for."""
+        name = topic.rpartition("/")[2].lower()
+        if name == "state" and device.kind == "lamp":
+            return self.said(device, condition)
+        if name.startswith("shutterposition") and device.kind in RELAYS and not payload:
+            return self.said(device, condition)
+        if name == "status" and as_text(payload) == "10":
+            reading = _shutter(condition) if device.kind in RELAYS else _reading(device, condition)
+            return (Outgoing(f"stat/{_topic(device)}/STATUS10", as_json({"StatusSNS": reading})),)
+        return ()
+
+    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+        """Return None: each speaks for itself."""
+        del devices
+        return None
+
+
+def _topic(device: Nameplate) -> str:
+    return node_name(device)
+
+
+def _config(device: Nameplate, mac: str) -> dict[str, object]:
+    relays = RELAYS.get(device.kind, ())
+    return {
+        "ip": "192.0.2.1",
+        "dn": device.device_id,
+        "fn": [device.device_id, *[None] * 7],
+        "hn": node_name(device),
+        "mac": mac,
+        "md": f"Simulated {device.kind}",
+        "ty": 0,
+        "if": 0,
+        "ofln": "Offline",
+        "onln": "Online",
+        "state": ["OFF", "ON", "TOGGLE", "HOLD"],
+        "sw": "14.4.1",
+        "t": _topic(device),
+        "ft": "%prefix%/%topic%/",
+        "tp": ["cmnd", "stat", "tele"],
+        "rl": [*relays, *[0] * (32 - len(relays))],
+        "swc": [1 if device.kind in SWITCHES else -1, *[-1] * 27],
+        "swn": [device.device_id if device.kind in SWITCHES else None, *[None] * 27],
+        "btn": [0] * 32,
+        "so": {"4": 0, "11": 0, "13": 0, "17": 0, "20": 0, "30": 0, "68": 0, "73": 0, "82": 0, "114": 1, "117": 0},
+        "lk": 1,
+        "lt_st": 2 if device.kind == "lamp" else 0,
+        "sho": [0] * 4,
+        "sht": [[0, 0, 0]] * 4,
+        "bat": 0,
+        "dslp": 0,
+        "ver": 1,
+    }
+
+
+def _sensors(device: Nameplate) -> dict[str, object]:
+    if device.kind in SENSORS:
+        chip, quantity = SENSORS[device.kind]
+        return {chip: {quantity: 0}}
+    return {"Switch1": "OFF"} if device.kind in SWITCHES else {}
+
+
+def _reading(device: Nameplate, condition: Condition) -> dict[str, object]:
+    if device.kind in SENSORS:
+        chip, quantity = SENSORS[device.kind]
+        return {chip: {quantity: condition.value}}
+    return {"Switch1": "ON" if condition.word in {"open", "motion"} else "OFF"}
+
+
+def _lamp_state(lamp: Condition) -> dict[str, object]:
+    mireds = min(max(round(1e6 / lamp.kelvin), COLDEST), WARMEST)
+    return {"POWER": "ON" if lamp.is_on else "OFF", "Dimmer": round(lamp.brightness * 100), "CT": mireds}
+
+
+def _shutter(motor: Condition) -> dict[str, object]:
+    return {"Shutter1": {"Position": round(motor.position * 100), "Direction": motor.way}}
+
+
+def _told(kind: str, name: str, value: str) -> tuple[str, ...]:
+    name = name.rstrip("0123456789")
+    wanted = as_number(value)
+    if kind == "lamp" and name == "power":
+        return lamp_order(is_on={"on": True, "1": True, "off": False, "0": False}.get(value.lower()))
+    if wanted is None:
+        return cover_order(name.removeprefix("shutter")) if kind in {"window", "cover"} else ()
+    if kind == "lamp":
+        if name == "ct":
+            return lamp_order(kelvin=1e6 / wanted) if wanted else ()
+        return lamp_order(brightness=wanted / 100) if name == "dimmer" else ()
+    return (spoken(wanted / 100),) if name == "shutterposition" and kind in {"window", "cover"} else ()

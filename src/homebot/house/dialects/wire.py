@@ -1,0 +1,88 @@
+"""What several dialects need to write and read payloads and to name devices."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Mapping
+
+from homebot.house.device import spoken
+from homebot.house.dialect import Nameplate
+
+__all__ = ["as_json", "as_number", "as_object", "as_text", "cover_order", "hardware_address", "lamp_order", "node_name"]
+
+LONGEST = 10_000
+"""Bytes of a command; none of a device is as long."""
+
+STEPS = 4
+"""Decimals of a share of 1: finer than any device's own steps."""
+
+
+def as_json(value: object) -> bytes:
+    """Return *value* as compact JSON."""
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode(errors="replace")
+
+
+def as_object(payload: bytes) -> Mapping[str, object]:
+    """Return the JSON object in *payload*; empty where there is none."""
+    if len(payload) > LONGEST:
+        return {}
+    try:
+        value = json.loads(payload)
+    except (ValueError, RecursionError):
+        return {}
+    return value if isinstance(value, dict) else {}
+
+
+def as_text(payload: bytes) -> str:
+    """Return the text in *payload*, without blanks around it; what is no UTF-8 becomes U+FFFD."""
+    return payload[:LONGEST].decode(errors="replace").strip()
+
+
+def as_number(value: object) -> float | None:
+    """Return the number that *value* is or spells; None where it is or spells none."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    try:
+        found = float(value)
+    except (ValueError, OverflowError):
+        return None
+    return found if math.isfinite(found) else None
+
+
+def lamp_order(
+    *, is_on: bool | None = None, brightness: float | None = None, kelvin: float | None = None
+) -> tuple[str, ...]:
+    """Return the commands to a lamp for one message: what it should be, None where the message does not say.
+
+    Args:
+        is_on: Whether it should shine.
+        brightness: 0 to 1; above 0 lights it, as lamps of all families do.
+        kelvin: Its colour temperature.
+    """
+    warmth = () if kelvin is None else (f"{spoken(kelvin)} K",)
+    if is_on is False:
+        return (*warmth, "off")
+    if brightness is not None:
+        return (*warmth, spoken(brightness, STEPS))
+    return (*warmth, *(() if is_on is None else ("on",)))
+
+
+def cover_order(word: str) -> tuple[str, ...]:
+    """Return the command for ``open``, ``close`` or ``stop`` in any case; empty for another word."""
+    return (word.lower(),) if word.lower() in {"open", "close", "stop"} else ()
+
+
+def hardware_address(device: Nameplate, digits: int = 12) -> str:
+    """Return hexadecimal digits that are *device*'s alone, the same in every run, marked as locally given out."""
+    digest = hashlib.sha256(f"{device.home}/{device.device_id}".encode(errors="replace")).hexdigest()
+    return f"02{digest[: digits - 2]}"
+
+
+def node_name(device: Nameplate) -> str:
+    """Return a name of letters, digits, ``_`` and ``-`` that no other device of any home has."""
+    name = f"{device.home}-{device.device_id}"
+    plain = re.sub(r"[^A-Za-z0-9_-]", "-", name)
+    return plain if plain == name else f"{plain}-{hardware_address(device)[-6:]}"

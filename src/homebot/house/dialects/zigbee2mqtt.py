@@ -1,0 +1,188 @@
+"""Zigbee devices behind Zigbee2MQTT, as it speaks with default settings and availability switched on.
+
+The bridge lists its devices on ``BASE/bridge/devices``. A device says its whole state as JSON on ``BASE/NAME``, which
+the broker does not keep, and again when it is asked on ``BASE/NAME/get``; it hears on ``BASE/NAME/set``.
+
+Source: Zigbee2MQTT 2.14, guide "MQTT topics and messages".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+
+from homebot.house.condition import Condition
+from homebot.house.device import spoken
+from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialects.wire import (
+    as_json,
+    as_number,
+    as_object,
+    as_text,
+    cover_order,
+    hardware_address,
+    lamp_order,
+)
+from homebot.house.dialects.zigbee2mqtt_exposes import EXPOSES
+
+__all__ = ["Zigbee2MqttDialect"]
+
+LEVELS = 254
+MIRED = 1e6
+
+
+class Zigbee2MqttDialect:
+    """Devices of one bridge.
+
+    Args:
+        base: The bridge's base topic.
+    """
+
+    def __init__(self, base: str = "zigbee2mqtt") -> None:
+        self._base = base
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """All but robots."""
+        return frozenset(EXPOSES)
+
+    def filters(self, device: Nameplate) -> tuple[str, ...]:
+        """Return where it takes commands and questions."""
+        topic = self._topic(device)
+        return (f"{topic}/set", f"{topic}/set/+", f"{topic}/get")
+
+    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+        """Return that it is online, kept."""
+        return (Outgoing(f"{self._topic(device)}/availability", b'{"state":"online"}', retain=True),)
+
+    def will(self, device: Nameplate) -> Outgoing:
+        """Return that it is offline, kept, as the bridge finds out sooner or later."""
+        return Outgoing(f"{self._topic(device)}/availability", b'{"state":"offline"}', retain=True)
+
+    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+        """Return its whole state."""
+        return (Outgoing(self._topic(device), as_json(_STATES[device.kind](condition))),)
+
+    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+        """Return what a command means: an object of properties, the value of one, or a word for its state."""
+        base, _, rest = topic.removeprefix(self._topic(device)).removeprefix("/").partition("/")
+        if base != "set":
+            return ()
+        return _told(device.kind, {rest or "state": as_text(payload), **({} if rest else as_object(payload))})
+
+    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+        """Return its state where it was asked for."""
+        del payload
+        return self.said(device, condition) if topic == f"{self._topic(device)}/get" else ()
+
+    def bridge(self, devices: Sequence[Nameplate]) -> Bridge:
+        """Return the bridge, which knows itself and *devices*."""
+        home = devices[0].home if devices else ""
+        itself = {
+            "ieee_address": _ieee(Nameplate(home, "bridge", "coordinator", "bridge", "")),
+            "type": "Coordinator",
+            "friendly_name": "Coordinator",
+            "supported": False,
+            "disabled": False,
+            "interview_state": "SUCCESSFUL",
+            "definition": None,
+        }
+        listed = as_json([itself, *(_entry(device) for device in devices)])
+        state = f"{self._base}/bridge/state"
+        return Bridge(
+            birth=(
+                Outgoing(state, b'{"state":"online"}', retain=True),
+                Outgoing(f"{self._base}/bridge/devices", listed, retain=True),
+            ),
+            will=Outgoing(state, b'{"state":"offline"}', retain=True),
+        )
+
+    def _topic(self, device: Nameplate) -> str:
+        return f"{self._base}/{device.device_id}"
+
+
+def _entry(device: Nameplate) -> dict[str, object]:
+    """The device in the bridge's list."""
+    return {
+        "ieee_address": _ieee(device),
+        "type": "Router" if device.kind in {"lamp", "cover", "window"} else "EndDevice",
+        "friendly_name": device.device_id,
+        "supported": True,
+        "disabled": False,
+        "interview_state": "SUCCESSFUL",
+        "definition": {
+            "model": f"SIM-{device.kind}",
+            "vendor": "homebot",
+            "description": f"Simulated {device.kind}",
+            "exposes": EXPOSES[device.kind],
+            "options": [],
+        },
+    }
+
+
+def _ieee(device: Nameplate) -> str:
+    return f"0x{hardware_address(device, 16)}"
+
+
+def _cover_state(motor: Condition) -> dict[str, object]:
+    return {
+        "state": "OPEN" if motor.position else "CLOSE",
+        "position": round(motor.position * 100),
+        "moving": {1: "UP", -1: "DOWN"}.get(motor.way, "STOP"),
+    }
+
+
+def _lamp_state(lamp: Condition) -> dict[str, object]:
+    return {
+        "state": "ON" if lamp.is_on else "OFF",
+        "brightness": max(1, round(lamp.brightness * LEVELS)),
+        "color_mode": "color_temp",
+        "color_temp": round(MIRED / lamp.kelvin),
+    }
+
+
+def _lock_state(lock: Condition) -> dict[str, object]:
+    where = lock.word if lock.word in {"locked", "unlocked"} else "not_fully_locked"
+    return {"state": "LOCK" if lock.word == "locked" else "UNLOCK", "lock_state": where}
+
+
+def _thermostat_state(thermostat: Condition) -> dict[str, object]:
+    return {
+        "local_temperature": round(thermostat.celsius, 1),
+        "occupied_heating_setpoint": round(thermostat.target, 3),
+        "system_mode": "heat",
+        "running_state": "heat" if thermostat.heats else "idle",
+    }
+
+
+_STATES: Mapping[str, Callable[[Condition], dict[str, object]]] = MappingProxyType(
+    {
+        "lamp": _lamp_state,
+        "window": _cover_state,
+        "cover": _cover_state,
+        "lock": _lock_state,
+        "contact": lambda door: {"contact": door.word != "open"},
+        "motion": lambda room: {"occupancy": room.word == "motion"},
+        "lux": lambda lux: {"illuminance": lux.value},
+        "power_meter": lambda meter: {"power": meter.value},
+        "thermostat": _thermostat_state,
+    }
+)
+
+
+def _told(kind: str, wanted: Mapping[str, object]) -> tuple[str, ...]:
+    state = str(wanted.get("state", ""))
+    if kind == "lamp":
+        brightness, mireds = as_number(wanted.get("brightness")), as_number(wanted.get("color_temp"))
+        return lamp_order(
+            is_on={"on": True, "off": False}.get(state.lower()),
+            brightness=None if brightness is None else brightness / LEVELS,
+            kelvin=MIRED / mireds if mireds else None,
+        )
+    if kind in {"window", "cover"}:
+        position = as_number(wanted.get("position"))
+        return cover_order(state) if position is None else (spoken(position / 100),)
+    if kind == "lock":
+        return (state.lower(),) if state in {"LOCK", "UNLOCK"} else ()
+    target = as_number(wanted.get("occupied_heating_setpoint")) if kind == "thermostat" else None
+    return () if target is None else (spoken(target),)
