@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import TypeAlias
+from typing import ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
 from homebot.devices.device import Device
 from homebot.devices.follow import Follow
 from homebot.devices.gateway_state import ONLY_OBSERVES, GatewayState
+from homebot.devices.handles import FollowHandles, Handle, Handles, Kind
 from homebot.devices.names import FIND_DEVICES, GatewayNames
 from homebot.devices.raw import RawCommand, RawMessage
 from homebot.devices.service_starts import service_starts
@@ -26,6 +27,9 @@ from homebot.log import LogLimit
 from homebot.messages import Time
 
 __all__ = ["Devices", "MessageHandler"]
+
+P = ParamSpec("P")
+HandleT = TypeVar("HandleT", bound=Handle)
 
 MessageHandler: TypeAlias = Callable[[RawMessage], Awaitable[None] | None]
 
@@ -54,18 +58,47 @@ class Devices:
         self._states: dict[str, Subscription[GatewayState]] = {}
         self._acting: dict[str, bool] = {}
         self._limit = LogLimit(node.graph.clock)
+        self._handles: Handles | None = None
 
-    async def find(self, service_type: str = "") -> tuple[Device, ...]:
-        """Return the devices that offer *service_type* (all when it is empty), sorted by id.
+    @overload
+    async def find(self, service_type: str = "") -> tuple[Device, ...]: ...
+
+    @overload
+    async def find(self, service_type: Kind[P, HandleT], *none: P.args, **query: P.kwargs) -> tuple[HandleT, ...]: ...
+
+    async def find(
+        self, service_type: str | Kind[P, HandleT] = "", *none: P.args, **query: P.kwargs
+    ) -> tuple[Device, ...] | tuple[HandleT, ...]:
+        """Return the devices that offer a service type, or the handles of a kind, sorted by id.
+
+        Args:
+            service_type: For example ``"lights"``, all when it is empty; or a kind, for example :class:`Light`.
+            none: Nothing stands in between.
+            query: What must be true of the handles, as the kind's ``wanted`` says: ``area="kitchen", on=True``.
 
         Raises:
             ServiceError: The directory does not answer.
         """
-        return (await self._find.call(FindDevicesRequest(service_type=service_type))).devices
+        if isinstance(service_type, str):
+            return (await self._find.call(FindDevicesRequest(service_type=service_type))).devices
+        return await self._typed().find(service_type.wanted(*none, **query))
 
-    def follow(self, service_type: str = "") -> Follow:
-        """Return a live query: ``async for change in devices.follow("lights")``; see :class:`Follow`."""
-        return Follow(self._node, service_type)
+    @overload
+    def follow(self, service_type: str = "") -> Follow: ...
+
+    @overload
+    def follow(self, service_type: Kind[P, HandleT], *none: P.args, **query: P.kwargs) -> FollowHandles[HandleT]: ...
+
+    def follow(
+        self, service_type: str | Kind[P, HandleT] = "", *none: P.args, **query: P.kwargs
+    ) -> Follow | FollowHandles[HandleT]:
+        """Return a live query: ``async for change in devices.follow("lights")``, or ``devices.follow(Light, on=True)``.
+
+        Arguments as for :meth:`find`; what comes is told by :class:`Follow` and :class:`FollowHandles`.
+        """
+        if isinstance(service_type, str):
+            return Follow(self._node, service_type)
+        return FollowHandles(self._node, self._typed(), service_type.wanted(*none, **query))
 
     async def listen(self, device: Device, handler: MessageHandler) -> None:
         """Call *handler* with every raw message of *device*, in order, one at a time.
@@ -104,6 +137,11 @@ class Devices:
                 if out.subscription_count:  # else the gateway went while its queue was full
                     return
         raise LinkError(f"{device.id} was not told {payload!r}: its gateway {endpoints[0].gateway} is not running")
+
+    def _typed(self) -> Handles:
+        if self._handles is None:
+            self._handles = Handles(self._node, self.tell)
+        return self._handles
 
     async def _want(self, gateway: str, address: str) -> None:
         self._wanted[gateway].add(address)

@@ -1,0 +1,54 @@
+"""Typed handles: one class for each kind of thing in a house, with what it tells and what it can be told."""
+
+from homebot.devices.handles.climate import AirConditioner, Thermostat
+from homebot.devices.handles.conditions import ContactSensor, OccupancySensor, SmokeAlarm, WaterLeakDetector
+from homebot.devices.handles.door_lock import DoorLock
+from homebot.devices.handles.fan import Fan
+from homebot.devices.handles.follow import FollowHandles, HandleChange
+from homebot.devices.handles.handle import Handle
+from homebot.devices.handles.handles import Handles
+from homebot.devices.handles.light import Light
+from homebot.devices.handles.measuring import (
+    ElectricalMeter,
+    HumiditySensor,
+    LightSensor,
+    PressureSensor,
+    TemperatureSensor,
+)
+from homebot.devices.handles.opening import Closure, WindowCovering
+from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
+from homebot.devices.handles.switchable import Plug, Siren, Switch
+from homebot.devices.handles.wanted import Kind, Place, Wanted
+from homebot.devices.handles.water_valve import WaterValve
+
+__all__ = [
+    "AirConditioner",
+    "Closure",
+    "ContactSensor",
+    "DoorLock",
+    "ElectricalMeter",
+    "Fan",
+    "FollowHandles",
+    "Handle",
+    "HandleChange",
+    "Handles",
+    "HumiditySensor",
+    "Kind",
+    "LawnMower",
+    "Light",
+    "LightSensor",
+    "OccupancySensor",
+    "Place",
+    "Plug",
+    "PressureSensor",
+    "RoboticVacuumCleaner",
+    "Siren",
+    "SmokeAlarm",
+    "Switch",
+    "TemperatureSensor",
+    "Thermostat",
+    "Wanted",
+    "WaterLeakDetector",
+    "WaterValve",
+    "WindowCovering",
+]

@@ -1,0 +1,132 @@
+"""A live query for handles: those that are wanted now, and then whatever happens to them."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, Literal, Self, TypeVar
+
+import anyio
+
+from homebot.devices.follow import Follow
+from homebot.devices.handles.handle import Handle
+from homebot.devices.handles.handles import Handles
+from homebot.devices.handles.known import KnownDevice
+from homebot.devices.handles.wanted import Wanted
+from homebot.graph import Node
+
+__all__ = ["FollowHandles", "HandleChange"]
+
+HandleT = TypeVar("HandleT", bound=Handle)
+
+
+@dataclass(frozen=True, slots=True)
+class HandleChange(Generic[HandleT]):
+    """Something happened to a part.
+
+    Attributes:
+        kind: ``appeared``: it is wanted from now on; ``changed``: it, or what it tells, is different; ``removed``: it
+            is gone, or what was asked for is no longer true.
+        handle: Its handle, the same one each time.
+    """
+
+    kind: Literal["appeared", "changed", "removed"]
+    handle: HandleT
+
+
+class FollowHandles(Generic[HandleT]):
+    """``async for change in devices.follow(Light, area="kitchen", on=True)``.
+
+    Each handle appears first and is removed last. Changes that come while the reader is busy are told as one, so that
+    it always hears the newest and nothing piles up. A directory that is away is waited for. One task reads.
+
+    Args:
+        node: Who asks; the query ends with it.
+        handles: Where the handles come from.
+        wanted: What is asked for.
+    """
+
+    def __init__(self, node: Node, handles: Handles, wanted: Wanted[HandleT]) -> None:
+        self._node = node
+        self._handles = handles
+        self._wanted = wanted
+        self._devices: Follow | None = None
+        self._known: dict[str, KnownDevice] = {}
+        self._given: dict[str, dict[str, HandleT]] = {}
+        self._touched: dict[str, None] = {}
+        self._ready: deque[HandleChange[HandleT]] = deque()
+        self._is_touched = anyio.Event()
+        self._unwatch: Callable[[], None] | None = None
+        self._is_closed = False
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> HandleChange[HandleT]:
+        """Return the next change.
+
+        Raises:
+            StopAsyncIteration: The query or its node was closed.
+        """
+        if self._devices is None and not self._is_closed:
+            self._devices = devices = Follow(self._node)
+            self._unwatch = self._handles.watch(self._touch)
+            self._node.create_task(lambda: self._follow(devices))
+        while not self._ready:
+            if self._touched:
+                device_id = next(iter(self._touched))
+                del self._touched[device_id]
+                self._look_at(device_id)
+            elif self._is_closed:
+                raise StopAsyncIteration
+            else:
+                await self._is_touched.wait()
+                self._is_touched = anyio.Event()
+        return self._ready.popleft()
+
+    def close(self) -> None:
+        """End the query. Twice is fine."""
+        if not self._is_closed:
+            self._is_closed = True
+            self._touched.clear()
+            self._ready.clear()
+            self._is_touched.set()
+            if self._devices is not None:
+                self._devices.close()
+            if self._unwatch is not None:
+                self._unwatch()
+
+    async def _follow(self, devices: Follow) -> None:
+        try:
+            async for change in devices:
+                device = change.device
+                self._known[device.id] = self._handles.known(device, change.sequence, is_gone=change.kind == "removed")
+                self._touch(device.id)
+        finally:
+            self.close()
+
+    def _touch(self, device_id: str) -> None:
+        if device_id in self._known:
+            self._touched[device_id] = None
+            self._is_touched.set()
+
+    def _look_at(self, device_id: str) -> None:
+        """Compare what the reader was given of a device with what is wanted of it now."""
+        known = self._known[device_id]
+        wanted = () if known.is_gone else tuple(self._wanted.parts(known.current()))
+        given = self._given.get(device_id, {})
+        for part in [part for part in given if part not in wanted]:
+            self._ready.append(HandleChange("removed", given.pop(part)))
+        for part in wanted:
+            if part in given:
+                self._ready.append(HandleChange("changed", given[part]))
+            else:
+                given[part] = self._handles.handle(self._wanted, known, part)
+                self._ready.append(HandleChange("appeared", given[part]))
+        if known.is_gone:
+            del self._known[device_id]
+        if given:
+            self._given[device_id] = given
+        else:
+            self._given.pop(device_id, None)

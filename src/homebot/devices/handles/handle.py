@@ -1,0 +1,189 @@
+"""A handle: one part of one device, with what it last told and what it can be told."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, Literal, Self, Unpack
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device import Device, Freshness
+from homebot.devices.handles.commander import Commander
+from homebot.devices.handles.known import KnownDevice
+from homebot.devices.handles.plain import assumed
+from homebot.devices.handles.wanted import Place, Term, Wanted, offered_types
+from homebot.devices.part import Capability
+from homebot.devices.query import CanDo, Not, StateIs
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+__all__ = ["Handle", "plain_value"]
+
+
+class Handle:
+    """A part of a device. The base of all kinds; by itself it finds parts of any type.
+
+    What it tells is always the newest that was heard: after ``await lamp.turn_on()`` it is for the lamp to say that it
+    is on. Two handles of the same part are equal.
+
+    Attributes:
+        service_types: The device types that are of this kind; empty for any.
+    """
+
+    service_types: ClassVar[frozenset[str]] = frozenset()
+
+    def __init__(self, known: KnownDevice, part_id: str, commander: Commander) -> None:
+        """Not for use by hand: see :meth:`homebot.devices.Devices.find`."""
+        self._known = known
+        self._part_id = part_id
+        self._commander = commander
+
+    @classmethod
+    def wanted(cls, **place: Unpack[Place]) -> Wanted[Self]:
+        """Return what is asked for; the arguments of ``find`` and ``follow`` for this kind.
+
+        Args:
+            place: Of any kind: ``area``, ``name``, ``reachable``, ``fresh``.
+        """
+        return Wanted(cls, place)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Handle) and (self.id, type(self)) == (other.id, type(other))
+
+    def __hash__(self) -> int:
+        return hash((self.id, type(self)))
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.id}>"
+
+    @property
+    def id(self) -> str:
+        """The device's id; of one of several parts with the part's after a ``#``."""
+        device = self._known.device
+        return f"{device.id}#{self._part_id}" if len(device.parts) > 1 else device.id
+
+    @property
+    def name(self) -> str:
+        """What people call it: the device's name, and the part's where it has one."""
+        part = self._known.part(self._part_id)
+        own = part.part.name if part else ""
+        return f"{self._known.device.name} {own}" if own else self._known.device.name
+
+    @property
+    def area(self) -> str:
+        """The room it is said to be in; empty where nobody said."""
+        return self._known.device.area
+
+    @property
+    def device(self) -> Device:
+        """The whole device, as it was last described."""
+        return self._known.device
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether the device was removed, or offers this part no longer."""
+        device = self._known.device
+        return self._known.is_gone or (bool(device.parts or self._part_id) and not self._known.part(self._part_id))
+
+    @property
+    def reachable(self) -> bool | None:
+        """Whether the device can be reached; None where it does not say."""
+        return {"yes": True, "no": False, "unknown": None}[self._known.device.reachable.state]
+
+    @property
+    def freshness(self) -> Freshness:
+        """Whether it spoke itself lately."""
+        return self._known.device.freshness
+
+    @property
+    def capabilities(self) -> tuple[Capability, ...]:
+        """What it can be asked or told; of a device that only its type is known of, what such devices take."""
+        part = self._known.part(self._part_id)
+        if part is not None:
+            return part.part.capabilities
+        device = self._known.device
+        if device.parts or not any(one.command_address for one in device.endpoints):
+            return ()
+        return tuple(one for service_type in sorted(offered_types(device)) for one in assumed(service_type))
+
+    def can(self, capability: str) -> bool:
+        """Whether it can be told *capability*, for example ``level``."""
+        return any(one.name == capability and one.settable for one in self.capabilities)
+
+    def value(self, capability: str) -> PlainValue:
+        """Return what it last told of *capability*, in the vocabulary's unit; None for unknown."""
+        return self._known.value(self._part_id, capability)
+
+    async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> None:
+        """Make *capability* become *value*, in the vocabulary's unit; to say it twice changes nothing.
+
+        It returns when the network has the command; that the device obeyed is not proven by it.
+
+        Args:
+            capability: For example ``level``.
+            value: What it shall be.
+            transition: Seconds that the change shall take, where the device can do that.
+
+        Raises:
+            RefusedError: It cannot do that, or not with this value; says what it can.
+            LinkError: No gateway of it is there now, or it has no link; it may work later.
+        """
+        if not (0 <= transition < math.inf):
+            raise RefusedError(f"a transition of {transition} s", "it must be 0 or longer, and end")
+        plain = plain_value(value)
+        self._check(capability, plain)
+        device, part = self._known.device, self._known.part(self._part_id)
+        if part is None:
+            await self._commander.say(device, capability, plain)
+        else:
+            await self._commander.send(device, part, capability, plain, transition)
+
+    def _check(self, capability: str, value: PlainValue) -> None:
+        what = f"{capability} of {self.id}"
+        found = next((one for one in self.capabilities if one.name == capability and one.settable), None)
+        if self.is_gone:
+            raise RefusedError(what, "it is gone")
+        if found is None:
+            known = ", ".join(dict.fromkeys(one.name for one in self.capabilities if one.settable))
+            raise RefusedError(what, f"it can be told {known}" if known else "it takes no commands")
+        bounds = found.bounds or (CAPABILITIES[capability].bounds if capability in CAPABILITIES else ())
+        if isinstance(value, float) and not (math.isfinite(value) and (not bounds or bounds[0] <= value <= bounds[1])):
+            raise RefusedError(f"{value:g} as {what}", f"it takes {_span(bounds, found)}")
+        if isinstance(value, str) and found.options and value not in found.options:
+            raise RefusedError(f"{value[:40]!r} as {what}", f"it takes {', '.join(found.options)}")
+
+    def _flag(self, capability: str) -> bool | None:
+        value = self.value(capability)
+        return value if isinstance(value, bool) else None
+
+    def _number(self, capability: str) -> float | None:
+        value = self.value(capability)
+        return value if isinstance(value, float) else None
+
+    def _text(self, capability: str) -> str | None:
+        value = self.value(capability)
+        return value if isinstance(value, str) else None
+
+    @classmethod
+    def _asked(cls, place: Place, *terms: Term | None) -> Wanted[Self]:
+        return Wanted(cls, place, tuple(one for one in terms if one is not None))
+
+    @staticmethod
+    def _is(capability: str, value: PlainValue, operator: Literal["=", "!=", "<", ">"] = "=") -> StateIs | None:
+        """The term that a state is *value*; none where nothing is asked."""
+        return None if value is None else StateIs(capability, operator, value)
+
+    @staticmethod
+    def _can(capability: str, *, wanted: bool | None) -> Term | None:
+        """The term that it can be told *capability*, or cannot; none where nothing is asked."""
+        can = CanDo(capability, settable=True)
+        return None if wanted is None else can if wanted else Not(can)
+
+
+def plain_value(value: PlainValue) -> PlainValue:
+    """Return *value* with every number a ``float``, as the vocabulary has it."""
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+def _span(bounds: tuple[float, ...], capability: Capability) -> str:
+    unit = capability.unit or (CAPABILITIES[capability.name].unit if capability.name in CAPABILITIES else "")
+    return f"{bounds[0]:g} to {bounds[1]:g} {unit}".rstrip() if bounds else "a finite number"

@@ -1,0 +1,128 @@
+"""Which handles somebody wants: a kind, and what its parts must be. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar
+
+from homebot.devices.device import Device, DevicePart
+from homebot.devices.device_types import wanted_types
+from homebot.devices.query import CanDo, Not, Query, StateIs
+from homebot.devices.query.folding import fold
+from homebot.devices.query.terms import compares
+from homebot.devices.value import PlainValue
+
+if TYPE_CHECKING:
+    from homebot.devices.handles.handle import Handle
+
+__all__ = ["Kind", "Place", "Term", "Wanted", "offered_types"]
+
+HandleT = TypeVar("HandleT", bound="Handle")
+P = ParamSpec("P")
+
+Term: TypeAlias = CanDo | Not | StateIs
+"""What can be asked of a part."""
+
+
+class Place(TypedDict, total=False):
+    """What can be asked of every kind.
+
+    Attributes:
+        area: The room it is in, whatever the case and accents.
+        name: What its device or the part is called, likewise.
+        reachable: Whether it can be reached, as far as it says.
+        fresh: Whether it spoke itself and is not silent for too long.
+    """
+
+    area: str
+    name: str
+    reachable: bool
+    fresh: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted(Generic[HandleT]):
+    """The handles of a kind, of which something must be true.
+
+    Attributes:
+        kind: The class of the handles.
+        place: What must be true of the device.
+        terms: What must be true of the part itself.
+    """
+
+    kind: type[HandleT]
+    place: Place
+    terms: tuple[Term, ...] = ()
+
+    def parts(self, device: Device) -> Iterator[str]:
+        """Yield the ids of the parts of *device* that are wanted; an empty id for a device without parts."""
+        if not self._wants_device(device):
+            return
+        if not device.parts:
+            if self._wants_type(offered_types(device)) and not self.terms and self._wants_name(device, ""):
+                yield ""
+            return
+        values = {(one.part, one.capability): one.value.plain() for one in device.states}
+        for one in _main_parts(device):
+            is_wanted = self._wants_type(frozenset({one.part.service_type})) and self._wants_name(device, one.part.name)
+            if is_wanted and all(_fits(term, one, values) for term in self.terms):
+                yield one.id
+
+    def _wants_type(self, types: frozenset[str]) -> bool:
+        return not self.kind.service_types or not types.isdisjoint(self.kind.service_types)
+
+    def _wants_device(self, device: Device) -> bool:
+        place = self.place
+        return (
+            ("area" not in place or fold(device.area) == fold(place["area"]))
+            and ("reachable" not in place or device.reachable.state == ("yes" if place["reachable"] else "no"))
+            and ("fresh" not in place or (device.freshness == "fresh") == place["fresh"])
+        )
+
+    def _wants_name(self, device: Device, part: str) -> bool:
+        if "name" not in self.place:
+            return True
+        wanted = fold(self.place["name"])
+        return wanted in {fold(one) for one in (device.id, device.name, *device.names, *((part,) if part else ()))}
+
+
+class Kind(Protocol[P, HandleT]):
+    """A class of handles, as ``find`` and ``follow`` take it: its ``wanted`` says what can be asked of it."""
+
+    def wanted(self, *args: P.args, **kwargs: P.kwargs) -> Wanted[HandleT]:
+        """Return what is asked for."""
+        ...
+
+
+def offered_types(device: Device) -> frozenset[str]:
+    """Return the device types that *device*, which has no parts, may be by its word.
+
+    Of a word with several meanings, such as ``windows``, what takes commands is something that moves, and what takes
+    none is a sensor.
+    """
+    meant = wanted_types(device.service_type)
+    if len(meant) < 2:  # one meaning, or none
+        return meant
+    takes_commands = any(one.command_address for one in device.endpoints)
+    sensors = frozenset(one for one in meant if one.endswith("_sensor"))
+    if not takes_commands:
+        return sensors
+    return frozenset({"closure"}) if "closure" in meant else meant - sensors
+
+
+def _main_parts(device: Device) -> list[DevicePart]:
+    """Settings and self-observations count only where there is nothing else."""
+    return [one for one in device.parts if not one.part.category] or list(device.parts)
+
+
+def _fits(term: Query, part: DevicePart, values: dict[tuple[str, str], PlainValue]) -> bool:
+    match term:
+        case StateIs():
+            return compares(term, values.get((part.id, term.capability)))
+        case CanDo(name, settable):
+            return any(one.name == name and (one.settable or not settable) for one in part.part.capabilities)
+        case Not(inner):
+            return not _fits(inner, part, values)
+        case _:
+            return False

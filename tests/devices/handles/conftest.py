@@ -1,0 +1,192 @@
+"""A house in which devices, directory and gateways do exactly what a test says; in virtual time."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Iterable, Mapping
+
+import anyio
+import pytest
+
+from homebot.devices import (
+    DEVICE_CHANGES,
+    DEVICE_STATES,
+    FIND_DEVICES,
+    Device,
+    DeviceChange,
+    DevicePart,
+    Devices,
+    Endpoint,
+    FindDevices,
+    GatewayNames,
+    RawCommand,
+    Route,
+    State,
+    StateChange,
+)
+from homebot.devices.command import Command, SendCommand, SendCommandResponse
+from homebot.devices.device import ChangeKind
+from homebot.devices.part import Capability, Part
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
+from homebot.devices.value import PlainValue, Value
+from homebot.graph import Graph, Node, Subscription
+from homebot.messages import Time
+
+
+def moment(second: int) -> Time:
+    return Time(sec=second, nanosec=0)
+
+
+def part(
+    service_type: str,
+    *settable: str,
+    part_id: str = "",
+    reads: Iterable[str] = (),
+    gateways: Iterable[str] = ("mqtt",),
+    **more: object,
+) -> DevicePart:
+    """A part that is told *settable* and says that as well as *reads*."""
+    capabilities = [Capability(name=name, settable=True) for name in settable]
+    capabilities += [Capability(name=name) for name in reads]
+    made = Part(id=part_id, service_type=service_type, capabilities=tuple(capabilities))
+    return DevicePart(
+        id=part_id,
+        part=made.model_copy(update=more),
+        routes=tuple(Route(gateway=one, key=f"{one}-key", part=part_id) for one in gateways),
+    )
+
+
+def device(
+    device_id: str,
+    *parts: DevicePart,
+    area: str = "",
+    word: str = "",
+    commands: bool = True,
+    states: Mapping[str, PlainValue] | None = None,
+    **told: PlainValue,
+) -> Device:
+    """A device whose first part told *states* and *told*."""
+    return Device(
+        id=device_id,
+        name=device_id.title(),
+        service_type=word or (parts[0].part.service_type if parts else ""),
+        endpoints=(Endpoint(gateway="mqtt", key=device_id, address="out", command_address="in" if commands else ""),),
+        metadata=(),
+        first_seen=moment(0),
+        last_seen=moment(0),
+        expires=moment(3600),
+        freshness="fresh",
+        area=area,
+        parts=parts,
+        states=tuple(state(parts[0].id, name, value) for name, value in {**(states or {}), **told}.items()),
+    )
+
+
+def state(part_id: str, capability: str, value: PlainValue, told_at: int = 0) -> State:
+    told = moment(told_at)
+    return State(part=part_id, capability=capability, value=Value.of(value), since=told, told_at=told, live=True)
+
+
+class House:
+    """The outside of an app.
+
+    Attributes:
+        devices: What the app uses.
+        node: The app's node.
+        told: What the gateways were told: gateway, part, capability, value, transition.
+        answers: What a gateway answers instead of yes.
+    """
+
+    part = staticmethod(part)
+    device = staticmethod(device)
+
+    def __init__(self, graph: Graph, node: Node, directory: Node) -> None:
+        self.graph = graph
+        self.node = node
+        self.devices = Devices(node)
+        self.told: list[tuple[str, str, str, PlainValue, float]] = []
+        self._raw: list[Subscription[RawCommand]] = []
+        self.answers: dict[str, SendCommandResponse] = {}
+        self._gateways: list[Node] = []
+        self._directory = directory
+        self._known: dict[str, Device] = {}
+        self._sequence = 0
+        self._directory.create_service(FindDevices, FIND_DEVICES, self._find)
+        self._changes = self._directory.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
+        self._states = self._directory.create_publisher(StateChange, DEVICE_STATES, 10)
+
+    def words(self) -> list[str]:
+        """What devices without parts were told since the last call."""
+        found = []
+        for raw in self._raw:
+            while (command := raw.take()) is not None:
+                found.append(command.payload)
+        return found
+
+    def gateway(self, name: str) -> Node:
+        """Let there be a gateway that takes commands; closing the node takes it away."""
+        node = Node(self.graph, name, namespace="/gateway")
+        self._gateways.append(node)
+
+        def send(command: Command) -> SendCommandResponse:
+            if name in self.answers:
+                return self.answers[name]
+            self.told.append((name, command.part, command.capability, command.value.plain(), command.transition))
+            return SendCommandResponse(success=True)
+
+        node.create_service(SendCommand, GatewayNames(name).send_command, send)
+        self._raw.append(node.create_subscription(RawCommand, GatewayNames(name).out))
+        return node
+
+    def end_directory(self) -> None:
+        """Let there be no directory."""
+        self._directory.close()
+
+    def end(self) -> None:
+        """End whatever is still there."""
+        for gateway in self._gateways:
+            gateway.close()
+
+    def has(self, *devices: Device) -> None:
+        """Let the directory know these, without a word."""
+        self._known.update({one.id: one for one in devices})
+
+    def tells(self, kind: ChangeKind, device: Device) -> None:
+        """Let the directory tell that something happened."""
+        self._sequence += 1
+        self._known[device.id] = device
+        if kind == "removed":
+            del self._known[device.id]
+        self._changes.publish(DeviceChange(kind=kind, device=device, sequence=self._sequence, why="the test says so"))
+
+    def says(self, device_id: str, capability: str, value: PlainValue, *, part_id: str = "", told_at: int = 1) -> None:
+        """Let a part tell a state."""
+        self._sequence += 1
+        told = state(part_id, capability, value, told_at)
+        stream = f"{device_id} {part_id} {capability}"
+        self._states.publish(StateChange(stream=stream, device=device_id, state=told, sequence=self._sequence))
+
+    def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
+        assert not request.service_type
+        return FindDevicesResponse(devices=tuple(self._known.values()), sequence=self._sequence)
+
+
+@pytest.fixture
+async def house() -> AsyncIterator[House]:
+    """A node lives in one task, which a fixture is not."""
+    made: list[House] = []
+    is_made, is_over = anyio.Event(), anyio.Event()
+
+    async def live() -> None:
+        graph = Graph()
+        async with Node(graph, "app") as node, Node(graph, "discovery") as directory:
+            made.append(House(graph, node, directory))
+            is_made.set()
+            await is_over.wait()
+            made[0].end()
+
+    life = asyncio.create_task(live())
+    await is_made.wait()
+    yield made[0]
+    is_over.set()
+    await life

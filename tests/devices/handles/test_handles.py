@@ -1,0 +1,404 @@
+"""What handles find, tell and are told; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+
+from homebot.devices.command import SendCommandResponse
+from homebot.devices.handles import (
+    AirConditioner,
+    Closure,
+    ContactSensor,
+    DoorLock,
+    ElectricalMeter,
+    Fan,
+    Handle,
+    HumiditySensor,
+    LawnMower,
+    Light,
+    LightSensor,
+    OccupancySensor,
+    Plug,
+    PressureSensor,
+    RoboticVacuumCleaner,
+    Siren,
+    SmokeAlarm,
+    Switch,
+    TemperatureSensor,
+    Thermostat,
+    WaterLeakDetector,
+    WaterValve,
+    WindowCovering,
+)
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, RefusedError, ServiceUnavailableError
+
+if TYPE_CHECKING:
+    from tests.devices.handles.conftest import House
+
+pytestmark = pytest.mark.virtual_time
+
+LAMP = ("on_off", "level", "color_temperature", "color", "effect")
+
+
+async def test_find_gives_handles_of_the_kind_alone(house: House) -> None:
+    """In the order of the directory, whatever else is in the house."""
+    house.has(
+        house.device("a", house.part("light", "on_off"), on_off=True),
+        house.device("b", house.part("plug", "on_off"), on_off=True),
+        house.device("c", house.part("light", "on_off"), on_off=None),
+    )
+    lamps = await house.devices.find(Light)
+    assert [(type(one), one.id, one.on) for one in lamps] == [(Light, "a", True), (Light, "c", None)]
+    assert [one.id for one in await house.devices.find(Handle)] == ["a", "b", "c"]
+
+
+async def test_each_part_of_a_device_is_a_handle_of_its_own(house: House) -> None:
+    """Settings and self-observations are not what somebody means who asks for a switch."""
+    house.has(
+        house.device(
+            "strip",
+            house.part("switch", "on_off", part_id="1", name="left"),
+            house.part("switch", "on_off", part_id="2"),
+            house.part("switch", "on_off", part_id="led", category="config"),
+            area="Küche",
+        )
+    )
+    left, right = await house.devices.find(Switch)
+    assert (left.id, left.name, left.area) == ("strip#1", "Strip left", "Küche")
+    assert (right.id, right.name) == ("strip#2", "Strip")
+    assert left != right
+    assert left == (await house.devices.find(Switch, name="LEFT"))[0]
+    assert {left, *await house.devices.find(Switch)} == {left, right}
+    assert repr(left) == "<Switch strip#1>"
+
+
+async def test_a_query_is_about_the_part_and_its_device(house: House) -> None:
+    """Case and accents do not matter; what a part has not told fits nothing."""
+    house.has(
+        house.device("on", house.part("light", "on_off", "level"), area="Küche", on_off=True),
+        house.device("off", house.part("light", "on_off"), area="Küche", on_off=False),
+        house.device("unknown", house.part("light", *LAMP), area="Bad"),
+    )
+
+    async def ids(**query: Any) -> list[str]:
+        return [one.id for one in await house.devices.find(Light, **query)]
+
+    assert await ids(area="kuche") == ["on", "off"]
+    assert await ids(on=True) == ["on"]
+    assert await ids(on=False) == ["off"]
+    assert await ids(dimmable=True) == ["on", "unknown"]
+    assert await ids(dimmable=False) == ["off"]
+    assert await ids(colored=True, tunable=True) == ["unknown"]
+    assert await ids(name="UNKNOWN") == ["unknown"]
+    assert await ids(fresh=False) == []
+    assert await ids(reachable=True) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "capability", "value", "query"),
+    [
+        (WindowCovering, "movement", "closed", {"closed": True}),
+        (Closure, "movement", "opening", {"closed": False}),
+        (WaterValve, "valve", "open", {"closed": False}),
+        (DoorLock, "lock", "locked", {"locked": True}),
+        (DoorLock, "lock", "jammed", {"locked": False}),
+        (Thermostat, "local_temperature", 17.5, {"below": 18}),
+        (Thermostat, "thermostat_mode", "heat", {"mode": "heat"}),
+        (AirConditioner, "local_temperature", 27.0, {"above": 26}),
+        (Fan, "on_off", True, {"on": True}),
+        (Plug, "on_off", False, {"on": False}),
+        (Siren, "on_off", True, {"on": True}),
+        (RoboticVacuumCleaner, "vacuum", "docked", {"state": "docked"}),
+        (LawnMower, "mower", "mowing", {"state": "mowing"}),
+        (ContactSensor, "contact", True, {"is_open": True}),
+        (OccupancySensor, "occupancy", False, {"occupied": False}),
+        (WaterLeakDetector, "water_leak", True, {"wet": True}),
+        (SmokeAlarm, "smoke", True, {"smoke": True}),
+        (TemperatureSensor, "temperature", 4.0, {"below": 5}),
+        (HumiditySensor, "humidity", 61.0, {"above": 60}),
+        (LightSensor, "illuminance", 3.0, {"below": 10}),
+        (PressureSensor, "pressure", 990.0, {"below": 1000}),
+        (ElectricalMeter, "power", 2500.0, {"above": 2000}),
+    ],
+)
+async def test_every_kind_can_be_asked_for_by_its_state(
+    house: House, kind: Any, capability: str, value: PlainValue, query: dict[str, Any]
+) -> None:
+    """The one that told nothing is never found."""
+    (service_type,) = kind.service_types
+    house.has(
+        house.device("told", house.part(service_type, reads=[capability]), states={capability: value}),
+        house.device("silent", house.part(service_type, reads=[capability])),
+    )
+    assert [one.id for one in await house.devices.find(kind, **query)] == ["told"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "states", "told"),
+    [
+        (
+            Light,
+            {"on_off": True, "level": 40.0, "color_temperature": 2700.0, "color": (120.0, 50.0), "effect": "rainbow"},
+            {"on": True, "level": 40.0, "kelvin": 2700.0, "color": (120.0, 50.0), "effect": "rainbow"},
+        ),
+        (Plug, {"on_off": False, "power": 3.5}, {"on": False, "power": 3.5}),
+        (WindowCovering, {"position": 30.0, "tilt": 5.0, "movement": "stopped"}, {"position": 30.0, "tilt": 5.0}),
+        (DoorLock, {"lock": "unlocked"}, {"state": "unlocked", "locked": False}),
+        (DoorLock, {"lock": "jammed"}, {"state": "jammed", "locked": None}),
+        (
+            Thermostat,
+            {"local_temperature": 20.5, "heating_setpoint": 21.0, "thermostat_mode": "heat", "cooling_setpoint": 25.0},
+            {"temperature": 20.5, "heating_setpoint": 21.0, "mode": "heat", "cooling_setpoint": 25.0, "action": None},
+        ),
+        (Fan, {"on_off": True, "fan_speed": 66.0, "fan_mode": "auto"}, {"on": True, "speed": 66.0, "mode": "auto"}),
+        (WaterValve, {"valve": "open", "position": 100.0}, {"state": "open", "position": 100.0}),
+        (RoboticVacuumCleaner, {"vacuum": "docked", "battery": 80.0}, {"state": "docked", "battery": 80.0}),
+        (ElectricalMeter, {"power": 5.0, "energy": 1.25}, {"watts": 5.0, "kilowatt_hours": 1.25}),
+        (SmokeAlarm, {"carbon_monoxide_alarm": True}, {"smoke": None, "carbon_monoxide": True}),
+        (TemperatureSensor, {"temperature": 21.0}, {"celsius": 21.0}),
+        (Light, {"on_off": "yes", "color": (1.0,)}, {"on": None, "color": None, "level": None}),
+    ],
+)
+async def test_a_handle_tells_what_its_part_told(
+    house: House, kind: Any, states: dict[str, PlainValue], told: dict[str, PlainValue]
+) -> None:
+    """In the vocabulary's units; what was not told, or is of another type, is None."""
+    (service_type,) = kind.service_types
+    house.has(house.device("a", house.part(service_type, reads=states), states=states))
+    (handle,) = await house.devices.find(kind)
+    assert {name: getattr(handle, name) for name in told} == told
+
+
+async def test_a_handle_is_always_up_to_date(house: House) -> None:
+    """Also its name and routes; what comes late and was told before changes nothing."""
+    house.has(house.device("a", house.part("light", "on_off"), on_off=False))
+    (lamp,) = await house.devices.find(Light)
+    house.says("a", "on_off", True, told_at=5)
+    await anyio.sleep(0.01)
+    assert lamp.on is True
+    house.says("a", "on_off", False, told_at=4)
+    house.tells("changed", house.device("a", house.part("light", "on_off"), area="attic", on_off=False))
+    await anyio.sleep(0.01)
+    assert (lamp.on, lamp.area) == (True, "attic")
+
+
+async def test_a_removed_device_is_gone_and_comes_back_as_the_same_handle(house: House) -> None:
+    """Nothing is sent to it meanwhile."""
+    lamp_device = house.device("a", house.part("light", "on_off"))
+    house.has(lamp_device)
+    (lamp,) = await house.devices.find(Light)
+    house.gateway("mqtt")
+    house.tells("removed", lamp_device)
+    await anyio.sleep(0.01)
+    assert lamp.is_gone
+    with pytest.raises(RefusedError, match="it is gone"):
+        await lamp.turn_on()
+    house.tells("appeared", lamp_device)
+    await anyio.sleep(0.01)
+    assert not lamp.is_gone
+    await lamp.turn_on()
+    assert house.told == [("mqtt", "", "on_off", True, 0.0)]
+
+
+Act = Callable[[Any], Awaitable[None]]
+
+
+@pytest.mark.parametrize(
+    ("kind", "settable", "act", "told"),
+    [
+        (Light, LAMP, lambda it: it.turn_on(), [("on_off", True, 0.0)]),
+        (Light, LAMP, lambda it: it.turn_off(transition=2), [("on_off", False, 2.0)]),
+        (
+            Light,
+            LAMP,
+            lambda it: it.turn_on(level=40, kelvin=2700, transition=1),
+            [("level", 40.0, 1.0), ("color_temperature", 2700.0, 1.0)],
+        ),
+        (
+            Light,
+            LAMP,
+            lambda it: it.turn_on(color=(120, 100), effect="rainbow"),
+            [("color", (120.0, 100.0), 0.0), ("effect", "rainbow", 0.0)],
+        ),
+        (Light, LAMP, lambda it: it.set_level(7), [("level", 7.0, 0.0)]),
+        (Light, LAMP, lambda it: it.set_level(0, transition=3), [("on_off", False, 3.0)]),
+        (Plug, ("on_off",), lambda it: it.turn_on(), [("on_off", True, 0.0)]),
+        (Switch, ("on_off",), lambda it: it.turn_off(), [("on_off", False, 0.0)]),
+        (WindowCovering, ("movement", "position"), lambda it: it.open(), [("movement", "open", 0.0)]),
+        (WindowCovering, ("position",), lambda it: it.open(), [("position", 100.0, 0.0)]),
+        (Closure, ("position",), lambda it: it.close(), [("position", 0.0, 0.0)]),
+        (WindowCovering, ("movement",), lambda it: it.stop(), [("movement", "stopped", 0.0)]),
+        (WindowCovering, ("position", "tilt"), lambda it: it.set_position(30), [("position", 30.0, 0.0)]),
+        (WindowCovering, ("position", "tilt"), lambda it: it.set_tilt(0), [("tilt", 0.0, 0.0)]),
+        (DoorLock, ("lock",), lambda it: it.lock(), [("lock", "locked", 0.0)]),
+        (DoorLock, ("lock",), lambda it: it.unlock(), [("lock", "unlocked", 0.0)]),
+        (DoorLock, ("lock",), lambda it: it.open(), [("lock", "open", 0.0)]),
+        (Thermostat, ("heating_setpoint",), lambda it: it.heat_to(21), [("heating_setpoint", 21.0, 0.0)]),
+        (AirConditioner, ("cooling_setpoint",), lambda it: it.cool_to(25.5), [("cooling_setpoint", 25.5, 0.0)]),
+        (Thermostat, ("thermostat_mode",), lambda it: it.set_mode("auto"), [("thermostat_mode", "auto", 0.0)]),
+        (Fan, ("on_off", "fan_speed"), lambda it: it.turn_on(), [("on_off", True, 0.0)]),
+        (
+            Fan,
+            ("on_off", "fan_speed"),
+            lambda it: it.turn_on(speed=50),
+            [("on_off", True, 0.0), ("fan_speed", 50.0, 0.0)],
+        ),
+        (Fan, ("fan_speed",), lambda it: it.set_speed(20), [("fan_speed", 20.0, 0.0)]),
+        (Fan, ("on_off",), lambda it: it.turn_off(), [("on_off", False, 0.0)]),
+        (WaterValve, ("valve",), lambda it: it.open(), [("valve", "open", 0.0)]),
+        (WaterValve, ("position",), lambda it: it.close(), [("position", 0.0, 0.0)]),
+        (WaterValve, ("position",), lambda it: it.set_position(5), [("position", 5.0, 0.0)]),
+        (RoboticVacuumCleaner, ("vacuum",), lambda it: it.start(), [("vacuum", "cleaning", 0.0)]),
+        (RoboticVacuumCleaner, ("vacuum",), lambda it: it.pause(), [("vacuum", "paused", 0.0)]),
+        (RoboticVacuumCleaner, ("vacuum",), lambda it: it.stop(), [("vacuum", "idle", 0.0)]),
+        (RoboticVacuumCleaner, ("vacuum",), lambda it: it.return_to_dock(), [("vacuum", "returning", 0.0)]),
+        (LawnMower, ("mower",), lambda it: it.start(), [("mower", "mowing", 0.0)]),
+        (LawnMower, ("mower",), lambda it: it.pause(), [("mower", "paused", 0.0)]),
+        (LawnMower, ("mower",), lambda it: it.return_to_dock(), [("mower", "docked", 0.0)]),
+        (Handle, ("volume",), lambda it: it.command("volume", 30), [("volume", 30.0, 0.0)]),
+    ],
+)
+async def test_a_handle_sends_absolute_commands(
+    house: House, kind: Any, settable: tuple[str, ...], act: Act, told: list[tuple[str, PlainValue, float]]
+) -> None:
+    """Through the gateway's service, in the vocabulary's units."""
+    service_type = next(iter(kind.service_types), "speaker")
+    house.has(house.device("a", house.part(service_type, *settable)))
+    house.gateway("mqtt")
+    (handle,) = await house.devices.find(kind)
+    await act(handle)
+    assert house.told == [("mqtt", "", *one) for one in told]
+
+
+@pytest.mark.parametrize(
+    ("act", "problem"),
+    [
+        (
+            lambda it: it.turn_on(level=40, kelvin=2700),
+            "color_temperature of a was refused: it can be told on_off, level",
+        ),
+        (lambda it: it.turn_on(level=0), "0 as level of a was refused: turned on, it takes above 0 to 100 %"),
+        (lambda it: it.turn_on(level=float("nan")), "turned on, it takes above 0 to 100 %"),
+        (lambda it: it.set_level(101), "101 as level of a was refused: it takes 5 to 100 %"),
+        (lambda it: it.set_level(float("inf")), "it takes 5 to 100 %"),
+        (lambda it: it.turn_on(color=(361, 0)), "it takes hue 0 to 360 and saturation 0 to 100"),
+        (lambda it: it.turn_on(transition=-1), "a transition of -1 s was refused: it must be 0 or longer, and end"),
+        (lambda it: it.command("effect", "party"), "'party' as effect of a was refused: it takes rainbow, fire"),
+        (lambda it: it.command("nonsense", 1), "nonsense of a was refused: it can be told on_off, level, effect"),
+    ],
+)
+async def test_what_a_part_cannot_do_is_refused_with_what_it_can(house: House, act: Act, problem: str) -> None:
+    """Before anything is sent, so that no half of a command is done."""
+    capabilities = (
+        Capability(name="on_off", settable=True),
+        Capability(name="level", settable=True, bounds=(5.0, 100.0)),
+        Capability(name="effect", settable=True, options=("rainbow", "fire")),
+        Capability(name="color_temperature"),
+    )
+    house.has(house.device("a", house.part("light", capabilities=capabilities)))
+    house.gateway("mqtt")
+    (lamp,) = await house.devices.find(Light)
+    with pytest.raises(RefusedError) as caught:
+        await act(lamp)
+    assert problem in str(caught.value)
+    assert house.told == []
+
+
+async def test_a_sensor_takes_no_commands(house: House) -> None:
+    """And says so."""
+    house.has(house.device("a", house.part("contact_sensor", reads=["contact"])))
+    (contact,) = await house.devices.find(ContactSensor)
+    with pytest.raises(RefusedError, match="contact of a was refused: it takes no commands"):
+        await contact.command("contact", True)
+
+
+async def test_a_command_goes_by_the_first_gateway_that_is_there(house: House) -> None:
+    """And by the next one when that has no link; never by two."""
+    house.has(house.device("a", house.part("plug", "on_off", gateways=["native", "other"])))
+    (plug,) = await house.devices.find(Plug)
+    with pytest.raises(LinkError, match="a was not told on_off: its gateway native is not running"):
+        await plug.turn_on()
+    house.gateway("other")
+    await plug.turn_on()
+    native = house.gateway("native")
+    await plug.turn_off()
+    house.answers["native"] = SendCommandResponse(success=False, message="no link", problem="unreachable")
+    await plug.turn_on()
+    house.answers["other"] = house.answers["native"]
+    with pytest.raises(LinkError, match="a was not told on_off: no link"):
+        await plug.turn_on()
+    native.close()
+    assert [(one[0], one[3]) for one in house.told] == [("other", True), ("native", False), ("other", True)]
+
+
+async def test_a_gateway_that_refuses_is_not_asked_twice(house: House) -> None:
+    """The same again by another way would only be refused again, or do what shall not be done."""
+    house.has(house.device("a", house.part("plug", "on_off", gateways=["native", "other"])))
+    house.gateway("native")
+    house.gateway("other")
+    house.answers["native"] = SendCommandResponse(success=False, message="it only observes", problem="refused")
+    (plug,) = await house.devices.find(Plug)
+    with pytest.raises(RefusedError, match="on_off of a was refused: it only observes"):
+        await plug.turn_on()
+    assert house.told == []
+
+
+async def test_a_disputed_part_is_told_nothing(house: House) -> None:
+    """It has no way, and the device says why."""
+    disputed = house.device("a", house.part("plug", "on_off", gateways=[]))
+    house.has(disputed.model_copy(update={"conflicts": ("mqtt:b claims home/a/set",)}))
+    (plug,) = await house.devices.find(Plug)
+    with pytest.raises(RefusedError, match="a command to a was refused: mqtt:b claims home/a/set"):
+        await plug.turn_on()
+
+
+@pytest.mark.parametrize(
+    ("kind", "word", "act", "said"),
+    [
+        (Light, "lights", lambda it: it.turn_on(), ["on"]),
+        (Light, "lights", lambda it: it.turn_on(level=40, kelvin=2700), ["0.4", "2700 K"]),
+        (Light, "lights", lambda it: it.set_level(0), ["off"]),
+        (Closure, "windows", lambda it: it.open(), ["open"]),
+        (Closure, "windows", lambda it: it.close(), ["close"]),
+        (WindowCovering, "covers", lambda it: it.stop(), ["stop"]),
+        (WindowCovering, "covers", lambda it: it.set_position(25), ["0.25"]),
+        (DoorLock, "locks", lambda it: it.unlock(), ["unlock"]),
+        (DoorLock, "locks", lambda it: it.lock(), ["lock"]),
+        (Thermostat, "thermostats", lambda it: it.heat_to(21.5), ["21.5"]),
+    ],
+)
+async def test_a_device_without_parts_is_told_plain_words(
+    house: House, kind: Any, word: str, act: Act, said: list[str]
+) -> None:
+    """Those of the thesis's layout, of which only the type is known; what it told is unknown."""
+    house.has(house.device("home/a", word=word))
+    house.gateway("mqtt")
+    (handle,) = await house.devices.find(kind)
+    assert not handle.is_gone
+    await act(handle)
+    assert (house.words(), house.told) == (said, [])
+
+
+async def test_a_device_without_parts_does_no_more_than_its_words(house: House) -> None:
+    """A lamp has no words for colours, and a sensor takes none at all."""
+    house.has(house.device("lamp", word="lights"), house.device("window", word="windows", commands=False))
+    (lamp,) = await house.devices.find(Light)
+    with pytest.raises(RefusedError, match="it can be told on_off, level, color_temperature"):
+        await lamp.turn_on(color=(0, 100))
+    assert await house.devices.find(Closure) == ()
+    (window,) = await house.devices.find(ContactSensor)
+    with pytest.raises(RefusedError, match="it takes no commands"):
+        await window.command("contact", True)
+
+
+async def test_without_a_directory_nothing_is_found_and_said(house: House) -> None:
+    """As for devices by word."""
+    house.end_directory()
+    with pytest.raises(ServiceUnavailableError):
+        await house.devices.find(Light)
