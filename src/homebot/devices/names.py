@@ -7,7 +7,9 @@ from homebot.names import escape_token
 __all__ = [
     "DEVICE_CHANGES",
     "DEVICE_STATES",
+    "DISCOVERY_HEALTH",
     "FIND_DEVICES",
+    "FORGET_DEVICE",
     "GET_CHANGES",
     "GET_INDEX_DATA",
     "QUERY_DEVICES",
@@ -17,9 +19,11 @@ __all__ = [
 GET_INDEX_DATA = "/getIndexData"
 FIND_DEVICES = "/discovery/find_devices"
 QUERY_DEVICES = "/discovery/query"
+FORGET_DEVICE = "/discovery/forget"
 GET_CHANGES = "/discovery/changes_since"
 DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"
+DISCOVERY_HEALTH = "/discovery/health"
 
 
 class GatewayNames:

@@ -9,7 +9,16 @@ from homebot.messages.fields import UInt32
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
-__all__ = ["FindDevices", "Found", "GetChanges", "GetIndexData", "QueryDevices", "SubscribeToTopic"]
+__all__ = [
+    "AnnouncedOn",
+    "FindDevices",
+    "ForgetDevice",
+    "Found",
+    "GetChanges",
+    "GetIndexData",
+    "QueryDevices",
+    "SubscribeToTopic",
+]
 
 
 NEVER = Time(sec=2**31 - 1, nanosec=0)
@@ -131,6 +140,42 @@ class GetChangesResponse(Message):
     sequence: int
 
 
+class ForgetDeviceRequest(Message):
+    """Take a device out of the index.
+
+    Attributes:
+        device: Its id.
+    """
+
+    device: str
+
+
+class AnnouncedOn(Message):
+    """Where a device was announced.
+
+    Attributes:
+        gateway: Which gateway heard it.
+        topic: Where (MQTT: the topic, on which the broker may keep the announcement).
+    """
+
+    gateway: str
+    topic: str
+
+
+class ForgetDeviceResponse(Message):
+    """What became of it. A device that is forgotten comes back when it speaks or is announced anew.
+
+    Attributes:
+        success: Whether there was such a device.
+        message: Why not.
+        announced_on: Where it was announced, as far as is known.
+    """
+
+    success: bool
+    message: str = ""
+    announced_on: tuple[AnnouncedOn, ...] = ()
+
+
 class SubscribeToTopicRequest(Message):
     """Give me the raw messages of an address.
 
@@ -165,5 +210,6 @@ class SubscribeToTopicResponse(Message):
 GetIndexData = ServiceType("homebot/srv/GetIndexData", GetIndexDataRequest, GetIndexDataResponse)
 FindDevices = ServiceType("homebot/srv/FindDevices", FindDevicesRequest, FindDevicesResponse)
 QueryDevices = ServiceType("homebot/srv/QueryDevices", QueryDevicesRequest, QueryDevicesResponse)
+ForgetDevice = ServiceType("homebot/srv/ForgetDevice", ForgetDeviceRequest, ForgetDeviceResponse)
 GetChanges = ServiceType("homebot/srv/GetChanges", GetChangesRequest, GetChangesResponse)
 SubscribeToTopic = ServiceType("homebot/srv/SubscribeToTopic", SubscribeToTopicRequest, SubscribeToTopicResponse)
