@@ -45,6 +45,7 @@ from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.publish import Publish, encode_publish
 from homebot.mqtt.packets.reason import ProtocolVersion, ReasonCode
+from homebot.mqtt.read_ahead import ReadAhead
 from homebot.mqtt.receiver import Receiver
 from homebot.mqtt.refusals import check_granted, farewell_error, login_error, reason_words
 from homebot.mqtt.session_end import end_session
@@ -54,8 +55,12 @@ from homebot.mqtt.topics import validate_filter, validate_topic
 
 __all__ = ["AiomqttClient"]
 
-_READ_SIZE = 32 * 1024
-"""Bytes read in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
+_PORTION = 32 * 1024
+"""Bytes understood in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
+
+_READ_SIZE = 1024 * 1024
+_READ_AHEAD = 16 * 1024 * 1024
+"""Bytes read in one turn, and waiting to be understood, at most; see `ReadAhead` for why so many."""
 
 _IN_FLIGHT = 100
 """Most own publishes of QoS 1 and 2 that wait for their answer at once, however many the broker would allow."""
@@ -253,6 +258,8 @@ class _Link(aiomqtt.Client):
         self._options = options
         self._receiver = receiver
         self._packets = FrameReader(options.maximum_packet_size)
+        self._ahead = ReadAhead(_PORTION, _READ_AHEAD)
+        self._is_reading = False
         self._granted: Session | None = None
         self._greeting: asyncio.Future[Session] = self._loop.create_future()
         self._lost: LinkError | RefusedError | None = LinkError("not connected yet")
@@ -480,6 +487,8 @@ class _Link(aiomqtt.Client):
             raise
 
     def _on_socket_open(self, client: paho.Client, userdata: Any, sock: Any) -> None:
+        self._ahead = ReadAhead(_PORTION, _READ_AHEAD)
+        self._is_reading = True
         self._loop.add_reader(sock.fileno(), self._read_ready)
         self._tick = self._loop.call_later(1, self._keep_alive)
 
@@ -524,11 +533,41 @@ class _Link(aiomqtt.Client):
             except (BlockingIOError, InterruptedError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
                 return
             except OSError as error:  # also where TLS 1.3 tells that it does not like our certificate
+                self._take_in_all_of_it()
                 self._break(self._cut(error))
                 return
-            self._take_in(data)
+            if data and (self._ahead.size or len(data) > _PORTION):
+                self._read_ahead(sock, data)
+            else:
+                self._take_in_all_of_it()
+                self._take_in(data)
             _acknowledge_at_once(sock)
             more = isinstance(sock, ssl.SSLSocket) and sock.pending() > 0
+
+    def _read_ahead(self, sock: socket.socket, data: bytes) -> None:
+        if not self._ahead.size:
+            self._loop.call_soon(self._take_in_portion)
+        self._ahead.put(data)
+        if self._ahead.is_full:
+            self._loop.remove_reader(sock.fileno())
+            self._is_reading = False
+
+    def _take_in_portion(self) -> None:
+        sock = self._client.socket()
+        if self._lost is not None or not isinstance(sock, socket.socket):
+            return
+        if portion := self._ahead.take():
+            self._take_in(portion)
+        if self._ahead.size and self._lost is None:
+            self._loop.call_soon(self._take_in_portion)
+        if not self._is_reading and not self._ahead.is_full and self._lost is None:
+            self._is_reading = True
+            self._loop.add_reader(sock.fileno(), self._read_ready)
+
+    def _take_in_all_of_it(self) -> None:
+        """Before the end of the link: what came before it counts."""
+        while self._lost is None and (portion := self._ahead.take()):
+            self._take_in(portion)
 
     def _take_in(self, data: bytes) -> None:
         if not data:

@@ -25,6 +25,7 @@ from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
 from homebot.mqtt.client import MqttClient, MqttCounters, PublishResult, Session, Subscription
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions, Will
+from homebot.mqtt.subscription_batches import batches
 from homebot.mqtt.topics import validate_filter
 
 __all__ = ["OFFLINE", "ONLINE", "ConnectionState", "LinkPhase", "MqttConnection"]
@@ -38,6 +39,11 @@ after the login is not asked in a hot loop."""
 
 _FAREWELL = 1.0
 """Seconds for the last "offline" at a clean close; the broker's will says it otherwise."""
+
+_ROUND = 0.01
+_BURST = 20
+"""Messages in a round of 10 ms that are a burst: kept ones, which the broker sends as fast as it can."""
+_MOST_ROUNDS = 100
 
 _log = structlog.get_logger()
 
@@ -120,6 +126,7 @@ class MqttConnection:
         self._tasks: TaskGroup | None = None
         self._failures = 0
         self._failing_since = 0.0
+        self._bursts_end = True
 
     @property
     def url(self) -> str:
@@ -312,6 +319,7 @@ class MqttConnection:
         return self._plan(reason, up_since)
 
     async def _prepare(self, session: Session) -> None:
+        self._bursts_end = True
         if not session.resumed:
             self._made.clear()
         if refused := await self._make([name for name in self._wanted if name not in self._made]):
@@ -327,20 +335,47 @@ class MqttConnection:
         await self._announce(ONLINE)
 
     async def _make(self, names: Iterable[str]) -> dict[str, RefusedError]:
-        """Subscribe one by one, because a no is for one; returns what was refused."""
+        """Subscribe, and return what was refused; as one request what is one batch, see `batches`."""
         refused: dict[str, RefusedError] = {}
-        for name in names:
-            if (subscription := self._wanted.get(name)) is None:
-                continue
+        for batch in batches(self._wanted[name] for name in names if name in self._wanted):
             try:
-                await self._client.subscribe(subscription)
+                await self._subscribe(*batch)
             except RefusedError as error:
-                refused[name] = error
-                self._refused[name] = error.reason
+                if len(batch) == 1:
+                    refused[batch[0].filter] = error
+                    self._refused[batch[0].filter] = error.reason
+                else:  # a no is for one
+                    for one in batch:
+                        refused |= await self._make([one.filter])
             else:
-                self._made.add(name)
-                self._refused.pop(name, None)
+                for one in batch:
+                    self._made.add(one.filter)
+                    self._refused.pop(one.filter, None)
         return refused
+
+    async def _subscribe(self, *batch: Subscription) -> None:
+        """Subscribe once more where no answer comes, and let the messages that the broker keeps for a filter come.
+
+        Some brokers, such as Mosquitto 2.0, drop whatever a client does not take in time: of QoS 0 messages, but even
+        the answer to its next request.
+        """
+        before = self._client.counters.received
+        try:
+            await self._client.subscribe(*batch)
+        except LinkError:
+            await self._client.subscribe(*batch)  # raises at once where the link is gone
+        if batch[0].qos == 0:
+            await self._wait_for_quiet(before)
+
+    async def _wait_for_quiet(self, before: int) -> None:
+        """Wait while messages come in a burst; one that does not end within a second is no burst."""
+        for _ in range(_MOST_ROUNDS if self._bursts_end else 0):
+            now = self._client.counters.received
+            if now - before < _BURST:
+                return
+            before = now
+            await anyio.sleep(_ROUND)
+        self._bursts_end = False
 
     async def _announce(self, payload: bytes) -> None:
         if self._status_topic is None:
