@@ -1,18 +1,20 @@
-"""What several components have alike: a word out of a list, and a number, each with its own topics. Pure."""
+"""What several components have alike: words, numbers, switches and buttons, each with its own topics. Pure."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
 from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
 from homebot.gateways.mqtt.homeassistant.rendered import number_of
 from homebot.gateways.mqtt.homeassistant.source import Source
 from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.payload import shown
 
-__all__ = ["offer_choice", "offer_flag", "offer_number"]
+__all__ = ["offer_choice", "offer_flag", "offer_number", "offer_push"]
 
 
 def offer_choice(
@@ -113,6 +115,18 @@ def offer_number(
         unit=unit,
         bounds=bounds if command else (),
     )
+    entity.listens(command)
+
+
+def offer_push(entity: Entity, name: str, command: CommandTopic, payload: str) -> None:
+    """Let *entity* be told true, and nothing else: it does something and has no state."""
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        if value is not True:
+            raise RefusedError(f"{name} {shown(value)}", "it takes true alone")
+        return (command.publication(payload),)
+
+    entity.offers(name, readable=False, writer=write)
     entity.listens(command)
 
 

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from homebot.gateways.mqtt.description import DescribedPart, Fade
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
-from homebot.gateways.mqtt.homeassistant.expiry import LONGEST, expire
+from homebot.gateways.mqtt.homeassistant.expiry import expire, seconds_of
 
 __all__ = ["build_binary_sensor"]
 
@@ -19,7 +19,7 @@ __all__ = ["build_binary_sensor"]
 def build_binary_sensor(config: Config) -> DescribedPart:
     """Describe a sensor of one condition; its class says which. One of no known class has a ``state``."""
     source = config.required_source("state_topic")
-    service_type, capability = _CLASSES.get(config.text("device_class"), _OTHER)
+    service_type, capability = _CLASSES.get(config.words("device_class"), _OTHER)
     states: dict[str, bool | None] = {
         "None": None,
         config.text("payload_off", "OFF"): False,
@@ -32,9 +32,9 @@ def build_binary_sensor(config: Config) -> DescribedPart:
     entity = Entity(config, service_type)
     if entity.hears(source, read):
         entity.offers(capability)
-        if config.has("off_delay"):
-            seconds = config.integer("off_delay", 0, least=0, most=LONGEST)
-            entity.fades(Fade(capability, float(seconds), value=False, only=True))
+        delay = seconds_of(config, "off_delay")
+        if delay is not None:
+            entity.fades(Fade(capability, delay, value=False, only=True))
         expire(entity, config, capability)
     return entity.described()
 

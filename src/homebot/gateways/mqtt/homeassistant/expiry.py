@@ -9,14 +9,20 @@ from homebot.gateways.mqtt.description import Fade
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 
-__all__ = ["LONGEST", "expire"]
-
-LONGEST = 10 * 366 * 86_400
-"""Longest time, in seconds, after which a value ends by itself."""
+__all__ = ["expire", "seconds_of"]
 
 
 def expire(entity: Entity, config: Config, capability: str) -> None:
     """Make *capability* unknown after the config's ``expire_after`` seconds; never where that is 0 or missing."""
-    seconds = config.integer("expire_after", 0, least=0, most=LONGEST)
+    seconds = seconds_of(config, "expire_after")
     if seconds:
-        entity.fades(Fade(capability, float(seconds)))
+        entity.fades(Fade(capability, seconds))
+
+
+def seconds_of(config: Config, key: str) -> float | None:
+    """Return a time of the config; None where it is missing, or longer than ten years, which is for ever."""
+    seconds = config.integer(key, _FOR_EVER, least=0)
+    return float(seconds) if seconds < _FOR_EVER else None
+
+
+_FOR_EVER = 10 * 366 * 86_400

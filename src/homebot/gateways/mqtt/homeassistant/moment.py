@@ -41,6 +41,8 @@ def build_moment(config: Config) -> DescribedPart:
         moment = spelled(value) if isinstance(value, str) else None
         if moment is None:
             raise RefusedError(f"text {shown(value)}", f"it takes a {config.component} as ISO 8601 has it")
+        if config.component == "datetime" and datetime.fromisoformat(moment).tzinfo is None:
+            raise RefusedError(f"text {shown(value)}", "it takes a datetime with its time zone")
         return (command.publication(moment),)
 
     entity = Entity(config, "x_setting", config.component)

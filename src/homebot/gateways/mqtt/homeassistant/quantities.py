@@ -12,9 +12,8 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.gateways.mqtt.payload import clean_text
 
-__all__ = ["Quantity", "quantity_of"]
+__all__ = ["Quantity", "is_quantity", "quantity_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +41,11 @@ class Quantity:
         return (number - self.shift) * self.times / self.over
 
 
+def is_quantity(device_class: str) -> bool:
+    """Tell whether a sensor of this class measures, even where it says nothing else."""
+    return device_class in _CLASSES
+
+
 @lru_cache(maxsize=512)
 def quantity_of(device_class: str, unit: str) -> Quantity:
     """Return what a sensor of this class measures.
@@ -54,18 +58,45 @@ def quantity_of(device_class: str, unit: str) -> Quantity:
     canonical = CAPABILITIES[capability].unit
     spelled = unit.strip().replace("\u03bc", "\u00b5").replace("\u2103", "°C").replace("\u2109", "°F")
     if not canonical or spelled in ("", canonical):
-        return Quantity(service_type, capability, canonical or clean_text(unit, _MAX_UNIT))
+        return Quantity(service_type, capability, canonical or unit)
     conversion = _UNITS[capability].get(spelled) if capability in _UNITS else None
     if conversion is None:
-        return Quantity(service_type, capability, clean_text(unit, _MAX_UNIT))
+        return Quantity(service_type, capability, unit)
     return Quantity(service_type, capability, canonical, *conversion)
 
 
-_MAX_UNIT = 40
 _OTHER = ("x_sensor", "measurement")
 _METER, _AIR = "electrical_meter", "air_quality_sensor"
+_OF_THEIR_OWN = (
+    "absolute_humidity",
+    "area",
+    "blood_glucose_concentration",
+    "conductivity",
+    "data_rate",
+    "data_size",
+    "distance",
+    "duration",
+    "energy_distance",
+    "energy_storage",
+    "gas",
+    "irradiance",
+    "monetary",
+    "ph",
+    "precipitation",
+    "precipitation_intensity",
+    "sound_pressure",
+    "speed",
+    "temperature_delta",
+    "volume",
+    "volume_storage",
+    "water",
+    "weight",
+    "wind_direction",
+    "wind_speed",
+)
 _CLASSES: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
+        **dict.fromkeys(_OF_THEIR_OWN, _OTHER),
         "apparent_power": (_METER, "measurement"),
         "aqi": (_AIR, "air_quality_index"),
         "atmospheric_pressure": ("pressure_sensor", "pressure"),

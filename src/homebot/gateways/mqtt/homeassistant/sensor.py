@@ -5,14 +5,15 @@ Source: Home Assistant core 2025.4, ``components/mqtt/sensor.py`` and ``componen
 
 from __future__ import annotations
 
-from datetime import datetime
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
 from functools import partial
 
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
 from homebot.gateways.mqtt.homeassistant.expiry import expire
-from homebot.gateways.mqtt.homeassistant.quantities import Quantity, quantity_of
+from homebot.gateways.mqtt.homeassistant.quantities import Quantity, is_quantity, quantity_of
 from homebot.gateways.mqtt.homeassistant.rendered import number_of
 from homebot.gateways.mqtt.payload import clean_text
 
@@ -22,30 +23,31 @@ __all__ = ["build_sensor"]
 def build_sensor(config: Config) -> DescribedPart:
     """Describe a sensor: of numbers where class, unit or statistics say so, and else of texts.
 
-    A number is reported in the unit of the vocabulary; where its own cannot be converted, in that. A class that we do
-    not know tells only a number or a text with a meaning of its own.
+    A number is reported in the unit of the vocabulary; where its own cannot be converted, in that. One of a class that
+    we do not know has a meaning of its own.
     """
     source = config.required_source("state_topic")
-    device_class = config.text("device_class")
-    if device_class not in _TEXTS and (device_class or any(config.has(key) for key in _NUMERIC)):
-        quantity = quantity_of(device_class, config.text("unit_of_measurement"))
+    device_class = config.words("device_class")
+    if device_class not in _TEXTS and (is_quantity(device_class) or any(config.has(key) for key in _NUMERIC)):
+        quantity = quantity_of(device_class, config.words("unit_of_measurement", _MAX_UNIT))
         entity = Entity(config, quantity.service_type)
         if entity.hears(source, partial(_read_number, quantity)):
             entity.offers(quantity.capability, unit=quantity.unit)
             expire(entity, config, quantity.capability)
         return entity.described()
-    options = config.options("options")
     entity = Entity(config, "x_sensor")
-    if entity.hears(source, partial(_read_text, options, is_time=device_class in _TIMES)):
+    options = config.options("options")
+    read = _MOMENTS.get(device_class) or partial(_read_text, frozenset(options))
+    if entity.hears(source, read):
         entity.offers("value", options=options)
         expire(entity, config, "value")
     return entity.described()
 
 
-_TIMES = frozenset({"date", "timestamp"})
-_TEXTS = _TIMES | {"enum"}
+_TEXTS = frozenset({"date", "enum", "timestamp"})
 _NUMERIC = ("unit_of_measurement", "state_class", "suggested_display_precision")
 _MAX_TEXT = 255
+_MAX_UNIT = 40
 
 
 def _read_number(quantity: Quantity, text: str) -> Readings:
@@ -55,17 +57,36 @@ def _read_number(quantity: Quantity, text: str) -> Readings:
     return NOTHING if number is None else {quantity.capability: quantity.value(number)}
 
 
-def _read_text(options: tuple[str, ...], text: str, *, is_time: bool) -> Readings:
-    if text == "None" or (is_time and not _is_time(text)):
-        return {"value": None}
+def _read_text(options: frozenset[str], text: str) -> Readings:
+    if text == "None":
+        return _UNKNOWN
     if len(text) > _MAX_TEXT or (options and text not in options):
         return NOTHING
     return {"value": clean_text(text, _MAX_TEXT)}
 
 
-def _is_time(text: str) -> bool:
+def _read_date(text: str) -> Readings:
+    moment = _moment(text)
+    return {"value": moment.date().isoformat()} if moment else _UNKNOWN
+
+
+def _read_timestamp(text: str) -> Readings:
+    """A moment without time zone tells nothing: nobody knows which it is."""
+    moment = _moment(text)
+    if moment is None:
+        return _UNKNOWN
     try:
-        datetime.fromisoformat(text[:_MAX_TEXT])
+        return {"value": moment.astimezone(UTC).isoformat(timespec="seconds")} if moment.tzinfo else NOTHING
+    except OverflowError:
+        return NOTHING
+
+
+def _moment(text: str) -> datetime | None:
+    try:
+        return datetime.fromisoformat(text[:_MAX_TEXT])
     except ValueError:
-        return False
-    return True
+        return None
+
+
+_UNKNOWN: Readings = {"value": None}
+_MOMENTS: Mapping[str, Callable[[str], Readings]] = {"date": _read_date, "timestamp": _read_timestamp}

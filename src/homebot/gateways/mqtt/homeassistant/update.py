@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -24,7 +25,7 @@ def build_update(config: Config) -> DescribedPart:
     source = config.required_source("state_topic")
     latest = config.source("latest_version_topic", "latest_version_template")
     entity = Entity(config, "x_update")
-    if entity.hears(source, _read):
+    if entity.hears(source, partial(_read, is_all=latest is None)):
         entity.offers("version")
         entity.offers("update_available", readable=latest is None)
     says_latest = entity.hears(latest, _read_latest)
@@ -36,7 +37,7 @@ def build_update(config: Config) -> DescribedPart:
 _LONGEST = 255
 
 
-def _read(text: str) -> Readings:
+def _read(text: str, *, is_all: bool) -> Readings:
     if not text or text == "{}":
         return NOTHING
     if not text.lstrip().startswith("{"):
@@ -48,7 +49,7 @@ def _read(text: str) -> Readings:
         found["version"] = installed
     if latest is not None:
         found["latest_version"] = latest
-    if found:
+    if found and is_all:
         found["update_available"] = _is_newer(latest, installed)
     return found
 

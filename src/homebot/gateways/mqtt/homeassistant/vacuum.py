@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from functools import partial
 
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.homeassistant.aspects import offer_push
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity, Readings
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_option
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
 from homebot.gateways.mqtt.payload import clean_text
 
 __all__ = ["build_vacuum"]
@@ -39,8 +39,7 @@ def build_vacuum(config: Config) -> DescribedPart:
     if has_battery:
         entity.offers("battery", readable=is_readable, unit="%")
     if "locate" in features and command:
-        payload = config.text("payload_locate", "locate")
-        entity.offers("locate", readable=False, writer=partial(_locate, command, payload))
+        offer_push(entity, "locate", command, config.text("payload_locate", "locate"))
     entity.listens(command, set_speed if speeds else None)
     return entity.described()
 
@@ -85,9 +84,3 @@ def _set_speed(
     command: CommandTopic, speeds: tuple[str, ...], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
     return (command.publication(wanted_option("fan_mode", value, speeds)),)
-
-
-def _locate(command: CommandTopic, payload: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    if not wanted_flag("locate", value):
-        raise RefusedError("locate false", "it takes true alone")
-    return (command.publication(payload),)

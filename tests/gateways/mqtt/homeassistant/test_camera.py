@@ -1,0 +1,30 @@
+import pytest
+
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.homeassistant.camera import build_camera, build_image
+from homebot.gateways.mqtt.homeassistant.config import Config
+
+
+@pytest.mark.parametrize(
+    ("part", "service_type"),
+    [
+        (build_camera(Config("camera", "door", {"topic": "frigate/door/snapshot"})), "camera"),
+        (build_image(Config("image", "map", {"image_topic": "frigate/door/snapshot"})), "x_sensor"),
+        (build_image(Config("image", "map", {"url_topic": "frigate/door/snapshot"})), "x_sensor"),
+    ],
+)
+def test_a_picture_is_known_to_be_there_but_not_listened_to(part: DescribedPart, service_type: str) -> None:
+    assert part.part.service_type == service_type
+    assert [(one.name, one.readable, one.settable) for one in part.part.capabilities] == [("image", False, False)]
+    assert part.part.reads == ("frigate/door/snapshot",)
+    assert part.codec.topics() == ()
+    with pytest.raises(RefusedError):
+        part.codec.write("image", "x")
+
+
+def test_a_picture_without_a_topic_is_refused() -> None:
+    with pytest.raises(WireError, match="topic"):
+        build_camera(Config("camera", "door", {}))
+    with pytest.raises(WireError, match="image_topic"):
+        build_image(Config("image", "map", {}))
