@@ -528,3 +528,14 @@ async def test_the_layout_of_the_thesis_and_a_convention_live_on_one_broker(make
         await house.say("home425/lights/lamp1/out", "on_off=on")
         assert {one.key for one in house.sighted()} == {LAMP, "lights/lamp1"}
         assert len(house.told()) == 1
+
+
+async def test_an_announcement_is_no_broken_topic_to_the_layout_of_every_home(make_house: MakeHouse) -> None:
+    conventions = ("thesis", "tests.gateways.mqtt.conftest:SimpleConvention")
+    async with make_house(conventions=conventions, root="") as house:
+        await house.announce("lamp1", state="a/b/c/d/e")
+        await house.say("a/b/c/d/e", "on_off=on")
+        await house.say("home/lights/lamp2/out", "on")
+        assert house.gateway.counters.rejected == 0
+        assert house.gateway.counters.received == 2
+        assert {one.key for one in house.sighted()} == {LAMP, "home/lights/lamp2"}

@@ -34,11 +34,13 @@ class Route:
         conventions: Those that devices announce themselves to there.
         witnesses: Devices whose availability is told there.
         voices: Parts that speak there, those of one device together.
+        is_shared: Whether what the gateway subscribes to beside its conventions matches the topic too.
     """
 
     conventions: tuple[Convention, ...]
     witnesses: tuple[Witness, ...]
     voices: tuple[Voice, ...]
+    is_shared: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +67,15 @@ class Claims:
         gateway: Its name.
         conventions: The conventions.
         topics: Counts which state topics are needed.
+        others: What the gateway subscribes to beside its conventions.
     """
 
-    def __init__(self, gateway: str, conventions: tuple[Convention, ...], topics: StateTopics) -> None:
+    def __init__(
+        self, gateway: str, conventions: tuple[Convention, ...], topics: StateTopics, others: FilterTree[str]
+    ) -> None:
         self._gateway = gateway
         self._topics = topics
+        self._others = others
         self._claims: dict[str, Claim] = {}
         self._parts = 0
         self._announcements: FilterTree[Convention] = FilterTree()
@@ -179,13 +185,17 @@ class Claims:
     def _find(self, topic: str) -> Route | None:
         conventions = self._announcements.match(topic)
         readers = self._readers.match(topic)
-        route = None
-        if conventions or readers:
+        if not conventions and not readers:
+            route = None
+        else:
             route = Route(
                 conventions,
                 tuple(one for one in readers if isinstance(one, Witness)),
                 tuple(one for one in readers if isinstance(one, Voice)),
+                bool(self._others.match(topic)),
             )
+            if not readers:
+                return route  # announcements are many, and few of them come again
         if len(self._routes) >= _MAX_ROUTES:
             self._routes.clear()
         self._routes[topic] = route

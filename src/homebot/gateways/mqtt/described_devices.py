@@ -69,7 +69,7 @@ class DescribedDevices:
         self._timekeeper = Timekeeper(gateway.node.graph.clock)
         self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters)
         self._topics = StateTopics(_tree((*self.filters(), *other_filters)))
-        self._claims = Claims(gateway.node.name, conventions, self._topics)
+        self._claims = Claims(gateway.node.name, conventions, self._topics, _tree(other_filters))
         self._last_words = LastWords()
         self._missed: list[tuple[str, Voice | Witness]] = []
         self._states = States(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
@@ -121,7 +121,8 @@ class DescribedDevices:
                 await self._make_up_for(topic, reader)
         if not route.voices and not route.witnesses:
             return
-        self._counters.received += 1
+        if raw:
+            self._counters.received += 1
         self._last_words.keep(message.topic, LastWord(message.payload, message.retain, self._board.stamp))
         if route.witnesses:
             self._states.witness(message, route.witnesses)

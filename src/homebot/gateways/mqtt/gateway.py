@@ -185,7 +185,9 @@ class MqttGateway(Gateway):
                 work = 0
                 await anyio.lowlevel.checkpoint()
             route = self._described.route(message.topic)
-            channel = self._channels.get(message.topic) or self._open(message)
+            channel = self._channels.get(message.topic)
+            if channel is None and (route is None or route.is_shared):
+                channel = self._open(message)
             if route is not None:
                 work += _ANNOUNCEMENT * len(route.conventions) + len(route.voices)
                 await self._described.hear(message, route, raw=channel is None)

@@ -46,7 +46,8 @@ class Timekeeper:
         """Keep the agenda until cancelled."""
         while True:
             self._earlier = anyio.Event()
-            self._wakes_at = self._agenda.next() or math.inf
+            next_at = self._agenda.next()
+            self._wakes_at = math.inf if next_at is None else next_at
             with anyio.move_on_after(max(0.0, self._wakes_at - self._clock.monotonic())):
                 await self._earlier.wait()
             done = 0

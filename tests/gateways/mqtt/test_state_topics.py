@@ -1,0 +1,57 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.filter_tree import FilterTree
+from homebot.gateways.mqtt.state_topics import StateTopics
+
+
+def topics(*covering: str, most: int = 100) -> StateTopics:
+    tree: FilterTree[str] = FilterTree()
+    for one in covering:
+        tree.add(one, one)
+    return StateTopics(tree, most)
+
+
+@given(st.lists(st.tuples(st.booleans(), st.sampled_from("abc"), st.booleans())))
+def test_what_is_subscribed_to_is_what_somebody_needs(steps: list[tuple[bool, str, bool]]) -> None:
+    wanted = topics()
+    users = dict.fromkeys("abc", 0)
+    subscribed: set[str] = set()
+    for uses, name, brings_up in steps:
+        if uses:
+            wanted.use(name)
+            users[name] += 1
+        else:
+            wanted.leave(name)
+            users[name] = max(0, users[name] - 1)
+        if brings_up:
+            new, old = wanted.take_wanted(10), wanted.take_unwanted(10)
+            assert not subscribed.intersection(new)
+            subscribed = subscribed.union(new).difference(old)
+            assert subscribed == {name for name, count in users.items() if count}
+    assert len(wanted) == sum(1 for count in users.values() if count)
+
+
+def test_no_more_is_taken_than_was_asked_for() -> None:
+    wanted = topics()
+    for name in "abc":
+        wanted.use(name)
+    assert wanted.take_wanted(2) == ("a", "b")
+    assert wanted.take_wanted(2) == ("c",)
+
+
+def test_a_plain_topic_is_covered_by_what_comes_anyway_and_a_filter_never() -> None:
+    wanted = topics("home/+")
+    assert wanted.is_covered("home/a")
+    assert not wanted.is_covered("home/a/b")
+    assert not wanted.is_covered("home/+")
+
+
+def test_one_topic_too_many_is_refused_and_a_known_one_is_not() -> None:
+    wanted = topics(most=1)
+    wanted.use("a")
+    wanted.use("a")
+    with pytest.raises(WireError, match="one too many"):
+        wanted.use("b")
