@@ -25,6 +25,7 @@ pytestmark = pytest.mark.virtual_time
 MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[Any]]
 
 LAMP = "simple:lamp1"
+CONVENTION = "tests.gateways.mqtt.conftest:SimpleConvention"
 START = Time(sec=0, nanosec=0)
 
 
@@ -513,17 +514,24 @@ async def test_a_device_of_a_quarantined_topic_can_still_be_taken_back(make_hous
 
 
 async def test_a_message_of_state_that_is_too_long_is_not_looked_at(make_house: MakeHouse) -> None:
-    async with make_house(max_payload=1024 * 1024) as house:
+    async with make_house(max_payload=2048, conventions=("thesis", CONVENTION)) as house:
         await house.announce("lamp1")
-        await house.say("lamp1/state", b"on_off=on " * 30_000)
+        await house.say("lamp1/state", b"on_off=on " * 300)
+        await house.say("home425/lights/lamp2/out", b"on" * 2000)
         assert house.told() == []
-        assert house.gateway.counters.oversize == 1
+        assert [one.key for one in house.sighted()] == [LAMP]
+        assert house.gateway.counters.oversize == 2
+
+
+async def test_an_announcement_may_be_longer_than_a_message_of_state(make_house: MakeHouse) -> None:
+    async with make_house(max_payload=2048) as house:
+        await house.announce("lamp1", name="x" * 5000)
+        assert len(house.sighted()) == 1
 
 
 async def test_the_layout_of_the_thesis_and_a_convention_live_on_one_broker(make_house: MakeHouse) -> None:
     """A device that speaks on a topic of both is heard by both."""
-    conventions = ("thesis", "tests.gateways.mqtt.conftest:SimpleConvention")
-    async with make_house(conventions=conventions) as house:
+    async with make_house(conventions=("thesis", CONVENTION)) as house:
         await house.announce("lamp1", state="home425/lights/lamp1/out")
         await house.say("home425/lights/lamp1/out", "on_off=on")
         assert {one.key for one in house.sighted()} == {LAMP, "lights/lamp1"}
@@ -531,8 +539,7 @@ async def test_the_layout_of_the_thesis_and_a_convention_live_on_one_broker(make
 
 
 async def test_an_announcement_is_no_broken_topic_to_the_layout_of_every_home(make_house: MakeHouse) -> None:
-    conventions = ("thesis", "tests.gateways.mqtt.conftest:SimpleConvention")
-    async with make_house(conventions=conventions, root="") as house:
+    async with make_house(conventions=("thesis", CONVENTION), root="") as house:
         await house.announce("lamp1", state="a/b/c/d/e")
         await house.say("a/b/c/d/e", "on_off=on")
         await house.say("home/lights/lamp2/out", "on")

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from homebot.config import parse_settings
-from homebot.errors import ConfigError, UsageError
+from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways.mqtt import MqttGatewaySettings
+from homebot.gateways.mqtt.conventions import find_conventions
 
 
 def settings(**table: object) -> MqttGatewaySettings:
@@ -33,6 +34,10 @@ def test_an_empty_table_means_the_embedded_broker_and_inboxes() -> None:
         ({"rooot": "home"}, "rooot", "is unknown; known are url, root"),
         ({"max_payload": 3}, "max_payload", "greater than or equal to 1024"),
         ({"stale_after": -1}, "stale_after", "greater than 0"),
+        ({"homeassistant": {"prefixes": [1]}}, "homeassistant.prefixes.0", "valid string"),
+        ({"homeassistant": {"prefxes": []}}, "homeassistant.prefxes", "is unknown; known are prefixes"),
+        ({"homeassistant": 3}, "homeassistant", "should be an object"),
+        ({"conventions": ["thesis"], "homeassistant": {}}, "homeassistant", "`conventions` does not name: thesis"),
     ],
 )
 def test_a_wrong_value_is_refused_with_file_key_and_reason(table: dict[str, object], key: str, reason: str) -> None:
@@ -40,6 +45,29 @@ def test_a_wrong_value_is_refused_with_file_key_and_reason(table: dict[str, obje
     with pytest.raises(ConfigError, match=reason) as caught:
         settings(**table)
     assert str(caught.value).startswith(f"homebot.toml: gateways.mqtt.{key}: ")
+
+
+def test_a_convention_has_a_table_of_its_own() -> None:
+    given = settings(conventions=["thesis", "homeassistant"], homeassistant={"prefixes": ["ha"]})
+    understood = find_conventions(given.conventions, given.tables, "home425")
+    assert len(understood.layouts) == 1
+    assert understood.conventions[0].filters()[0].startswith("ha/")
+
+
+def test_all_conventions_of_homebot_are_understood_by_default() -> None:
+    assert {"thesis", "homeassistant"} <= set(settings().conventions)
+
+
+def test_a_convention_that_is_not_installed_is_told_when_it_is_looked_for() -> None:
+    given = settings(conventions=["smoke_signals"])
+    with pytest.raises(PluginError, match="is not installed"):
+        find_conventions(given.conventions, given.tables, "")
+
+
+def test_announcements_may_be_larger_than_other_messages() -> None:
+    url = "mqtt://broker"
+    assert settings(url=url, conventions=["thesis"]).options().maximum_packet_size == 256 * 1024
+    assert settings(url=url, conventions=["homeassistant"]).options().maximum_packet_size == 8 * 1024 * 1024
 
 
 def test_two_places_for_the_password_are_one_too_many() -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
@@ -12,7 +13,7 @@ from homebot.errors import PluginError
 from homebot.gateways.mqtt.convention import Convention, TopicLayout
 from homebot.plugins import load_plugin, plugin_names
 
-__all__ = ["GROUP", "Understood", "check_tables", "default_conventions", "find_conventions"]
+__all__ = ["GROUP", "Understood", "announce", "check_tables", "default_conventions", "find_conventions"]
 
 GROUP = "homebot.mqtt_conventions"
 
@@ -38,6 +39,11 @@ def default_conventions() -> tuple[str, ...]:
     return tuple(name for name in _ALL if name in installed)
 
 
+def announce(names: Iterable[str]) -> bool:
+    """Whether devices announce themselves in one of the conventions *names*, as far as those can be loaded."""
+    return any(_has_settings(kind) for _, kind in _loadable(names))
+
+
 def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: str) -> Understood:
     """Load and make the conventions *names*.
 
@@ -61,29 +67,38 @@ def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: s
     return Understood(tuple(layouts), tuple(conventions))
 
 
-def check_tables(names: Iterable[str], tables: Mapping[str, object]) -> list[InitErrorDetails]:
+def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[InitErrorDetails]:
     """Return what is wrong with *tables*, each of which must be that of one of the conventions *names*.
 
     A convention that cannot be loaded is passed over: that is told when it is looked for.
     """
     models: dict[str, type[BaseModel]] = {}
-    for name in names:
-        try:
-            kind = load_plugin(GROUP, name)
-        except PluginError:
-            continue
+    for name, kind in _loadable(names):
         if _has_settings(kind):
             models[_table_name(name, kind)] = kind.Settings
     problems: list[InitErrorDetails] = []
     for key, table in tables.items():
         if key not in models:
-            problems.append(InitErrorDetails(type="extra_forbidden", loc=(key,), input=table))
+            words = f"is a convention that `conventions` does not name: {', '.join(names) or 'none'}"
+            kind_of_error = PydanticCustomError("value_error", "{words}", {"words": words})
+            is_convention = key in plugin_names(GROUP)
+            problems.append(
+                InitErrorDetails(type=kind_of_error if is_convention else "extra_forbidden", loc=(key,), input=table)
+            )
             continue
         try:
             _checked(models[key], table)
         except ValidationError as exc:
             problems += [_problem(key, models[key], error) for error in exc.errors(include_url=False)]
     return problems
+
+
+def _loadable(names: Iterable[str]) -> Iterator[tuple[str, type[Any]]]:
+    for name in names:
+        try:
+            yield name, load_plugin(GROUP, name)
+        except PluginError:
+            continue
 
 
 def _has_settings(kind: type[object]) -> bool:

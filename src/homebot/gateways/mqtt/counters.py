@@ -25,7 +25,7 @@ class GatewayCounters:
         devices_refused: Descriptions that were one too many, or had too many parts.
         topics_refused: State topics that were not subscribed to.
         reports: Reports of what devices told.
-        oversize: Messages of state that were too long to be looked at.
+        oversize: Messages that were too long to be looked at.
         failures: Times that a convention raised what it must not.
         asks: Questions to devices for their state.
         asks_dropped: Questions that were one too many.

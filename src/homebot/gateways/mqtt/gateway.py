@@ -45,6 +45,7 @@ __all__ = ["GatewayCounters", "MqttGateway"]
 
 REJECTED = "gateway.message_rejected"
 GHOST = "gateway.retained_only"
+OVERSIZE = "gateway.oversize"
 COMMAND_REFUSED = "gateway.command_refused"
 COMMAND_FAILED = "gateway.command_failed"
 
@@ -185,6 +186,10 @@ class MqttGateway(Gateway):
                 work = 0
                 await anyio.lowlevel.checkpoint()
             route = self._described.route(message.topic)
+            if len(message.payload) > self._settings.max_payload and (route is None or not route.conventions):
+                self.counters.oversize += 1
+                self._warn(OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", topic=message.topic)
+                continue
             channel = self._channels.get(message.topic)
             if channel is None and (route is None or route.is_shared):
                 channel = self._open(message)

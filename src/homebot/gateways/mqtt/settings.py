@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, f
 
 from homebot.config import read_secret
 from homebot.errors import HomebotError, UsageError
-from homebot.gateways.mqtt.conventions import check_tables, default_conventions
+from homebot.gateways.mqtt.conventions import announce, check_tables, default_conventions
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
 from homebot.units import Seconds
@@ -54,6 +54,8 @@ class MqttGatewaySettings(BaseModel):
             fixed one gets what the broker kept while homebot was not running.
         protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1.
         max_payload: Largest message accepted, in bytes; the broker is told.
+        max_announcement: The same for announcements, where a convention has some; a larger message of state is then
+            dropped here. Zigbee2MQTT announces all its devices in one message, with about 4 kB each.
         session_expiry: Seconds for which the broker keeps messages for this gateway while it is away.
         stale_after: Seconds of silence after which a device counts as stale.
         conventions: Which uses of topics to understand, by entry-point name or ``module:Class``; by default all that
@@ -77,6 +79,7 @@ class MqttGatewaySettings(BaseModel):
     client_id: str = Field(default_factory=lambda: f"homebot-{secrets.token_hex(4)}")
     protocol: MqttProtocol = "auto"
     max_payload: Annotated[int, Field(ge=1024, lt=2**28)] = 256 * 1024
+    max_announcement: Annotated[int, Field(ge=1024, lt=2**28)] = 8 * 1024 * 1024
     session_expiry: Annotated[int, Field(ge=0, lt=2**32)] = 3600
     stale_after: Seconds = 3600.0
     conventions: tuple[str, ...] = Field(default_factory=default_conventions)
@@ -131,7 +134,7 @@ class MqttGatewaySettings(BaseModel):
         return MqttOptions.from_url(
             self.url,
             protocol=self.protocol,
-            maximum_packet_size=self.max_payload,
+            maximum_packet_size=self._max_packet(),
             session_expiry=self.session_expiry,
             receive_maximum=RECEIVE_MAXIMUM,
             inbox_messages=INBOX_MESSAGES,
@@ -139,6 +142,9 @@ class MqttGatewaySettings(BaseModel):
             session_ends_on_close="client_id" not in self.model_fields_set,
             **{name: value for name, value in given.items() if value is not None},
         )
+
+    def _max_packet(self) -> int:
+        return max(self.max_payload, self.max_announcement) if announce(self.conventions) else self.max_payload
 
     def with_client_id(self, client_id: str) -> MqttGatewaySettings:
         """Return the same settings with another name for this run; one that the user chose stays."""
