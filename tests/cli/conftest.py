@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 import anyio
@@ -13,6 +14,7 @@ from pydantic import SecretStr
 
 from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.clock import Clock
 from homebot.devices import FIND_DEVICES, Device, Endpoint, FindDevices, KeyValue, RawMessage
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.graph import Graph, Node, Publisher, qos_profile_latched
@@ -47,26 +49,42 @@ class Homebot:
 
 @pytest.fixture
 def homebot() -> Iterator[Homebot]:
-    yield from _running(None)
+    with _running(None) as homebot:
+        yield homebot
 
 
 @pytest.fixture
 def locked_homebot() -> Iterator[Homebot]:
     """Its door wants a token."""
-    yield from _running(SecretStr(TOKEN))
+    with _running(SecretStr(TOKEN)) as homebot:
+        yield homebot
 
 
-def _running(token: SecretStr | None) -> Iterator[Homebot]:
+@pytest.fixture
+def homebot_with() -> Iterator[Callable[[Callable[[Graph], Node], Clock], Homebot]]:
+    """Runs a homebot with one more node, whose clock is the given one."""
+    with ExitStack() as stack:
+        yield lambda extra, clock: stack.enter_context(_running(None, extra, clock))
+
+
+@contextmanager
+def _running(
+    token: SecretStr | None, extra: Callable[[Graph], Node] | None = None, clock: Clock | None = None
+) -> Iterator[Homebot]:
     ready = threading.Event()
     made: list[Homebot] = []
     stop: list[anyio.Event] = []
 
     async def run() -> None:
-        graph = Graph()
+        graph = Graph(clock)
         heard: list[str] = []
         RosApi(Node(graph, "rosapi"))
         door = Door(Node(graph, "rosbridge_websocket"), DoorSettings(port=0, token=token))
-        async with _talker(graph) as talker, Node(graph, "listener") as listener, anyio.create_task_group() as tasks:
+        async with (
+            (extra or _talker)(graph) as talker,
+            Node(graph, "listener") as listener,
+            anyio.create_task_group() as tasks,
+        ):
             chatter = talker.create_publisher(String, "/chatter")
             listener.create_subscription(String, "/hello", lambda message: heard.append(message.data))
             await tasks.start(door.run)
@@ -79,9 +97,11 @@ def _running(token: SecretStr | None) -> Iterator[Homebot]:
     thread = threading.Thread(target=anyio.run, args=(run,))
     thread.start()
     assert ready.wait(10)
-    yield made[0]
-    made[0].loop.call_soon_threadsafe(stop[0].set)
-    thread.join(10)
+    try:
+        yield made[0]
+    finally:
+        made[0].loop.call_soon_threadsafe(stop[0].set)
+        thread.join(10)
     assert not thread.is_alive()
 
 

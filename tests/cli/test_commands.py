@@ -172,6 +172,16 @@ def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
                 }
             ],
             "metadata": {"room": "kitchen"},
+            "service_types": [],
+            "area": "",
+            "names": [],
+            "identifiers": [],
+            "reachable": {"state": "unknown", "since": "1970-01-01T00:00:00.000Z", "why": "it does not say"},
+            "parts": [],
+            "states": [],
+            "facts": [],
+            "evidence": [],
+            "conflicts": [],
         }
     ]
 

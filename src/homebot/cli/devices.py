@@ -10,6 +10,10 @@ _EXAMPLES = """\
   homebot devices
   homebot devices --type lights
   homebot devices --json
+
+SAYS is what a device last told of itself. STATE is `fresh` where it spoke itself, `unconfirmed` where only a message
+that the broker had kept or the index file speaks for it, `stale` where it has been silent for too long, `unreachable`
+where it says that.
 """
 
 

@@ -14,18 +14,21 @@ from collections.abc import Callable, Sequence
 from io import TextIOWrapper
 
 import homebot
-from homebot.cli import broker, config, devices, node, run, service, topic
+from homebot.cli import broker, config, devices, doctor, find, forget, node, run, service, show, topic
 from homebot.cli.arguments import add_global_options
 from homebot.errors import HomebotError
 
 __all__ = ["main", "make_parser"]
 
-COMMANDS = (run, config, topic, service, node, devices, broker)
+COMMANDS = (run, config, devices, find, show, doctor, forget, topic, service, node, broker)
 
 _EPILOG = """\
 examples:
   homebot run                                  a house to look at: embedded broker, simulated devices, light service
   homebot devices                              what is in the house
+  homebot find 'light and dimmable in kitchen'   what fits
+  homebot show 'Kitchen lamp'                  everything about one device
+  homebot doctor                               what is wrong
   homebot topic list -t                        every topic and its type
   homebot topic echo /rosout                   watch the log live
   homebot topic pub --once /hello std_msgs/String '{data: hi}'

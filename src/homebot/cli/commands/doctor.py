@@ -1,0 +1,119 @@
+"""``homebot doctor``."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Iterator
+
+from homebot.cli.directory import entities
+from homebot.cli.door_client import DoorClient
+from homebot.cli.inventory import all_devices, house_time
+from homebot.cli.moments import ago
+from homebot.cli.outbox import gateway_state
+from homebot.cli.table import to_lines
+from homebot.cli.through_door import through_door
+from homebot.devices import Device, GatewayState
+from homebot.devices.quarantine import Count, GetHealth, HealthResponse, Quarantine
+from homebot.messages.json import message_from_json
+
+__all__ = ["doctor"]
+
+_FAULTS = (
+    "rejected",
+    "refused",
+    "failed",
+    "dropped",
+    "oversize",
+    "failures",
+    "ignored",
+    "quarantines",
+    "damaged",
+    "lost",
+)
+"""How the names of counts begin or end that should be 0."""
+
+_MOST = 20
+
+
+def doctor(options: argparse.Namespace) -> int:
+    """Print how everything is; return 1 where something is not as it should be."""
+
+    async def run(door: DoorClient) -> int:
+        now = await house_time(door)
+        is_well = True
+        for name, state in sorted((await _gateways(door)).items()):
+            is_well = _tell_gateway(name, state) and is_well
+        for name, health in sorted((await _health(door)).items()):
+            is_well = _tell_health(name, health, now, everything=options.counts) and is_well
+        is_well = _tell_devices(await all_devices(door), now) and is_well
+        print("\nall is well" if is_well else "\nnot all is well")
+        return 0 if is_well else 1
+
+    return through_door(options, run)
+
+
+async def _gateways(door: DoorClient) -> dict[str, GatewayState | None]:
+    topics = {one.name for one in await entities(door, kind="publisher") if one.type == GatewayState.ros_type}
+    names = {topic.split("/")[2] for topic in topics if topic.startswith("/gateway/") and topic.endswith("/state")}
+    return {name: await gateway_state(door, name) for name in names}
+
+
+async def _health(door: DoorClient) -> dict[str, HealthResponse]:
+    services = [one.name for one in await entities(door, kind="service") if one.type == GetHealth.ros_type]
+    return {
+        name.removesuffix("/health").strip("/"): message_from_json(HealthResponse, await door.call(name))
+        for name in services
+    }
+
+
+def _tell_gateway(name: str, state: GatewayState | None) -> bool:
+    if state is None:
+        print(f"gateway {name} does not say how it is")
+        return False
+    acts = "acts" if state.acts else "only observes"
+    print(f"gateway {name} is {state.state} and {acts}{f': {state.reason}' if state.reason else ''}")
+    return state.state == "active"
+
+
+def _tell_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:
+    shown = [one for one in health.counts if everything or (one.count and _is_fault(one))]
+    _tell(f"{name} counted since it started", [(one.name.replace("_", " "), str(one.count)) for one in shown])
+    _tell(f"{name} does not listen to", [_offender(one, now) for one in health.quarantined])
+    return not health.quarantined
+
+
+def _offender(one: Quarantine, now: float) -> tuple[str, ...]:
+    left = max(0.0, one.until.to_seconds() - now)
+    times = f"{one.offences} offences, the last: {one.why}"
+    return one.offender, f"since {ago(one.since, now)}, for {left:.0f} s more", times
+
+
+def _tell_devices(devices: tuple[Device, ...], now: float) -> bool:
+    silent = [one for one in devices if one.freshness == "stale"]
+    away = [one for one in devices if one.reachable.state == "no" and one.freshness != "stale"]
+    unconfirmed = [one for one in devices if one.freshness == "unconfirmed"]
+    disputed = [one for one in devices if one.conflicts]
+    print(f"devices: {len(devices)}, not heard yet: {len(unconfirmed)}")
+    _tell("silent for too long", [(one.id, f"last seen {ago(one.last_seen, now)}") for one in silent])
+    _tell("cannot be reached", [(one.id, one.reachable.why) for one in away])
+    _tell("disputed", [(one.id, conflict) for one in disputed for conflict in one.conflicts])
+    return not (silent or away or disputed)
+
+
+def _tell(title: str, rows: Iterable[tuple[str, ...]]) -> None:
+    for line in _titled(title, list(rows)):
+        print(line)
+
+
+def _titled(title: str, rows: list[tuple[str, ...]]) -> Iterator[str]:
+    if rows:
+        yield f"{title}:"
+        yield from (f"  {line}" for line in to_lines(rows[:_MOST]))
+        if len(rows) > _MOST:
+            yield f"  … and {len(rows) - _MOST} more"
+
+
+def _is_fault(one: Count) -> bool:
+    return any(
+        one.name == fault or one.name.endswith(f"_{fault}") or one.name.startswith(f"{fault}_") for fault in _FAULTS
+    )

@@ -1,0 +1,53 @@
+"""``homebot find``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from homebot.cli.device_json import device_json
+from homebot.cli.door_client import DoorClient
+from homebot.cli.inventory import find_devices
+from homebot.cli.table import to_table, without_empty
+from homebot.cli.through_door import through_door
+from homebot.cli.values import says, types
+from homebot.devices.services import QueryDevicesResponse
+
+__all__ = ["find"]
+
+_HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "SAYS", "STATE")
+
+
+def find(options: argparse.Namespace) -> int:
+    """Print what fits a query, best first; return 1 where nothing does."""
+    query = " ".join(options.query)
+
+    async def run(door: DoorClient) -> int:
+        found = await find_devices(door, query, options.limit)
+        if options.json:
+            results = [
+                device_json(one.device) | {"score": one.score, "reasons": list(one.reasons)} for one in found.results
+            ]
+            print(json.dumps(results, indent=2))
+        elif not found.results:
+            print(f"nothing fits {query!r}; `homebot devices` shows what there is")
+        else:
+            _show(found, why=options.why)
+        return 0 if found.results else 1
+
+    return through_door(options, run)
+
+
+def _show(found: QueryDevicesResponse, *, why: bool) -> None:
+    rows = [
+        (one.device.id, one.device.name, types(one.device), one.device.area, says(one.device), one.device.freshness)
+        for one in found.results
+    ]
+    head, *lines = to_table(*without_empty({"AREA", "SAYS"}, _HEAD, rows)).splitlines()
+    print(head)
+    for line, result in zip(lines, found.results, strict=True):
+        print(line)
+        if why:
+            print("".join(f"    {reason}\n" for reason in result.reasons), end="")
+    if found.total > len(found.results):
+        print(f"… and {found.total - len(found.results)} more; --limit shows more of them")

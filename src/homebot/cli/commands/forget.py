@@ -1,0 +1,40 @@
+"""``homebot forget``."""
+
+from __future__ import annotations
+
+import argparse
+
+from homebot.cli.door_client import DoorClient
+from homebot.cli.inventory import named_device
+from homebot.cli.outbox import Outbox
+from homebot.cli.through_door import through_door
+from homebot.devices.names import FORGET_DEVICE
+from homebot.devices.services import ForgetDeviceResponse
+from homebot.errors import PeerError
+from homebot.messages.json import message_from_json
+
+__all__ = ["forget"]
+
+
+def forget(options: argparse.Namespace) -> int:
+    """Take a device out of the index, and on request its announcements off the broker."""
+
+    async def run(door: DoorClient) -> int:
+        device = await named_device(door, options.device)
+        outbox = Outbox(door)
+        if options.purge:  # before anything is done, so that nothing is done by halves
+            for gateway in sorted({one.gateway for one in device.endpoints}):
+                await outbox.check(gateway)
+        answer = message_from_json(ForgetDeviceResponse, await door.call(FORGET_DEVICE, {"device": device.id}))
+        if not answer.success:
+            raise PeerError(answer.message)
+        print(f"forgot {device.id}")
+        for one in answer.announced_on:
+            if options.purge:
+                await outbox.publish(one.gateway, one.topic, "", retain=True)
+                print(f"deleted what the broker kept on {one.topic}")
+            else:
+                print(f"it was announced on {one.topic}; --purge deletes what the broker keeps there")
+        return 0
+
+    return through_door(options, run)

@@ -1,0 +1,130 @@
+"""``homebot show``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterable, Iterator
+
+from homebot.cli.device_json import device_json
+from homebot.cli.door_client import DoorClient
+from homebot.cli.inventory import house_time, named_device, reasons_for
+from homebot.cli.moments import ago
+from homebot.cli.table import to_lines
+from homebot.cli.through_door import through_door
+from homebot.cli.values import in_words, span
+from homebot.devices import Device, DevicePart, State
+from homebot.devices.part import Capability
+from homebot.devices.words import read_words_address
+
+__all__ = ["describe", "show"]
+
+_USES = {(True, True): "read and set", (True, False): "read", (False, True): "set", (False, False): ""}
+
+
+def show(options: argparse.Namespace) -> int:
+    """Print everything that is known of a device."""
+
+    async def run(door: DoorClient) -> int:
+        device = await named_device(door, options.device)
+        if options.json:
+            print(json.dumps(device_json(device), indent=2))
+        else:
+            reasons = await reasons_for(door, device)
+            print("\n".join(describe(device, reasons, await house_time(door))))
+        return 0
+
+    return through_door(options, run)
+
+
+def describe(device: Device, reasons: tuple[str, ...], now: float) -> Iterator[str]:
+    """Yield the lines that tell people of *device*.
+
+    Args:
+        device: The device.
+        reasons: Why a search for its name finds it.
+        now: The house's time.
+    """
+    yield from to_lines([(device.id, device.name)])
+    yield from _section("", _overview(device, now))
+    values = {(one.part, one.capability): one for one in device.states}
+    for part in device.parts:
+        yield from _section(_title(part), _part(part, values, now))
+    words = [one for one in device.endpoints if one.address or one.command_address]
+    rows = [(one.gateway, "speaks on", one.address) for one in words if _is_topic(one.address)]
+    rows += [(one.gateway, "listens on", one.command_address) for one in words if _is_topic(one.command_address)]
+    yield from _section("addresses", rows)
+    yield from _section("identifiers", [(one,) for one in device.identifiers])
+    facts = [
+        (one.name, one.value, f"said {_by(one.gateway, one.convention, one.key)}", ago(one.said_at, now))
+        for one in device.facts
+    ]
+    facts = facts or [(one.key, one.value, "", "") for one in device.metadata]
+    yield from _section("facts", facts)
+    yield from _section("one device, because", [(one,) for one in device.evidence])
+    yield from _section("disputed", [(one,) for one in device.conflicts])
+    yield from _section("a search for its name finds it, because", [(one,) for one in reasons])
+
+
+def _overview(device: Device, now: float) -> Iterator[tuple[str, ...]]:
+    yield "offers", ", ".join(device.service_types) or device.service_type
+    if device.area:
+        yield "is in", device.area
+    others = [one for one in device.names if one != device.name]
+    if others:
+        yield "is also called", ", ".join(others)
+    seen = f"last seen {ago(device.last_seen, now)}, first {ago(device.first_seen, now)}"
+    yield "is", f"{device.freshness}; {seen}"
+    reach = {"yes": "yes", "no": "no", "unknown": "unknown"}[device.reachable.state]
+    since = f", since {ago(device.reachable.since, now)}" if device.reachable.since.sec else ""
+    yield "can be reached", f"{reach}: {device.reachable.why}{since}"
+
+
+def _title(part: DevicePart) -> str:
+    shown = part.part
+    more = [f"“{shown.name}”"] if shown.name else []
+    more += [f"part {part.id}"] if part.id else []
+    more += [f"announced as {shown.advertised}"] if shown.advertised not in {"", shown.service_type} else []
+    more += [one for one in (shown.tag, shown.category) if one]
+    more += ["by guess"] if shown.guessed else []
+    return f"{shown.service_type} ({', '.join(more)})" if more else shown.service_type
+
+
+def _part(part: DevicePart, states: dict[tuple[str, str], State], now: float) -> Iterator[tuple[str, ...]]:
+    for capability in part.part.capabilities:
+        yield _capability(capability, states.get((part.id, capability.name)), now)
+    yield from (("reads", topic) for topic in part.part.reads)
+    yield from (("writes", topic) for topic in part.part.writes)
+    for number, route in enumerate(part.routes):
+        by = _by(route.gateway, route.convention, route.key)
+        yield ("way" if number == 0 else "or else"), by
+
+
+def _capability(capability: Capability, state: State | None, now: float) -> tuple[str, ...]:
+    use = _USES[capability.readable, capability.settable]
+    value = state.value.plain() if state else None
+    shown = "unknown" if capability.readable else "never told"
+    since = ""
+    if state is not None and value is not None:
+        shown = in_words(capability, value)
+        since = f"{'since' if state.live else 'kept since'} {ago(state.since, now)}"
+    return capability.name, shown, use, span(capability), since
+
+
+def _section(title: str, rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
+    lines = to_lines(list(rows))
+    if lines:
+        if title:
+            yield ""
+            yield from to_lines([(title,)])
+        yield from (f"  {line}" for line in lines)
+
+
+def _by(gateway: str, convention: str, key: str) -> str:
+    """As ``mqtt, homeassistant:light/0x17``; a key that begins with its convention says it once."""
+    named = key if not convention or key.startswith(f"{convention}:") else f"{convention}:{key}"
+    return f"through {gateway} as {named}" if gateway else f"as {named}"
+
+
+def _is_topic(address: str) -> bool:
+    return bool(address) and read_words_address(address) is None

@@ -1,0 +1,28 @@
+"""The arguments of ``homebot find``."""
+
+from __future__ import annotations
+
+from homebot.cli.arguments import Commands, add_command, whole
+
+__all__ = ["add_parser"]
+
+_EXAMPLES = """\
+  homebot find 'light and dimmable in kitchen'
+  homebot find on lights
+  homebot find --why window
+  homebot find 'sensor with temperature not stale'
+
+A query is made of types (light, lamp, window, …), capabilities (dimmable, temperature > 21), states (on, open, locked),
+`in ROOM`, freshness (stale, unreachable), and words of names and models, joined by `and`, `or`, `not` and brackets.
+"""
+
+
+def add_parser(commands: Commands) -> None:
+    """Add ``find``."""
+    parser = add_command(
+        commands, "find", "find devices by what they are, can do and say", _EXAMPLES, "homebot.cli.commands.find:find"
+    )
+    parser.add_argument("query", metavar="QUERY", nargs="+", help="what to look for")
+    parser.add_argument("--why", action="store_true", help="say why each one fits and stands where it stands")
+    parser.add_argument("--limit", metavar="N", type=whole, default=50, help="show the best N (default: 50)")
+    parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")

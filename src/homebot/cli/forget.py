@@ -1,0 +1,27 @@
+"""The arguments of ``homebot forget``."""
+
+from __future__ import annotations
+
+from homebot.cli.arguments import Commands, add_command
+
+__all__ = ["add_parser"]
+
+_EXAMPLES = """\
+  homebot forget lights/roomlights405
+  homebot forget 'Kitchen lamp' --purge
+
+A device that is forgotten comes back when it speaks, or is announced anew.
+"""
+
+
+def add_parser(commands: Commands) -> None:
+    """Add ``forget``."""
+    parser = add_command(
+        commands, "forget", "take a device out of the index", _EXAMPLES, "homebot.cli.commands.forget:forget"
+    )
+    parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+    parser.add_argument(
+        "--purge",
+        action="store_true",
+        help="also delete its announcements that the broker keeps, so that nobody finds it any more",
+    )

@@ -1,0 +1,80 @@
+"""What the command line asks the directory."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, field_validator
+
+from homebot.cli.door_client import DoorClient
+from homebot.cli.similar import similar_to
+from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Device
+from homebot.devices.query import quoted
+from homebot.devices.query.folding import fold
+from homebot.devices.services import FindDevicesResponse, QueryDevicesResponse
+from homebot.errors import PeerError
+from homebot.messages import Time
+from homebot.messages.json import message_from_json
+
+__all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons_for"]
+
+
+async def all_devices(door: DoorClient, service_type: str = "") -> tuple[Device, ...]:
+    """Return the devices that offer *service_type*, sorted by id; all where it is empty."""
+    answer = await door.call(FIND_DEVICES, {"service_type": service_type})
+    return message_from_json(FindDevicesResponse, answer).devices
+
+
+async def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryDevicesResponse:
+    """Return what fits *query*, best first.
+
+    Raises:
+        PeerError: The query is not understood; the message says what of it.
+    """
+    answer = await door.call(QUERY_DEVICES, {"query": query, "offset": 0, "limit": limit})
+    found = message_from_json(QueryDevicesResponse, answer)
+    if not found.success:
+        raise PeerError(found.message)
+    return found
+
+
+async def named_device(door: DoorClient, name: str) -> Device:
+    """Return the one device whose id or name *name* is, whatever the case and accents of a name.
+
+    Raises:
+        PeerError: There is none, with similar ones named, or there are several, all named.
+    """
+    devices = await all_devices(door)
+    for one in devices:
+        if one.id == name:
+            return one
+    wanted = fold(name)
+    named = [one for one in devices if wanted in {fold(text) for text in (one.id, one.name, *one.names)}]
+    if len(named) == 1:
+        return named[0]
+    if named:
+        raise PeerError(f"{len(named)} devices are called {name}: {', '.join(one.id for one in named[:10])}; say which")
+    similar = similar_to(name, [text for one in devices for text in (one.id, one.name)])
+    hint = f"did you mean {' or '.join(similar)}?" if similar else "`homebot devices` shows what there is"
+    raise PeerError(f"there is no device {name}; {hint}")
+
+
+async def reasons_for(door: DoorClient, device: Device) -> tuple[str, ...]:
+    """Return why a search for the device's name finds it, and why it stands where it stands."""
+    found = await find_devices(door, quoted(device.name))
+    return next((one.reasons for one in found.results if one.device.id == device.id), ())
+
+
+async def house_time(door: DoorClient) -> float:
+    """Return what time it is for homebot, in seconds since 1970."""
+    answer = await door.call("/rosapi/get_time")
+    return _Now.model_validate(answer).time.to_seconds()
+
+
+class _Now(BaseModel):
+    """The answer has the names of ROS 1 for the fields of a time as well."""
+
+    time: Time
+
+    @field_validator("time", mode="before")
+    @classmethod
+    def _of_ros_2(cls, value: dict[str, int]) -> dict[str, int]:
+        return {"sec": value["sec"], "nanosec": value["nanosec"]}

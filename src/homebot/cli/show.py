@@ -1,0 +1,21 @@
+"""The arguments of ``homebot show``."""
+
+from __future__ import annotations
+
+from homebot.cli.arguments import Commands, add_command
+
+__all__ = ["add_parser"]
+
+_EXAMPLES = """\
+  homebot show lights/roomlights405
+  homebot show 'Kitchen lamp'
+"""
+
+
+def add_parser(commands: Commands) -> None:
+    """Add ``show``."""
+    parser = add_command(
+        commands, "show", "show everything that is known of a device", _EXAMPLES, "homebot.cli.commands.show:show"
+    )
+    parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+    parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")

@@ -1,0 +1,287 @@
+"""A house whose devices, gateways and clock stand still, so that every command prints the same each time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from homebot.clock import Clock, ManualClock
+from homebot.devices import (
+    FIND_DEVICES,
+    QUERY_DEVICES,
+    Device,
+    DevicePart,
+    Endpoint,
+    Fact,
+    FindDevices,
+    Found,
+    GatewayNames,
+    GatewayState,
+    QueryDevices,
+    RawCommand,
+    Reachability,
+    Route,
+    State,
+)
+from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
+from homebot.devices.part import Capability, Part
+from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse, Quarantine
+from homebot.devices.query import facets_of, fits, parse_query
+from homebot.devices.services import (
+    AnnouncedOn,
+    FindDevicesRequest,
+    FindDevicesResponse,
+    ForgetDevice,
+    ForgetDeviceRequest,
+    ForgetDeviceResponse,
+    QueryDevicesRequest,
+    QueryDevicesResponse,
+)
+from homebot.devices.value import PlainValue, Value
+from homebot.devices.words import words_address
+from homebot.errors import UsageError
+from homebot.graph import Graph, Node, qos_profile_latched
+from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from tests.cli.conftest import Homebot
+
+NOW = 1_800_000_000
+LAMP_KEY = "homeassistant:light/0x00158d0001abcdef/light"
+NATIVE_KEY = "zigbee2mqtt:0x00158d0001abcdef"
+
+
+def ago(seconds: float) -> Time:
+    return Time.from_seconds(NOW - seconds)
+
+
+def told(part: str, capability: str, value: PlainValue, since: float, *, live: bool = True) -> State:
+    return State(
+        part=part, capability=capability, value=Value.of(value), since=ago(since), told_at=ago(since), live=live
+    )
+
+
+def kitchen_lamp() -> Device:
+    light = Part(
+        id="light",
+        service_type="light",
+        advertised="light",
+        capabilities=(
+            Capability(name="on_off", settable=True),
+            Capability(name="level", settable=True),
+            Capability(name="color_temperature", settable=True, bounds=(2202.0, 4000.0)),
+            Capability(name="effect", readable=False, settable=True, options=("blink", "breathe")),
+        ),
+        reads=("zigbee2mqtt/Kitchen lamp",),
+        writes=("zigbee2mqtt/Kitchen lamp/set",),
+    )
+    signal = Part(
+        id="linkquality",
+        name="Signal",
+        service_type="x_sensor",
+        category="diagnostic",
+        capabilities=(Capability(name="measurement", unit="lqi"),),
+        reads=("zigbee2mqtt/Kitchen lamp",),
+    )
+    return Device(
+        id="kitchen-lamp",
+        name="Kitchen lamp",
+        service_type="light",
+        endpoints=(
+            Endpoint(
+                gateway="mqtt",
+                key=NATIVE_KEY,
+                address=words_address(NATIVE_KEY, "light"),
+                command_address=words_address(NATIVE_KEY, "light"),
+            ),
+        ),
+        metadata=(),
+        first_seen=ago(86_400 * 3),
+        last_seen=ago(12),
+        expires=ago(-3600),
+        freshness="fresh",
+        service_types=("light",),
+        area="Kitchen",
+        names=("Kitchen lamp", "0x00158d0001abcdef"),
+        identifiers=("eui64:00158d0001abcdef",),
+        parts=(
+            DevicePart(
+                id="light",
+                part=light,
+                routes=(
+                    Route(gateway="mqtt", key=NATIVE_KEY, part="light", convention="zigbee2mqtt"),
+                    Route(gateway="mqtt", key=LAMP_KEY, part="", convention="homeassistant"),
+                ),
+            ),
+            DevicePart(
+                id="linkquality",
+                part=signal,
+                routes=(Route(gateway="mqtt", key=NATIVE_KEY, part="linkquality", convention="zigbee2mqtt"),),
+            ),
+        ),
+        facts=(
+            Fact(
+                name="manufacturer",
+                value="IKEA",
+                gateway="mqtt",
+                convention="zigbee2mqtt",
+                key=NATIVE_KEY,
+                said_at=ago(300),
+            ),
+            Fact(
+                name="model",
+                value="LED1836G9",
+                gateway="mqtt",
+                convention="homeassistant",
+                key=LAMP_KEY,
+                said_at=ago(7300),
+            ),
+        ),
+        reachable=Reachability(state="yes", since=ago(300), why="zigbee2mqtt/Kitchen lamp/availability says online"),
+        states=(
+            told("light", "on_off", True, 40),
+            told("light", "level", 39.76, 40),
+            told("linkquality", "measurement", 118.0, 5000, live=False),
+        ),
+        evidence=(f"the same eui64:00158d0001abcdef in {NATIVE_KEY} and {LAMP_KEY}",),
+        conflicts=("homeassistant:light/evil writes to zigbee2mqtt/Kitchen lamp/set as well",),
+    )
+
+
+def window() -> Device:
+    return Device(
+        id="windows/bath",
+        name="bath\x1b[31m",
+        service_type="windows",
+        endpoints=(
+            Endpoint(
+                gateway="mqtt",
+                key="windows/bath",
+                address="home425/windows/bath/out",
+                command_address="home425/windows/bath/in",
+            ),
+        ),
+        metadata=(),
+        first_seen=ago(90_000),
+        last_seen=ago(90_000),
+        expires=ago(86_400),
+        freshness="stale",
+    )
+
+
+def attic() -> Device:
+    part = Part(
+        id="",
+        service_type="temperature_sensor",
+        tag="outdoor",
+        guessed=True,
+        capabilities=(Capability(name="temperature"), Capability(name="humidity"), Capability(name="battery_low")),
+        reads=("attic/tele",),
+    )
+    return Device(
+        id="attic",
+        name="Attic",
+        service_type="temperature_sensor",
+        endpoints=(Endpoint(gateway="mqtt", key="attic", address=words_address("attic", ""), command_address=""),),
+        metadata=(),
+        first_seen=ago(500),
+        last_seen=ago(120),
+        expires=ago(-100),
+        freshness="unconfirmed",
+        area="Attic",
+        names=("Attic",),
+        parts=(DevicePart(id="", part=part, routes=(Route(gateway="mqtt", key="attic", part=""),)),),
+        reachable=Reachability(state="no", since=ago(60), why="its last will says offline"),
+        states=(
+            told("", "temperature", -3.25, 120),
+            told("", "humidity", 61.0, 120),
+            told("", "battery_low", False, 9),
+        ),
+    )
+
+
+class StillHouse:
+    """The nodes of the house.
+
+    Attributes:
+        published: What was published through the gateway, as topic, payload and retain.
+        forgotten: The ids that were forgotten.
+        acts: Whether the gateway acts.
+        is_well: Whether nothing is wrong.
+    """
+
+    def __init__(self) -> None:
+        self.published: list[tuple[str, str, bool]] = []
+        self.forgotten: list[str] = []
+        self.acts = True
+        self.is_well = False
+
+    def node(self, graph: Graph) -> Node:
+        node = Node(graph, "still")
+        states = node.create_publisher(GatewayState, GatewayNames("mqtt").state, qos_profile_latched)
+        states.publish(GatewayState(state="active", reason="", acts=self.acts))
+        node.create_subscription(RawCommand, GatewayNames("mqtt").out, self._publish, 10)
+        node.create_service(FindDevices, FIND_DEVICES, self._find)
+        node.create_service(QueryDevices, QUERY_DEVICES, self._query)
+        node.create_service(ForgetDevice, FORGET_DEVICE, self._forget)
+        node.create_service(GetHealth, GatewayNames("mqtt").health, self._health)
+        node.create_service(
+            GetHealth, DISCOVERY_HEALTH, lambda _: HealthResponse(counts=(Count(name="devices", count=3),))
+        )
+        return node
+
+    def _devices(self) -> tuple[Device, ...]:
+        lamp = kitchen_lamp()
+        return (lamp.model_copy(update={"conflicts": ()}),) if self.is_well else (attic(), lamp, window())
+
+    def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
+        found = [one for one in self._devices() if request.service_type in {"", one.service_type}]
+        return FindDevicesResponse(devices=tuple(found), sequence=1)
+
+    def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
+        try:
+            query = parse_query(request.query)
+        except UsageError as exc:
+            return QueryDevicesResponse(success=False, message=str(exc))
+        found = [one for one in self._devices() if fits(query, facets_of(one))]
+        results = tuple(
+            Found(device=one, score=2.0 - number, reasons=(f"it is number {number + 1}", f"it is {one.freshness}"))
+            for number, one in enumerate(found)
+        )
+        return QueryDevicesResponse(success=True, results=results[: request.limit or None], total=len(found))
+
+    def _forget(self, request: ForgetDeviceRequest) -> ForgetDeviceResponse:
+        self.forgotten.append(request.device)
+        if request.device == "attic":
+            return ForgetDeviceResponse(success=False, message="it went a moment ago")
+        topic = "homeassistant/light/0x00158d0001abcdef/light/config"
+        return ForgetDeviceResponse(success=True, announced_on=(AnnouncedOn(gateway="mqtt", topic=topic),))
+
+    def _health(self, request: HealthRequest) -> HealthResponse:
+        del request
+        offender = Quarantine(
+            gateway="mqtt",
+            offender="homeassistant/sensor/evil/config",
+            why="homeassistant/sensor/evil/config: the payload is no JSON",
+            offences=7,
+            since=ago(90),
+            until=ago(-510),
+        )
+        counts = (Count(name="announcements", count=1024), Count(name="announcements_rejected", count=7))
+        return HealthResponse(counts=counts, quarantined=() if self.is_well else (offender,))
+
+    def _publish(self, command: RawCommand) -> None:
+        self.published.append((command.address, command.payload, command.retain))
+
+
+@pytest.fixture
+def still() -> StillHouse:
+    return StillHouse()
+
+
+@pytest.fixture
+def still_homebot(still: StillHouse, homebot_with: Callable[[Callable[[Graph], Node], Clock], Any]) -> Homebot:
+    made: Homebot = homebot_with(still.node, ManualClock(NOW))
+    return made
