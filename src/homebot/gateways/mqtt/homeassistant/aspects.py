@@ -16,6 +16,8 @@ from homebot.gateways.mqtt.payload import shown
 
 __all__ = ["offer_choice", "offer_flag", "offer_number", "offer_push"]
 
+_WIDE = (-1e15, 1e15)
+
 
 def offer_choice(
     entity: Entity,
@@ -77,7 +79,7 @@ def offer_number(
     source: Source | None,
     command: CommandTopic | None,
     *,
-    bounds: tuple[float, float],
+    bounds: tuple[float, float] = _WIDE,
     unit: str = "",
     unknown: str = "None",
     heard: Callable[[float], float | None] = float,

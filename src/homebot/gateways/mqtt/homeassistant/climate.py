@@ -37,10 +37,9 @@ def build_climate(config: Config) -> DescribedPart:
     offer_choice(entity, "thermostat_mode", source_of(config, "mode_state"), mode, modes)
     _offer_switch(entity, config, mode, modes)
     offer_choice(entity, "thermostat_action", _source(config, "action_topic", "action_template"), None, _ACTIONS)
-    for name, (key, default) in _CHOICES.items():
-        command = config.command(f"{key}_command_topic", f"{key}_command_template")
-        options = config.options(f"{key}s") or default
-        offer_choice(entity, name, source_of(config, f"{key}_state"), command, options)
+    for name, default in _CHOICES.items():
+        command = config.command(f"{name}_command_topic", f"{name}_command_template")
+        offer_choice(entity, name, source_of(config, f"{name}_state"), command, config.options(f"{name}s") or default)
     _offer_preset(entity, config)
     return entity.described()
 
@@ -52,10 +51,9 @@ def source_of(config: Config, name: str) -> Source | None:
 
 _MODES = ("auto", "off", "cool", "heat", "dry", "fan_only")
 _ACTIONS = ("off", "heating", "cooling", "drying", "idle", "fan", "preheating", "defrosting")
-_CHOICES = {
-    "fan_mode": ("fan_mode", ("auto", "low", "medium", "high")),
-    "swing_mode": ("swing_mode", ("on", "off")),
-}
+_CHOICES = {"fan_mode": ("auto", "low", "medium", "high"), "swing_mode": ("on", "off")}
+"""By capability, which is also how the fields are called; what it can be where the config does not say."""
+
 _HEATS = frozenset({"heat", "heat_cool", "auto"})
 _COOLS = frozenset({"cool", "heat_cool"})
 _PAIR = 2
@@ -89,11 +87,11 @@ def _offer_temperatures(entity: Entity, config: Config, modes: tuple[str, ...]) 
             told=thermometer.number,
         )
     measured = source_of(config, "current_temperature")
-    offer_number(entity, "local_temperature", measured, None, bounds=(0, 0), unit="°C", heard=thermometer.celsius)
+    offer_number(entity, "local_temperature", measured, None, unit="°C", heard=thermometer.celsius)
 
 
 def _offer_humidity(entity: Entity, config: Config) -> None:
-    offer_number(entity, "humidity", source_of(config, "current_humidity"), None, bounds=(0, 0), unit="%")
+    offer_number(entity, "humidity", source_of(config, "current_humidity"), None, unit="%")
     command = config.command("target_humidity_command_topic", "target_humidity_command_template")
     source = source_of(config, "target_humidity_state")
     least, most = config.number("min_humidity", 30.0), config.number("max_humidity", 99.0)

@@ -44,7 +44,6 @@ def build_humidifier(config: Config) -> DescribedPart:
         "humidity",
         config.source("current_humidity_topic", "current_humidity_template"),
         None,
-        bounds=(0, 0),
         unit="%",
         unknown=unknown,
         heard=_whole_within(0, 100),

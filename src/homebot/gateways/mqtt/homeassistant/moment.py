@@ -22,7 +22,8 @@ __all__ = ["build_moment"]
 
 def build_moment(config: Config) -> DescribedPart:
     """Describe a date, a time of day, or both, as the component says; what is none is neither heard nor told."""
-    parse = _PARSERS[config.component]
+    kind = config.component
+    parse = _PARSERS[kind]
     command = config.required_command()
 
     def spelled(text: str) -> str | None:
@@ -40,12 +41,12 @@ def build_moment(config: Config) -> DescribedPart:
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         moment = spelled(value) if isinstance(value, str) else None
         if moment is None:
-            raise RefusedError(f"text {shown(value)}", f"it takes a {config.component} as ISO 8601 has it")
-        if config.component == "datetime" and datetime.fromisoformat(moment).tzinfo is None:
+            raise RefusedError(f"text {shown(value)}", f"it takes a {kind} as ISO 8601 has it")
+        if kind == "datetime" and datetime.fromisoformat(moment).tzinfo is None:
             raise RefusedError(f"text {shown(value)}", "it takes a datetime with its time zone")
         return (command.publication(moment),)
 
-    entity = Entity(config, "x_setting", config.component)
+    entity = Entity(config, "x_setting", kind)
     entity.offers("text", readable=entity.hears(config.source("state_topic"), read), writer=write)
     entity.listens(command)
     return entity.described()

@@ -30,7 +30,7 @@ def build_water_heater(config: Config) -> DescribedPart:
         told=thermometer.number,
     )
     measured = source_of(config, "current_temperature")
-    offer_number(entity, "local_temperature", measured, None, bounds=(0, 0), unit="°C", heard=thermometer.celsius)
+    offer_number(entity, "local_temperature", measured, None, unit="°C", heard=thermometer.celsius)
     mode = config.command("mode_command_topic", "mode_command_template")
     offer_choice(entity, "water_heater_mode", source_of(config, "mode_state"), mode, config.options("modes") or _MODES)
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
