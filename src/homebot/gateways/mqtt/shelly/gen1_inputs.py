@@ -1,0 +1,64 @@
+"""Inputs and buttons of Shelly's first generation. Pure.
+
+Source: Shelly Gen1 API, MQTT: ``input/<i>`` and ``input_event/<i>``.
+"""
+
+from __future__ import annotations
+
+from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
+from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, text_in
+
+__all__ = ["build_input"]
+
+_PRESSES = {
+    "S": "single",
+    "SS": "double",
+    "SSS": "triple",
+    "L": "long",
+    "SL": "short_long",
+    "LS": "long_short",
+}
+_STATES: dict[str, Readings] = {"0": {"state": False}, "1": {"state": True}}
+
+
+class _Presses:
+    """Tells a new press from one that the device only repeats, by the counter beside it.
+
+    A device that was asked for its state tells its last press again. So the first one that is heard only sets the
+    counter, but for a device that wakes up to tell it.
+    """
+
+    __slots__ = ("_count", "_counts_first")
+
+    def __init__(self, *, counts_first: bool) -> None:
+        self._count: object = None
+        self._counts_first = counts_first
+
+    def read(self, payload: bytes) -> Readings:
+        told = json_in(payload)
+        if not isinstance(told, dict):
+            return NOTHING
+        event, count = told.get("event"), told.get("event_cnt")
+        if not isinstance(count, int) or isinstance(count, bool):
+            count = None
+        is_first = self._count is None
+        is_new = (count is None or count != self._count) and (self._counts_first or not is_first)
+        self._count = 0 if count is None else count
+        press = _PRESSES.get(event) if isinstance(event, str) else None
+        return {"press": press} if is_new and press is not None else NOTHING
+
+
+def build_input(place: Gen1Place, index: int, *, has_state: bool, has_events: bool, counts_first: bool) -> TabledPart:
+    """Describe an input: a button where it tells presses."""
+    part = TabledPart(f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input")
+    if has_state:
+        part.reads(place.at(f"input/{index}"), _read_state)
+        part.offers("state")
+    if has_events:
+        part.reads_events(place.at(f"input_event/{index}"), _Presses(counts_first=counts_first).read)
+        part.offers("press", options=tuple(_PRESSES.values()))
+    return part
+
+
+def _read_state(payload: bytes) -> Readings:
+    return _STATES.get(text_in(payload) or "", NOTHING)

@@ -1,0 +1,238 @@
+"""What Shelly's first generation measures and watches. Pure.
+
+Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0, ``lib/devices/gen1``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from homebot.devices.part import Category
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_number
+from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
+from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, number_in, text_in
+
+__all__ = ["SENSORS", "Gen1Sensor", "build_meter", "build_motion", "build_sensor", "build_valve"]
+
+_Convert = Callable[[str], PlainValue]
+_UNCLEAR = object()
+
+
+@dataclass(frozen=True, slots=True)
+class Gen1Sensor:
+    """A value with a topic of its own.
+
+    Attributes:
+        suffix: Its topic below the device's; where it has channels, without the number.
+        service_type: See :attr:`homebot.devices.Part.service_type`.
+        capability: See :data:`homebot.devices.capabilities.CAPABILITIES`.
+        words: What each payload means.
+        is_number: Whether a payload that is none of *words* is a number.
+        least: Smallest number that can be.
+        most: Largest number that can be; another is *unknown*.
+        category: See :attr:`homebot.devices.Part.category`.
+        unit: Where the capability has none.
+    """
+
+    suffix: str
+    service_type: str
+    capability: str
+    words: Mapping[str, PlainValue] = field(default_factory=dict)
+    is_number: bool = False
+    least: float = -1e12
+    most: float = 1e12
+    category: Category = ""
+    unit: str = ""
+
+    def read(self, payload: bytes) -> Readings:
+        """Return what *payload* tells; never raises."""
+        text = text_in(payload) or ""
+        if text in self.words:
+            return {self.capability: self.words[text]}
+        number = number_in(text) if self.is_number else None
+        if number is None:
+            return NOTHING
+        return {self.capability: number if self.least <= number <= self.most else None}
+
+
+_TRUTHS: Mapping[str, PlainValue] = MappingProxyType({"true": True, "false": False, "1": True, "0": False, "-1": None})
+_MOST_CELSIUS = 998.0
+"""A sensor that is broken or absent says 999."""
+
+_TABLE = (
+    Gen1Sensor("sensor/temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS),
+    Gen1Sensor("sensor/humidity", "humidity_sensor", "humidity", is_number=True, least=0, most=100),
+    Gen1Sensor("sensor/lux", "light_sensor", "illuminance", is_number=True, least=0),
+    Gen1Sensor("sensor/state", "contact_sensor", "contact", {"open": True, "close": False, "unknown": None}),
+    Gen1Sensor("sensor/motion", "occupancy_sensor", "occupancy", _TRUTHS),
+    Gen1Sensor("sensor/flood", "water_leak_detector", "water_leak", _TRUTHS),
+    Gen1Sensor("sensor/smoke", "smoke_co_alarm", "smoke", _TRUTHS),
+    Gen1Sensor(
+        "sensor/gas",
+        "smoke_co_alarm",
+        "gas",
+        {"none": False, "mild": True, "heavy": True, "unknown": None},
+    ),
+    Gen1Sensor("sensor/concentration", "x_sensor", "measurement", is_number=True, least=0, unit="ppm"),
+    Gen1Sensor("sensor/tilt", "x_sensor", "measurement", is_number=True, least=0, unit="°"),
+    Gen1Sensor("sensor/vibration", "x_binary_sensor", "vibration", _TRUTHS),
+    Gen1Sensor("sensor/battery", "x_battery", "battery", is_number=True, least=0, most=100, category="diagnostic"),
+    Gen1Sensor("sensor/charger", "x_battery", "battery_charging", _TRUTHS, category="diagnostic"),
+    Gen1Sensor(
+        "temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS, category="diagnostic"
+    ),
+    Gen1Sensor("overtemperature", "x_binary_sensor", "heat", _TRUTHS, category="diagnostic"),
+    Gen1Sensor("overpower", "x_binary_sensor", "problem", _TRUTHS, category="diagnostic"),
+    Gen1Sensor("ext_temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS),
+    Gen1Sensor("ext_humidity", "humidity_sensor", "humidity", is_number=True, least=0, most=100),
+    Gen1Sensor("ext_switch", "x_binary_sensor", "state", _TRUTHS),
+)
+
+SENSORS: Mapping[str, Gen1Sensor] = MappingProxyType({sensor.suffix: sensor for sensor in _TABLE})
+"""By :attr:`Gen1Sensor.suffix`."""
+
+_METERED: Mapping[str, tuple[str, float]] = MappingProxyType(
+    {
+        "power": ("power", 1.0),
+        "energy": ("energy", 1 / 60_000),
+        "total": ("energy", 1 / 1000),
+        "voltage": ("voltage", 1.0),
+        "current": ("current", 1.0),
+    }
+)
+"""The capability of what a meter tells, and what makes its unit of Shelly's: watt-minutes, watt-hours."""
+
+
+def build_sensor(place: Gen1Place, sensor: Gen1Sensor, index: int | None = None) -> TabledPart:
+    """Describe a sensor; where it is a channel, channel *index*."""
+    part_id = sensor.suffix.removeprefix("sensor/")
+    topic = place.at(sensor.suffix)
+    if index is not None:
+        part_id, topic = f"{part_id}:{index}", f"{topic}/{index}"
+    part = TabledPart(part_id, sensor.service_type, advertised=sensor.suffix, category=sensor.category)
+    part.reads(topic, sensor.read)
+    part.offers(sensor.capability, unit=sensor.unit)
+    return part
+
+
+def build_meter(place: Gen1Place, part_id: str, told: Mapping[str, str]) -> TabledPart:
+    """Describe a meter.
+
+    Args:
+        place: Of its device.
+        part_id: Of the part.
+        told: Topics below the device's, by what is told there: power, energy, total, voltage, current.
+    """
+    part = TabledPart(part_id, "electrical_meter", advertised="meter")
+    for name, suffix in told.items():
+        capability, factor = _METERED[name]
+        part.reads(place.at(suffix), _measuring(capability, factor))
+        part.offers(capability)
+    return part
+
+
+def build_motion(place: Gen1Place) -> tuple[TabledPart, ...]:
+    """Describe what a motion sensor tells in its one ``status``."""
+    return tuple(
+        _status_part(place, part_id, service_type, capability, find, category)
+        for part_id, service_type, capability, find, category in _MOTION
+    )
+
+
+def build_valve(place: Gen1Place) -> tuple[TabledPart, ...]:
+    """Describe a radiator valve."""
+    topic = place.at("thermostat/0/command/target_t")
+
+    def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        celsius = wanted_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C")
+        return (Publication(topic, f"{round(celsius, 1):g}".encode()),)
+
+    part = TabledPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
+    part.reads(place.at("status"), _read_valve)
+    part.reads(place.at("info"), _read_valve)
+    part.listens(topic)
+    part.offers("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
+    part.offers("local_temperature")
+    part.offers("position")
+    return part, _status_part(place, "battery", "x_battery", "battery", _battery, "diagnostic")
+
+
+_VALVE_BOUNDS = (4.0, 31.0)
+
+
+def _measuring(capability: str, factor: float) -> Callable[[bytes], Readings]:
+    def read(payload: bytes) -> Readings:
+        number = number_in(text_in(payload))
+        return NOTHING if number is None else {capability: number * factor}
+
+    return read
+
+
+def _truth(told: Mapping[str, object], name: str) -> PlainValue | object:
+    value = told.get(name)
+    return value if isinstance(value, bool) else _UNCLEAR
+
+
+def _number(value: object) -> PlainValue | object:
+    number = number_in(value)
+    return _UNCLEAR if number is None else number
+
+
+def _battery(told: Mapping[str, object]) -> PlainValue | object:
+    battery = told.get("bat")
+    return _number(battery.get("value") if isinstance(battery, dict) else battery)
+
+
+def _temperature(told: Mapping[str, object]) -> PlainValue | object:
+    temperature = told.get("tmp")
+    if not isinstance(temperature, dict):
+        return _UNCLEAR
+    return None if temperature.get("is_valid") is False else _number(temperature.get("value"))
+
+
+_Find = Callable[[Mapping[str, object]], PlainValue | object]
+_MOTION: tuple[tuple[str, str, str, _Find, Category], ...] = (
+    ("motion", "occupancy_sensor", "occupancy", lambda told: _truth(told, "motion"), ""),
+    ("vibration", "x_binary_sensor", "vibration", lambda told: _truth(told, "vibration"), ""),
+    ("lux", "light_sensor", "illuminance", lambda told: _number(told.get("lux")), ""),
+    ("temperature", "temperature_sensor", "temperature", _temperature, ""),
+    ("battery", "x_battery", "battery", _battery, "diagnostic"),
+)
+
+
+def _status_part(
+    place: Gen1Place, part_id: str, service_type: str, capability: str, find: _Find, category: Category
+) -> TabledPart:
+    def read(payload: bytes) -> Readings:
+        told = json_in(payload)
+        value = find(told) if isinstance(told, dict) else _UNCLEAR
+        return {capability: value} if value is None or isinstance(value, (bool, float)) else NOTHING
+
+    part = TabledPart(part_id, service_type, advertised="status", category=category)
+    part.reads(place.at("status"), read)
+    part.offers(capability)
+    return part
+
+
+def _read_valve(payload: bytes) -> Readings:
+    told = json_in(payload)
+    if not isinstance(told, dict):
+        return NOTHING
+    listed = told.get("thermostats")
+    valve = listed[0] if isinstance(listed, list) and listed and isinstance(listed[0], dict) else told
+    found: dict[str, PlainValue] = {}
+    target = valve.get("target_t")
+    wanted = number_in(target.get("value")) if isinstance(target, dict) else None
+    if wanted is not None:
+        found["heating_setpoint"] = wanted
+    temperature = _temperature(valve)
+    if temperature is None or isinstance(temperature, float):
+        found["local_temperature"] = temperature
+    opened = number_in(valve.get("pos"))
+    if opened is not None:
+        found["position"] = opened if 0 <= opened <= 100 else None
+    return found

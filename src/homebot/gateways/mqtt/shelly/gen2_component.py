@@ -1,0 +1,168 @@
+"""One component of a Shelly of the second generation: where it speaks, and a part made of it. Pure.
+
+What a component tells comes on three topics: all of it on ``<prefix>/status/<component>`` and in the answer to
+``Shelly.GetStatus``, and what changed on ``<prefix>/events/rpc``.
+
+Source: Shelly Gen2+ API, General, Notifications; MQTT.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TypeAlias
+
+from homebot.devices.part import Category
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.shelly.rpc import call
+from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, number_in
+
+__all__ = ["Component", "Fields", "Gen2Place", "Told", "flag", "measured"]
+
+Fields: TypeAlias = Mapping[str, object]
+"""A status or a configuration, or a part of one."""
+
+Told: TypeAlias = Callable[[Fields], Readings]
+"""What a status, or what changed of one, tells. Never raises."""
+
+_NO_FIELDS: Fields = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class Gen2Place:
+    """Where a device speaks and listens.
+
+    Attributes:
+        prefix: What its topics begin with.
+        source: As whom we call it; its answers come on ``<source>/rpc``.
+        answers: Where it answers questions for its state.
+        is_plug: Whether its relays are sockets.
+    """
+
+    prefix: str
+    source: str
+    answers: str
+    is_plug: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """One component.
+
+    Attributes:
+        place: Of its device.
+        key: Its name, for example ``switch:0``.
+        status: What it told when it was asked.
+        config: How it is set up; empty where that is not known.
+    """
+
+    place: Gen2Place
+    key: str
+    status: Fields
+    config: Fields = field(default_factory=dict)
+
+    @property
+    def kind(self) -> str:
+        """What it is, for example ``switch``."""
+        return self.key.partition(":")[0]
+
+    @property
+    def index(self) -> int:
+        """Which of its kind."""
+        return int(self.key.partition(":")[2] or 0)
+
+    @property
+    def name(self) -> str:
+        """What people call it; empty where they do not."""
+        name = self.config.get("name")
+        return clean_text(name) if isinstance(name, str) else ""
+
+    def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> TabledPart:
+        """Return a part of it without capabilities.
+
+        Args:
+            suffix: Tells it from other parts of the same component; empty for the main one.
+            service_type: See :attr:`homebot.devices.Part.service_type`.
+            tag: See :attr:`homebot.devices.Part.tag`.
+            category: See :attr:`homebot.devices.Part.category`.
+        """
+        part_id = f"{self.key}/{suffix}" if suffix else self.key
+        return TabledPart(part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category)
+
+    def tells(self, part: TabledPart, told: Told, key: str = "") -> None:
+        """Have *part* read the component, or the one called *key*, with *told*."""
+        key = key or self.key
+        prefix = self.place.prefix
+        part.reads(f"{prefix}/events/rpc", lambda payload: _read(payload, "params", key, told))
+        part.reads(f"{prefix}/status/{key}", lambda payload: _read_status(payload, told))
+        part.reads(self.place.answers, lambda payload: _read(payload, "result", key, told))
+
+    def hears_presses(self, part: TabledPart, presses: Mapping[str, str]) -> None:
+        """Have *part* read its events, named as in *presses*."""
+        key = self.key
+        part.reads_events(f"{self.place.prefix}/events/rpc", lambda payload: _read_events(payload, key, presses))
+        part.offers("press", options=tuple(presses.values()))
+
+    def listens(self, part: TabledPart) -> None:
+        """Name the topic that commands to *part* go to."""
+        part.listens(f"{self.place.prefix}/rpc")
+
+    def call(self, method: str, /, **params: object) -> tuple[Publication, ...]:
+        """Return the call of *method* of this component."""
+        return (call(self.place.prefix, self.place.source, method, {"id": self.index, **params}),)
+
+
+def measured(field: str, capability: str, factor: float = 1.0) -> Told:
+    """Return a reader of one number; ``null`` in its place is *unknown*."""
+
+    def told(status: Fields) -> Readings:
+        if field not in status:
+            return NOTHING
+        number = number_in(status[field])
+        if number is not None:
+            return {capability: number * factor}
+        return {capability: None} if status[field] is None else NOTHING
+
+    return told
+
+
+def flag(field: str, capability: str) -> Told:
+    """Return a reader of one truth; ``null`` in its place is *unknown*."""
+
+    def told(status: Fields) -> Readings:
+        value: object = status.get(field, _NO_FIELDS)
+        return {capability: value} if value is None or isinstance(value, bool) else NOTHING
+
+    return told
+
+
+def _read_status(payload: bytes, told: Told) -> Readings:
+    status = json_in(payload)
+    return told(status) if isinstance(status, dict) else NOTHING
+
+
+def _read(payload: bytes, member: str, key: str, told: Told) -> Readings:
+    frame = json_in(payload)
+    components = frame.get(member) if isinstance(frame, dict) else None
+    status = components.get(key) if isinstance(components, dict) else None
+    return told(status) if isinstance(status, dict) else NOTHING
+
+
+_MOST_EVENTS = 32
+
+
+def _read_events(payload: bytes, key: str, presses: Mapping[str, str]) -> Readings:
+    frame = json_in(payload)
+    params = frame.get("params") if isinstance(frame, dict) else None
+    events = params.get("events") if isinstance(params, dict) else None
+    if not isinstance(events, list):
+        return NOTHING
+    found: dict[str, PlainValue] = {}
+    for event in events[:_MOST_EVENTS]:
+        name = event.get("event") if isinstance(event, dict) and event.get("component") == key else None
+        if isinstance(name, str) and name in presses:
+            found["press"] = presses[name]
+    return found

@@ -1,0 +1,81 @@
+"""What a Shelly of the second generation consists of, by its components. Pure."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+
+from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, Gen2Place
+from homebot.gateways.mqtt.shelly.gen2_controls import (
+    build_cover,
+    build_radiator_valve,
+    build_switch,
+    build_thermostat,
+)
+from homebot.gateways.mqtt.shelly.gen2_lights import LIGHTS, build_light
+from homebot.gateways.mqtt.shelly.gen2_sensors import (
+    SENSORS,
+    build_bluetooth_sensor,
+    build_input,
+    build_meters,
+    build_own_temperature,
+    build_power,
+    build_sensor,
+)
+from homebot.gateways.mqtt.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button
+from homebot.gateways.mqtt.shelly.rpc import call
+from homebot.gateways.mqtt.tabled_part import TabledPart
+
+__all__ = ["MAX_COMPONENTS", "build_parts"]
+
+MAX_COMPONENTS = 300
+"""Components of one device that are looked at; a gateway with all the sensors it takes has about 150."""
+
+
+def build_parts(place: Gen2Place, status: Fields, config: Fields) -> tuple[DescribedPart, ...]:
+    """Return the parts of the device at *place*.
+
+    Args:
+        place: Where it speaks.
+        status: By component, as it answers ``Shelly.GetStatus``.
+        config: By component, as it answers ``Shelly.GetConfig``; empty where it did not.
+    """
+    parts: list[TabledPart] = []
+    for component in _components(place, status, config):
+        for build in _BUILDERS.get(component.kind, ()):
+            parts.extend(build(component))
+    asks = (call(place.prefix, place.answers.removesuffix("/rpc"), "Shelly.GetStatus"),)
+    return tuple(part.described(() if index else asks) for index, part in enumerate(parts))
+
+
+_KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
+_Build = Callable[[Component], tuple[TabledPart, ...]]
+_LOAD: tuple[_Build, ...] = (build_meters, build_own_temperature)
+_BUILDERS: Mapping[str, tuple[_Build, ...]] = {
+    "switch": (build_switch, *_LOAD),
+    "cover": (build_cover, *_LOAD),
+    **dict.fromkeys(LIGHTS, (build_light, *_LOAD)),
+    "pm1": (build_meters,),
+    "em": (build_meters,),
+    "em1": (build_meters,),
+    "input": (build_input,),
+    **dict.fromkeys(SENSORS, (build_sensor,)),
+    "devicepower": (build_power,),
+    "thermostat": (build_thermostat,),
+    "blutrv": (build_radiator_valve,),
+    "bthomesensor": (build_bluetooth_sensor,),
+    **dict.fromkeys(VIRTUAL, (build_virtual,)),
+    "button": (build_virtual_button,),
+}
+
+
+def _components(place: Gen2Place, status: Fields, config: Fields) -> tuple[Component, ...]:
+    found: list[Component] = []
+    for key, fields in status.items():
+        if len(found) >= MAX_COMPONENTS:
+            break
+        if isinstance(fields, dict) and _KEY.fullmatch(key):
+            settings = config.get(key)
+            found.append(Component(place, key, fields, settings if isinstance(settings, dict) else {}))
+    return tuple(found)

@@ -1,0 +1,242 @@
+"""What Shelly's second generation measures and watches. Pure.
+
+Source: Shelly Gen2+ API, components Temperature, Humidity, Illuminance, DevicePower, Smoke, Flood, Presence, Voltmeter,
+Input, PM1, EM, EM1, EMData, EM1Data and BTHomeSensor; BTHome v2 object ids.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from homebot.devices.part import Category
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, Told, flag, measured
+from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, number_in
+
+__all__ = [
+    "SENSORS",
+    "build_bluetooth_sensor",
+    "build_input",
+    "build_meters",
+    "build_own_temperature",
+    "build_power",
+    "build_sensor",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class _Sensor:
+    field: str
+    capability: str
+    service_type: str
+    category: Category = ""
+
+    @property
+    def told(self) -> Told:
+        is_truth = self.capability in _TRUTHS
+        return flag(self.field, self.capability) if is_truth else measured(self.field, self.capability)
+
+
+_TRUTHS = frozenset({"smoke", "water_leak", "occupancy"})
+
+SENSORS: Mapping[str, _Sensor] = MappingProxyType(
+    {
+        "temperature": _Sensor("tC", "temperature", "temperature_sensor"),
+        "humidity": _Sensor("rh", "humidity", "humidity_sensor"),
+        "illuminance": _Sensor("lux", "illuminance", "light_sensor"),
+        "smoke": _Sensor("alarm", "smoke", "smoke_co_alarm"),
+        "flood": _Sensor("alarm", "water_leak", "water_leak_detector"),
+        "presencezone": _Sensor("state", "occupancy", "occupancy_sensor"),
+        "voltmeter": _Sensor("voltage", "voltage", "electrical_meter"),
+    }
+)
+"""The components that are one sensor each."""
+
+_ENERGY = 1 / 1000
+"""Shelly counts watt-hours."""
+
+_ELECTRICAL = (
+    ("apower", "power"),
+    ("act_power", "power"),
+    ("voltage", "voltage"),
+    ("current", "current"),
+    ("freq", "frequency"),
+)
+_PHASES = ("a", "b", "c")
+_TOTALS = (("total_act_power", "power"), ("total_current", "current"))
+_PRESSES = {
+    "single_push": "single",
+    "double_push": "double",
+    "triple_push": "triple",
+    "long_push": "long",
+}
+_BLUETOOTH: Mapping[int, tuple[str, str, Category]] = MappingProxyType(
+    {
+        1: ("x_battery", "battery", "diagnostic"),
+        2: ("temperature_sensor", "temperature", ""),
+        3: ("humidity_sensor", "humidity", ""),
+        4: ("pressure_sensor", "pressure", ""),
+        5: ("light_sensor", "illuminance", ""),
+        33: ("occupancy_sensor", "occupancy", ""),
+        35: ("occupancy_sensor", "occupancy", ""),
+        45: ("contact_sensor", "contact", ""),
+        26: ("contact_sensor", "contact", ""),
+        32: ("water_leak_detector", "water_leak", ""),
+        41: ("smoke_co_alarm", "smoke", ""),
+        44: ("x_binary_sensor", "vibration", ""),
+        46: ("humidity_sensor", "humidity", ""),
+        69: ("temperature_sensor", "temperature", ""),
+    }
+)
+
+
+def build_sensor(component: Component) -> tuple[TabledPart, ...]:
+    """Describe a component that is one sensor."""
+    sensor = SENSORS[component.kind]
+    part = component.part("", sensor.service_type, category=sensor.category)
+    component.tells(part, sensor.told)
+    part.offers(sensor.capability)
+    return (part,)
+
+
+def build_power(component: Component) -> tuple[TabledPart, ...]:
+    """Describe a battery, where the device has one."""
+    part = component.part("", "x_battery", category="diagnostic")
+    component.tells(part, _told_by_power)
+    part.offers("battery")
+    if isinstance(component.status.get("external"), dict):
+        part.offers("plugged_in")
+    return (part,)
+
+
+def build_input(component: Component) -> tuple[TabledPart, ...]:
+    """Describe an input: a button, a switch, an analogue value or a counter, as it is set up."""
+    kind = component.config.get("type")
+    if component.config.get("enable") is False:
+        return ()
+    if kind == "analog" or (kind is None and "percent" in component.status and "state" not in component.status):
+        part = component.part("", "x_sensor")
+        component.tells(part, measured("percent", "measurement"))
+        part.offers("measurement", unit="%")
+        return (part,)
+    if kind == "count":
+        part = component.part("", "x_sensor")
+        component.tells(part, _told_by_counter)
+        part.offers("measurement")
+        return (part,)
+    is_button = kind != "switch"
+    part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
+    if kind == "switch" or component.status.get("state") is not None:
+        component.tells(part, flag("state", "state"))
+        part.offers("state")
+    if is_button:
+        component.hears_presses(part, _PRESSES)
+    return (part,)
+
+
+def build_meters(component: Component) -> tuple[TabledPart, ...]:
+    """Describe what a component measures of the electricity through it; nothing where it does not."""
+    if component.kind == "em":
+        return _build_phases(component)
+    is_meter = component.kind in {"pm1", "em1"}
+    if not is_meter and "apower" not in component.status:
+        return ()
+    part = component.part("" if is_meter else "meter", "electrical_meter")
+    for field, capability in _ELECTRICAL:
+        if field in component.status:
+            component.tells(part, measured(field, capability))
+            part.offers(capability)
+    if isinstance(component.status.get("aenergy"), dict):
+        component.tells(part, _told_energy)
+        part.offers("energy")
+    if component.kind == "em1":
+        component.tells(part, measured("total_act_energy", "energy", _ENERGY), f"em1data:{component.index}")
+        part.offers("energy")
+    return (part,)
+
+
+def build_own_temperature(component: Component) -> tuple[TabledPart, ...]:
+    """Describe how warm the device itself is, where the component tells."""
+    if not isinstance(component.status.get("temperature"), dict):
+        return ()
+    inner = measured("tC", "temperature")
+
+    def told(status: Fields) -> Readings:
+        temperature = status.get("temperature")
+        return inner(temperature) if isinstance(temperature, dict) else NOTHING
+
+    part = component.part("temperature", "temperature_sensor", category="diagnostic")
+    component.tells(part, told)
+    part.offers("temperature")
+    return (part,)
+
+
+def build_bluetooth_sensor(component: Component) -> tuple[TabledPart, ...]:
+    """Describe one value that a gateway hears by Bluetooth; nothing where it is not known what it means."""
+    object_id = component.config.get("obj_id")
+    known = _BLUETOOTH.get(object_id) if isinstance(object_id, int) else None
+    if known is None:
+        return ()
+    service_type, capability, category = known
+    part = component.part("", service_type, category=category)
+
+    def told(status: Fields) -> Readings:
+        value = status.get("value")
+        if isinstance(value, bool):
+            return {capability: value} if capability not in _NUMBERS else NOTHING
+        number = number_in(value)
+        return {capability: number} if number is not None and capability in _NUMBERS else NOTHING
+
+    component.tells(part, told)
+    part.offers(capability)
+    return (part,)
+
+
+_NUMBERS = frozenset({"battery", "temperature", "humidity", "pressure", "illuminance"})
+
+
+def _build_phases(component: Component) -> tuple[TabledPart, ...]:
+    total = component.part("", "electrical_meter")
+    for field, capability in _TOTALS:
+        component.tells(total, measured(field, capability))
+        total.offers(capability)
+    data = f"emdata:{component.index}"
+    component.tells(total, measured("total_act", "energy", _ENERGY), data)
+    total.offers("energy")
+    parts = [total]
+    for phase in _PHASES:
+        if f"{phase}_act_power" not in component.status:
+            continue
+        part = component.part(phase, "electrical_meter", tag=f"phase_{phase}")
+        for field, capability in (("act_power", "power"), ("voltage", "voltage"), ("current", "current")):
+            component.tells(part, measured(f"{phase}_{field}", capability))
+            part.offers(capability)
+        component.tells(part, measured(f"{phase}_total_act_energy", "energy", _ENERGY), data)
+        part.offers("energy")
+        parts.append(part)
+    return tuple(parts)
+
+
+def _told_energy(status: Fields) -> Readings:
+    energy = status.get("aenergy")
+    total = number_in(energy.get("total")) if isinstance(energy, dict) else None
+    return NOTHING if total is None else {"energy": total * _ENERGY}
+
+
+def _told_by_counter(status: Fields) -> Readings:
+    counts = status.get("counts")
+    total = number_in(counts.get("total")) if isinstance(counts, dict) else None
+    return NOTHING if total is None else {"measurement": total}
+
+
+def _told_by_power(status: Fields) -> Readings:
+    found: dict[str, PlainValue] = {}
+    battery, external = status.get("battery"), status.get("external")
+    if isinstance(battery, dict) and "percent" in battery:
+        percent = number_in(battery["percent"])
+        found["battery"] = percent if percent is not None and 0 <= percent <= 100 else None
+    if isinstance(external, dict) and isinstance(present := external.get("present"), bool):
+        found["plugged_in"] = present
+    return found

@@ -1,0 +1,101 @@
+"""Values that users or makers of a device define themselves, in Shelly's second generation. Pure.
+
+Source: Shelly Gen2+ API, Virtual Components: Boolean, Number, Text, Enum and Button.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.payload import clean_text, shown
+from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields
+from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, number_in
+
+__all__ = ["VIRTUAL", "build_virtual", "build_virtual_button"]
+
+VIRTUAL: Mapping[str, str] = {"boolean": "state", "number": "number", "text": "text", "enum": "option"}
+"""The capability of each kind."""
+
+_MOST = 1e15
+_LONGEST_TEXT = 255
+_MOST_OPTIONS = 100
+
+
+def build_virtual(component: Component) -> tuple[TabledPart, ...]:
+    """Describe a value as a setting."""
+    capability = VIRTUAL[component.kind]
+    options = _options(component.config)
+    bounds = _bounds(component.config)
+    least, most = bounds or (-_MOST, _MOST)
+
+    def told(status: Fields) -> Readings:
+        value = _plain(component.kind, status.get("value"))
+        return NOTHING if value is None else {capability: value}
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        method = f"{component.kind.capitalize()}.Set"
+        match component.kind:
+            case "boolean":
+                return component.call(method, value=wanted_flag(capability, value))
+            case "number":
+                number = wanted_number(capability, value, least, most)
+                return component.call(method, value=int(number) if number.is_integer() else number)
+            case "enum" if options:
+                return component.call(method, value=wanted_option(capability, value, options))
+            case _:
+                return component.call(method, value=_wanted_text(capability, value))
+
+    part = component.part("", "x_setting", category="config")
+    component.tells(part, told)
+    component.listens(part)
+    part.offers(
+        capability,
+        writer=write,
+        bounds=bounds if component.kind == "number" else (),
+        options=options if component.kind == "enum" else (),
+    )
+    return (part,)
+
+
+def build_virtual_button(component: Component) -> tuple[TabledPart, ...]:
+    """Describe a button that can be pressed by command."""
+
+    def push(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        if not wanted_flag("push", value):
+            raise RefusedError("push False", "it takes true")
+        return component.call("Button.Trigger", event="single_push")
+
+    part = component.part("", "generic_switch")
+    component.listens(part)
+    part.offers("push", readable=False, writer=push)
+    return (part,)
+
+
+def _plain(kind: str, value: object) -> PlainValue:
+    if kind == "number":
+        return number_in(value)
+    if kind == "boolean":
+        return value if isinstance(value, bool) else None
+    return clean_text(value, _LONGEST_TEXT) if isinstance(value, str) else None
+
+
+def _wanted_text(capability: str, value: PlainValue) -> str:
+    if isinstance(value, str) and len(value) <= _LONGEST_TEXT and value.isprintable():
+        return value
+    raise RefusedError(f"{capability} {shown(value)}", f"it takes a text of at most {_LONGEST_TEXT} characters")
+
+
+def _options(config: Fields) -> tuple[str, ...]:
+    options = config.get("options")
+    if not isinstance(options, list):
+        return ()
+    return tuple(one for one in options[:_MOST_OPTIONS] if isinstance(one, str) and len(one) <= _LONGEST_TEXT)
+
+
+def _bounds(config: Fields) -> tuple[float, ...]:
+    least, most = number_in(config.get("min")), number_in(config.get("max"))
+    return (least, most) if least is not None and most is not None and least < most else ()
