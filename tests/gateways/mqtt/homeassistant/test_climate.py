@@ -214,3 +214,11 @@ def test_bounds_are_told_in_celsius() -> None:
 def test_a_config_that_home_assistant_would_not_take_is_refused(fields: Mapping[str, object]) -> None:
     with pytest.raises(WireError):
         climate(fields)
+
+
+def test_one_without_modes_only_heats() -> None:
+    part = climate({**CONDITIONER, "modes": [], "fan_modes": []}).part
+    assert (part.service_type, [one.name for one in part.capabilities]) == (
+        "thermostat",
+        ["heating_setpoint", "swing_mode"],
+    )

@@ -84,3 +84,8 @@ def test_a_vacuum_that_names_no_features_has_the_usual_ones() -> None:
     codec = vacuum(BARE).codec
     told = [codec.write("vacuum", word)[0].payload for word in ("cleaning", "idle", "returning", "spot")]
     assert told == [b"start", b"stop", b"return_to_base", b"clean_spot"]
+
+
+def test_a_vacuum_that_says_it_has_no_features_has_none() -> None:
+    part = vacuum({**BARE, "supported_features": []})
+    assert [(one.name, one.settable) for one in part.part.capabilities] == [("vacuum", False)]

@@ -28,7 +28,7 @@ def build_climate(config: Config) -> DescribedPart:
     Its one target temperature is a ``heating_setpoint`` where it can heat or does not say what it can, and a
     ``cooling_setpoint`` where it can cool; with two targets the lower one heats and the upper one cools.
     """
-    modes = config.options("modes") or _MODES
+    modes = config.options("modes") if config.has("modes") else _MODES
     is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
     entity = Entity(config, "room_air_conditioner" if is_conditioner else "thermostat")
     _offer_temperatures(entity, config, modes)
@@ -39,7 +39,8 @@ def build_climate(config: Config) -> DescribedPart:
     offer_choice(entity, "thermostat_action", _source(config, "action_topic", "action_template"), None, _ACTIONS)
     for name, default in _CHOICES.items():
         command = config.command(f"{name}_command_topic", f"{name}_command_template")
-        offer_choice(entity, name, source_of(config, f"{name}_state"), command, config.options(f"{name}s") or default)
+        options = config.options(f"{name}s") if config.has(f"{name}s") else default
+        offer_choice(entity, name, source_of(config, f"{name}_state"), command, options)
     _offer_preset(entity, config)
     return entity.described()
 

@@ -23,7 +23,7 @@ __all__ = ["build_vacuum"]
 
 def build_vacuum(config: Config) -> DescribedPart:
     """Describe a robot that cleans; it is told only what its ``supported_features`` say."""
-    features = frozenset(config.options("supported_features") or _FEATURES)
+    features = frozenset(config.options("supported_features") if config.has("supported_features") else _FEATURES)
     command = config.command("command_topic", template_key="")
     set_speed = config.command("set_fan_speed_topic", template_key="")
     source = config.source("state_topic", template_key="")

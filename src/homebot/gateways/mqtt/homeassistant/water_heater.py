@@ -32,7 +32,8 @@ def build_water_heater(config: Config) -> DescribedPart:
     measured = source_of(config, "current_temperature")
     offer_number(entity, "local_temperature", measured, None, unit="°C", heard=thermometer.celsius)
     mode = config.command("mode_command_topic", "mode_command_template")
-    offer_choice(entity, "water_heater_mode", source_of(config, "mode_state"), mode, config.options("modes") or _MODES)
+    modes = config.options("modes") if config.has("modes") else _MODES
+    offer_choice(entity, "water_heater_mode", source_of(config, "mode_state"), mode, modes)
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
     offer_flag(entity, "on_off", None, config.command("power_command_topic", "power_command_template"), payloads)
     return entity.described()
