@@ -16,7 +16,8 @@ from homebot.gateways.mqtt.homeassistant.announcement import Announced, Componen
 from homebot.gateways.mqtt.homeassistant.availability import read_availability
 from homebot.gateways.mqtt.homeassistant.components import BUILDERS
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.device import read_device
+from homebot.gateways.mqtt.homeassistant.device import DeviceInfo, DeviceReader
+from homebot.gateways.mqtt.homeassistant.publisher import HomeAssistantPublisher
 from homebot.gateways.mqtt.homeassistant.topic import DEVICE, ConfigTopic, parse_config_topic
 from homebot.gateways.mqtt.payload import clean_text
 
@@ -32,16 +33,18 @@ class HomeAssistantSettings(BaseModel):
         prefixes: Discovery prefixes; two programs in one house may use different ones.
         announce_please: Whether to publish what Home Assistant publishes at its start, so that devices announce
             themselves anew. A real Home Assistant in the house, and all that listens to it, hears that as well.
+        publish: Whether what homebot offers is published below the first prefix, for a Home Assistant to see.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     prefixes: tuple[_Prefix, ...] = ("homeassistant",)
     announce_please: bool = False
+    publish: bool = False
 
 
 class HomeAssistantDiscovery:
-    """Understands configs below the discovery prefixes; keeps nothing between messages.
+    """Understands configs below the discovery prefixes, each by itself.
 
     Each config message is one :class:`Described`; those of one device share its identifiers. A later message with the
     same component and ids takes the place of the earlier one, and a component of a whole-device message that is
@@ -60,6 +63,7 @@ class HomeAssistantDiscovery:
     def __init__(self, settings: HomeAssistantSettings) -> None:
         self.rejected = 0
         self._settings = settings
+        self._devices = DeviceReader()
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of configs: two per component, because one for all loses retained messages."""
@@ -84,6 +88,12 @@ class HomeAssistantDiscovery:
             self.rejected += 1
             raise
 
+    def publisher(self, owner: str, status_topic: str) -> HomeAssistantPublisher | None:
+        """Return what publishes the offers of the homebot *owner*; None where the settings do not want it."""
+        if not self._settings.publish or not self._settings.prefixes:
+            return None
+        return HomeAssistantPublisher(self._settings.prefixes[0], owner, status_topic)
+
     def _taken(self, topic: str, payload: bytes) -> tuple[Heard, ...]:
         where = self._where(topic)
         if where is None or (where.component != DEVICE and where.component not in BUILDERS):
@@ -96,7 +106,8 @@ class HomeAssistantDiscovery:
         parts = self._parts(where, announced)
         if not parts:
             return (Withdrawn(where.key, "no component of it is left"),)
-        return (_described(topic, where, announced, parts),)
+        device = self._devices.read(announced.device, announced.origin)
+        return (_described(topic, where, announced, device, parts),)
 
     def _where(self, topic: str) -> ConfigTopic | None:
         for prefix in self._settings.prefixes:
@@ -134,8 +145,7 @@ _Parts: TypeAlias = dict[str, tuple[DescribedPart, Component]]
 _MAX_MEMBERS = 100
 
 
-def _described(topic: str, where: ConfigTopic, announced: Announced, parts: _Parts) -> Described:
-    device = read_device(announced.device, announced.origin)
+def _described(topic: str, where: ConfigTopic, announced: Announced, device: DeviceInfo, parts: _Parts) -> Described:
     described = tuple(part for part, _ in parts.values())
     return Described(
         key=where.key,

@@ -7,13 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 from homebot.gateways.mqtt.payload import clean_text, shown
 
-__all__ = ["MAX_IDENTIFIERS", "DeviceInfo", "read_device"]
+__all__ = ["MAX_IDENTIFIERS", "DeviceInfo", "DeviceReader", "read_device"]
 
 MAX_IDENTIFIERS = 64
 """Most identifiers and connections of one device."""
@@ -57,15 +56,28 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
         raise WireError("a device has neither identifiers nor connections")
     facts.update(_facts(origin, _ORIGIN_FACTS))
     return DeviceInfo(
-        _identifiers(tuple(declared)),
+        identifiers(declared),
         _word(device.get("name"), _MAX_NAME),
         _word(device.get("suggested_area"), _MAX_NAME),
         facts,
     )
 
 
-_identifiers = lru_cache(maxsize=128)(identifiers)
-"""The entities of one device are announced one after the other."""
+class DeviceReader:
+    """Reads devices and remembers the last: the entities of one are announced one after the other."""
+
+    def __init__(self) -> None:
+        self._last: tuple[Mapping[str, object], Mapping[str, object], DeviceInfo] | None = None
+
+    def read(self, device: Mapping[str, object], origin: Mapping[str, object]) -> DeviceInfo:
+        """As :func:`read_device`."""
+        last = self._last
+        if last is not None and last[0] == device and last[1] == origin:
+            return last[2]
+        info = read_device(device, origin)
+        self._last = device, origin, info
+        return info
+
 
 _MAX_NAME = 120
 _MAX_FACT = 255
