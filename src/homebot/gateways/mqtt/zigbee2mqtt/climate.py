@@ -1,0 +1,63 @@
+"""Thermostats and air conditioners that Zigbee2MQTT knows. Pure.
+
+Source: zigbee2mqtt.io, Usage > Exposes > climate. Temperatures are in °C.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.json_part import JsonPart
+from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
+from homebot.gateways.mqtt.zigbee2mqtt.features import offer_enum, offer_number
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+
+__all__ = ["FEATURES_OF_CLIMATE", "build_climate", "build_thermometer", "climate_type"]
+
+
+def climate_type(climate: Expose) -> str:
+    """Return the service type: what cools and can dry or only blow is an air conditioner."""
+    mode = climate.feature("system_mode")
+    modes = set(mode.options) if mode is not None else set()
+    return "room_air_conditioner" if "cool" in modes and modes & {"dry", "fan_only"} else "thermostat"
+
+
+def build_climate(part: JsonPart, lines: Lines, climate: Expose) -> DescribedPart:
+    """Describe a thermostat."""
+    for capability, names in _NUMBERS.items():
+        offer_number(part, lines, climate.feature(*names), capability)
+    for capability, name in _ENUMS.items():
+        offer_enum(part, lines, climate.feature(name), capability)
+    offer_enum(part, lines, climate.feature("running_state"), "thermostat_action", _ACTIONS)
+    part.asks(*lines.ask(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE)))
+    return part.described()
+
+
+def build_thermometer(lines: Lines, climate: Expose) -> DescribedPart | None:
+    """Describe the thermometer in a thermostat, for who asks how warm it is; None where it has none."""
+    local = climate.feature("local_temperature")
+    if local is None or not local.is_said:
+        return None
+    part = JsonPart(clean_text(local.key), "temperature_sensor", name=local.label, advertised=local.name)
+    offer_number(part, lines, local, "temperature")
+    return part.described()
+
+
+_NUMBERS: Mapping[str, tuple[str, ...]] = {
+    "local_temperature": ("local_temperature",),
+    "heating_setpoint": ("occupied_heating_setpoint", "current_heating_setpoint"),
+    "cooling_setpoint": ("occupied_cooling_setpoint",),
+}
+_ENUMS: Mapping[str, str] = {
+    "thermostat_mode": "system_mode",
+    "fan_mode": "fan_mode",
+    "swing_mode": "swing_mode",
+    "preset_mode": "preset",
+}
+_ACTIONS: Mapping[str, str] = {"idle": "idle", "heat": "heating", "cool": "cooling", "fan_only": "fan"}
+
+FEATURES_OF_CLIMATE = frozenset(
+    {"running_state", *_ENUMS.values(), *(name for names in _NUMBERS.values() for name in names)}
+)

@@ -1,0 +1,184 @@
+"""Zigbee2MQTT's own messages as a convention: the list of devices in, descriptions out. Pure.
+
+Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from homebot.devices.identity import identifiers
+from homebot.errors import WireError
+from homebot.gateways.mqtt.description import Described, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.payload import clean_text, parse_json, parse_object, shown
+from homebot.gateways.mqtt.zigbee2mqtt.availability import AvailabilityRule, read_availability_rule
+from homebot.gateways.mqtt.zigbee2mqtt.bridge_device import BridgeDevice, ieee_address, read_bridge_device
+from homebot.gateways.mqtt.zigbee2mqtt.parts import build_parts
+
+__all__ = ["MAX_BRIDGE_BYTES", "MAX_DEVICES", "Zigbee2Mqtt", "Zigbee2MqttSettings"]
+
+MAX_BRIDGE_BYTES = 32 * 1024 * 1024
+"""Longest list of devices; one device takes about 4 kB, and some remotes and thermostats ten times that."""
+
+MAX_DEVICES = 5_000
+"""Most devices of one bridge; the largest known networks have some hundreds."""
+
+_Base = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
+_DEFAULT_BASE = "zigbee2mqtt"
+
+
+class Zigbee2MqttSettings(BaseModel):
+    """The table of this convention.
+
+    Attributes:
+        bases: Base topics; a house with two bridges has two.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    bases: tuple[_Base, ...] = (_DEFAULT_BASE,)
+
+
+class Zigbee2Mqtt:
+    """Understands ``bridge/devices`` and, for availability alone, ``bridge/info`` of each bridge.
+
+    The list is one message. Each of its devices is one :class:`Described`, and one that is missing from a later list
+    is :class:`Withdrawn`. The key is the device's address, with the base before it where that is not ``zigbee2mqtt``;
+    so a device that is renamed keeps its key and gets new topics. The coordinator, which is the bridge's own radio, and
+    devices that the user disabled are not described. Groups are not either: they are no devices, and their lamps are
+    already there, each by itself.
+
+    It keeps the descriptions of the last list per bridge, at most :data:`MAX_DEVICES`; a longer list is refused.
+
+    Args:
+        settings: Its table.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = Zigbee2MqttSettings
+    name: ClassVar[str] = "zigbee2mqtt"
+
+    def __init__(self, settings: Zigbee2MqttSettings) -> None:
+        self.rejected = 0
+        self._devices: dict[str, dict[str, _Known]] = {base: {} for base in settings.bases}
+        self._rules = {base: AvailabilityRule() for base in settings.bases}
+
+    def filters(self) -> tuple[str, ...]:
+        """Return the topics of the lists, after those of what says how to read them."""
+        return tuple(f"{base}/bridge/{topic}" for base in self._devices for topic in ("info", "devices"))
+
+    def births(self) -> tuple[Publication, ...]:
+        """Return nothing: the lists are retained."""
+        return ()
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:  # noqa: ARG002 - a list counts as much when it was kept
+        """Take a list of devices and return what it tells of each. A broken entry costs that device alone."""
+        base, _, last = topic.rpartition("/bridge/")
+        if base not in self._devices:
+            return ()
+        try:
+            if last == "devices":
+                return self._take_devices(base, topic, payload)
+            return self._take_info(base, payload) if last == "info" and payload else ()
+        except WireError:
+            self.rejected += 1
+            raise
+
+    def _take_devices(self, base: str, topic: str, payload: bytes) -> tuple[Heard, ...]:
+        before = self._devices[base]
+        if not payload:
+            self._devices[base] = {}
+            return tuple(Withdrawn(one.described.key, "its bridge's list was removed") for one in before.values())
+        entries = parse_json(payload, MAX_BRIDGE_BYTES)
+        if not isinstance(entries, list):
+            raise WireError(f"{topic}: {shown(entries)} is no list of devices")
+        if len(entries) > MAX_DEVICES:
+            raise WireError(f"{topic}: it lists {len(entries)} devices; {MAX_DEVICES} is the limit")
+        devices = self._known(base, topic, entries)
+        self._devices[base] = devices
+        listed = {ieee_address(entry) for entry in entries}
+        gone = tuple(_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
+        return (*gone, *(one.described for one in devices.values()))
+
+    def _known(self, base: str, topic: str, entries: list[object]) -> dict[str, _Known]:
+        """Describe the entries. What was known of a device stays where its entry is broken now."""
+        found: dict[str, _Known] = {}
+        names: set[str] = set()
+        problems = []
+        via = _bridge_name(entries)
+        for entry in entries:
+            ieee = ieee_address(entry)
+            try:
+                device = _read(base, entry, names, is_known=ieee in found)
+            except WireError as error:
+                problems.append(error)
+                if ieee not in found and ieee in self._devices[base]:
+                    found[ieee] = self._devices[base][ieee]
+                continue
+            if not device.is_coordinator and not device.is_disabled:
+                names.add(device.name)
+                found[ieee] = _Known(device.topic, self._describe(base, topic, device, via))
+        if problems and not found:
+            raise problems[0]
+        self.rejected += len(problems)
+        return found
+
+    def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> Described:
+        return Described(
+            key=device.ieee if base == _DEFAULT_BASE else f"{base}/{device.ieee}",
+            convention=self.name,
+            identifiers=identifiers([device.ieee]),
+            name=clean_text(device.name),
+            parts=build_parts(device),
+            topic=topic,
+            facts={**device.facts, **({"via_device": via} if via else {})},
+            availability=self._rules[base].availability(base, device.ieee, device.topic),
+        )
+
+    def _take_info(self, base: str, payload: bytes) -> tuple[Heard, ...]:
+        """Take how the bridge is set up, and describe anew the devices whose availability is told otherwise now."""
+        rule = read_availability_rule(parse_object(payload, MAX_BRIDGE_BYTES))
+        if rule == self._rules[base]:
+            return ()
+        self._rules[base] = rule
+        changed = {
+            ieee: _Known(one.topic, replace(one.described, availability=availability))
+            for ieee, one in self._devices[base].items()
+            if (availability := rule.availability(base, ieee, one.topic)) != one.described.availability
+        }
+        self._devices[base].update(changed)
+        return tuple(one.described for one in changed.values())
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """A device of the last list, and the topic on which it speaks."""
+
+    topic: str
+    described: Described
+
+
+def _read(base: str, entry: object, names: set[str], *, is_known: bool) -> BridgeDevice:
+    if not isinstance(entry, dict) or not ieee_address(entry):
+        address = entry.get("ieee_address") if isinstance(entry, dict) else entry
+        raise WireError(f"ieee_address is {shown(address)}, not 0x and 16 digits")
+    device = read_bridge_device(base, entry)
+    if is_known or device.name in names:
+        raise WireError(f"{device.ieee} or its friendly_name {shown(device.name)} is there twice")
+    return device
+
+
+def _bridge_name(entries: list[object]) -> str:
+    """Return what the bridge is called as a device, from its coordinator's address."""
+    for entry in entries:
+        if isinstance(entry, dict) and entry.get("type") == "Coordinator" and ieee_address(entry):
+            return f"zigbee2mqtt_bridge_{ieee_address(entry)}"
+    return ""
+
+
+def _withdrawn(one: _Known, is_listed: bool) -> Withdrawn:  # noqa: FBT001 - only called above
+    if is_listed:
+        return Withdrawn(one.described.key, "it was disabled in Zigbee2MQTT")
+    return Withdrawn(one.described.key, "it left its bridge", is_final=True)

@@ -1,0 +1,137 @@
+"""What a Zigbee device says or takes beside its main parts: sensors, buttons and settings. Pure.
+
+Source: zigbee2mqtt.io, Usage > Exposes > Generic.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import partial
+
+from homebot.devices.part import Category
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag
+from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.payload import clean_text, shown
+from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
+from homebot.gateways.mqtt.zigbee2mqtt.features import (
+    MAX_VALUE,
+    hear,
+    offer_enum,
+    offer_flag,
+    offer_number,
+    text_of,
+)
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.vocabulary import CONDITIONS, TRUE_IS_CLOSED, Measure, measure
+
+__all__ = ["build_generic"]
+
+
+def build_generic(lines: Lines, expose: Expose) -> DescribedPart | None:
+    """Describe one generic expose, as a part of its own; None for one that neither says nor takes anything.
+
+    What can be set is a setting, whatever it is called: a child lock is no door lock, and nobody who turns off
+    everything wants to turn off an indicator. Only a binary that is called ``state`` is a switch.
+    """
+    if expose.type == "enum" and expose.name == "action":
+        return _buttons(lines, expose)
+    part = _setting(lines, expose) if expose.is_settable else _sensor(lines, expose) if expose.is_said else None
+    return None if part is None or part.is_empty else part.described()
+
+
+def _part(expose: Expose, service_type: str, category: Category) -> JsonPart:
+    return JsonPart(clean_text(expose.key), service_type, name=expose.label, advertised=expose.name, category=category)
+
+
+def _buttons(lines: Lines, action: Expose) -> DescribedPart:
+    part = _part(action, "generic_switch", "")
+    part.hears_events(partial(_read_action, action.key), lines.said)
+    part.offers("press", options=tuple(action.options))
+    return part.described()
+
+
+def _read_action(key: str, message: JsonMessage) -> Readings:
+    """An empty action is Zigbee2MQTT's way to say that the last one is over."""
+    action = message.get(key)
+    return {"press": clean_text(action, MAX_VALUE)} if isinstance(action, str) and action else NOTHING
+
+
+def _sensor(lines: Lines, expose: Expose) -> JsonPart:
+    category: Category = "diagnostic" if expose.category else ""
+    if expose.type == "binary":
+        service_type, capability = CONDITIONS.get(expose.name, ("x_binary_sensor", "state"))
+        if expose.name in TRUE_IS_CLOSED:
+            expose = replace(expose, value_on=False, value_off=True)
+        part = _part(expose, service_type, category)
+        offer_flag(part, lines, expose, capability)
+    elif expose.type == "numeric":
+        what = measure(expose.name, expose.unit)
+        part = _part(expose, what.service_type, category)
+        hear(part, lines, expose, what.capability, partial(_measured, what))
+        part.offers(what.capability, unit=what.unit)
+    else:
+        part = _part(expose, "x_sensor", category)
+        hear(part, lines, expose, "value", text_of if expose.type == "enum" else _json_text)
+        part.offers("value", options=tuple(expose.options))
+    if not category:
+        part.asks(*lines.ask(expose))
+    return part
+
+
+def _setting(lines: Lines, expose: Expose) -> JsonPart | None:
+    is_switch = expose.type == "binary" and expose.name == "state" and not expose.category
+    part = _part(expose, "switch" if is_switch else "x_setting", "" if is_switch else expose.category or "config")
+    match expose.type:
+        case "binary":
+            offer_flag(part, lines, expose, "on_off")
+        case "numeric":
+            offer_number(part, lines, expose, "number", unit=expose.unit)
+        case "enum" if len(expose.options) == 1:
+            part.offers(_push_of(expose), readable=False, writer=partial(_push, lines, expose))
+            part.listens(lines.told)
+        case "enum":
+            offer_enum(part, lines, expose, "option")
+        case "text":
+            if expose.is_said:
+                hear(part, lines, expose, "text", _json_text)
+            part.offers("text", readable=expose.is_said, writer=partial(_write_text, lines, expose))
+            part.listens(lines.told)
+        case _:
+            return _sensor(lines, expose) if expose.is_said else None
+    if is_switch:
+        part.asks(*lines.ask(expose))
+    return part
+
+
+_MAX_TEXT = 4_096
+
+
+def _measured(what: Measure, value: object) -> float | None:
+    number = finite_number(value)
+    return None if number is None else number * what.factor + what.offset
+
+
+def _json_text(value: object) -> str:
+    """A list or an object is shown as JSON, cut."""
+    text = text_of(value)
+    return clean_text(json.dumps(value, ensure_ascii=False), MAX_VALUE) if text is None else text
+
+
+def _push_of(expose: Expose) -> str:
+    return "locate" if expose.name == "identify" else "push"
+
+
+def _push(lines: Lines, expose: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    if not wanted_flag(_push_of(expose), value):
+        raise RefusedError(f"{_push_of(expose)} {shown(value)}", "it takes true")
+    return lines.tell({expose.key: expose.values[0]})
+
+
+def _write_text(lines: Lines, expose: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    if not isinstance(value, str) or len(value) > _MAX_TEXT:
+        raise RefusedError(f"text {shown(value)}", f"it takes a text of at most {_MAX_TEXT} characters")
+    return lines.tell({expose.key: value})

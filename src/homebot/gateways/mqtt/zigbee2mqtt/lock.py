@@ -1,0 +1,54 @@
+"""Door locks that Zigbee2MQTT knows. Pure.
+
+Source: zigbee2mqtt.io, Usage > Exposes > lock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
+from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
+from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
+from homebot.gateways.mqtt.zigbee2mqtt.features import same_scalar
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+
+__all__ = ["FEATURES_OF_LOCK", "build_lock"]
+
+FEATURES_OF_LOCK = frozenset({"state", "lock_state"})
+
+
+def build_lock(part: JsonPart, lines: Lines, lock: Expose) -> DescribedPart:
+    """Describe a lock. A bolt that is not fully out counts as unlocked, which is the careful reading."""
+    state, bolt = lock.feature("state"), lock.feature("lock_state")
+    part.hears(partial(_read, state, bolt), lines.said)
+    writer = partial(_write, lines, state) if state is not None and state.is_settable else None
+    is_said = any(one is not None and one.is_said for one in (state, bolt))
+    part.offers("lock", readable=is_said, writer=writer, options=("locked", "unlocked"))
+    part.listens(lines.told)
+    part.asks(*lines.ask(state))
+    return part.described()
+
+
+_BOLTS: Mapping[str, str] = {"locked": "locked", "unlocked": "unlocked", "not_fully_locked": "unlocked"}
+
+
+def _read(state: Expose | None, bolt: Expose | None, message: JsonMessage) -> Readings:
+    if state is not None and state.key in message:
+        value = message[state.key]
+        if value is None:
+            return {"lock": None}
+        for word, expected in (("locked", state.value_on), ("unlocked", state.value_off)):
+            if same_scalar(value, expected):
+                return {"lock": word}
+        return NOTHING
+    told = message.get(bolt.key) if bolt is not None else None
+    return {"lock": _BOLTS[told]} if isinstance(told, str) and told in _BOLTS else NOTHING
+
+
+def _write(lines: Lines, state: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    wanted = wanted_option("lock", value, ("locked", "unlocked"))
+    return lines.tell({state.key: state.value_on if wanted == "locked" else state.value_off})

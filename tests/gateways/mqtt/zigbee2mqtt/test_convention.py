@@ -1,0 +1,217 @@
+"""Lists of a bridge in, devices out: joining, leaving, renaming, and whether they can be reached."""
+
+import json
+from typing import Any
+
+import pytest
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.description import Described, Heard, Withdrawn
+from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.gateways.mqtt.zigbee2mqtt.availability import StateWord
+from homebot.gateways.mqtt.zigbee2mqtt.convention import MAX_DEVICES
+
+LAMP = "0x00158d0001abcdef"
+PLUG = "0x00158d0001abcde0"
+SWITCH = {
+    "type": "switch",
+    "features": [
+        {"type": "binary", "name": "state", "property": "state", "access": 7, "value_on": "ON", "value_off": "OFF"}
+    ],
+}
+COORDINATOR = {"ieee_address": "0x00124b0000000001", "type": "Coordinator", "friendly_name": "Coordinator"}
+
+
+def entry(ieee: str = LAMP, name: str = "kitchen/lamp", **more: Any) -> dict[str, Any]:
+    definition = {"vendor": "IKEA", "model": "LED1545G12", "description": "Bulb E27", "exposes": [SWITCH]}
+    return {
+        "ieee_address": ieee,
+        "friendly_name": name,
+        "type": "Router",
+        "power_source": "Mains (single phase)",
+        "definition": definition,
+        **more,
+    }
+
+
+def bridge(*bases: str) -> Zigbee2Mqtt:
+    return Zigbee2Mqtt(Zigbee2MqttSettings(bases=bases or ("zigbee2mqtt",)))
+
+
+def heard(convention: Zigbee2Mqtt, *entries: object, base: str = "zigbee2mqtt") -> tuple[Heard, ...]:
+    return convention.take(f"{base}/bridge/devices", json.dumps(entries).encode(), retained=True)
+
+
+def info(convention: Zigbee2Mqtt, config: object) -> tuple[Heard, ...]:
+    return convention.take("zigbee2mqtt/bridge/info", json.dumps({"config": config}).encode(), retained=True)
+
+
+def one(found: tuple[Heard, ...]) -> Described:
+    (device,) = found
+    assert isinstance(device, Described)
+    return device
+
+
+def sources(device: Described) -> list[str]:
+    assert device.availability is not None
+    return [source.topic for source in device.availability.sources]
+
+
+def test_it_listens_to_the_two_topics_of_each_bridge_and_not_to_groups() -> None:
+    assert bridge("zigbee2mqtt", "attic/z2m").filters() == (
+        "zigbee2mqtt/bridge/info",
+        "zigbee2mqtt/bridge/devices",
+        "attic/z2m/bridge/info",
+        "attic/z2m/bridge/devices",
+    )
+    assert bridge().births() == ()
+
+
+def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
+    device = one(heard(bridge(), COORDINATOR, entry()))
+    assert (device.key, device.name, device.identifiers) == (LAMP, "kitchen/lamp", ("eui64:00158d0001abcdef",))
+    assert device.facts == {
+        "manufacturer": "IKEA",
+        "model": "Bulb E27",
+        "model_id": "LED1545G12",
+        "power_source": "Mains (single phase)",
+        "zigbee_type": "Router",
+        "via_device": "zigbee2mqtt_bridge_0x00124b0000000001",
+    }
+    assert device.parts[0].part.reads == ("zigbee2mqtt/kitchen/lamp",)
+    assert device.parts[0].part.writes == ("zigbee2mqtt/kitchen/lamp/set",)
+
+
+def test_a_device_of_another_bridge_has_the_base_in_its_key_and_topics() -> None:
+    device = one(heard(bridge("zigbee2mqtt", "attic"), entry(), base="attic"))
+    assert (device.key, device.parts[0].part.reads) == (f"attic/{LAMP}", ("attic/kitchen/lamp",))
+
+
+def test_a_device_that_is_missing_from_the_next_list_is_gone() -> None:
+    convention = bridge()
+    heard(convention, entry(), entry(PLUG, "plug"))
+    gone, rest = heard(convention, entry(PLUG, "plug"))
+    assert gone == Withdrawn(LAMP, "it left its bridge", is_final=True)
+    assert isinstance(rest, Described)
+    assert rest.key == PLUG
+
+
+def test_a_device_that_is_renamed_keeps_its_key_and_gets_new_topics() -> None:
+    convention = bridge()
+    heard(convention, entry())
+    device = one(heard(convention, entry(name="hall/lamp")))
+    assert (device.key, device.parts[0].part.reads) == (LAMP, ("zigbee2mqtt/hall/lamp",))
+
+
+def test_a_list_that_is_removed_withdraws_its_devices_but_not_for_good() -> None:
+    convention = bridge()
+    heard(convention, entry())
+    assert convention.take("zigbee2mqtt/bridge/devices", b"", retained=False) == (
+        Withdrawn(LAMP, "its bridge's list was removed"),
+    )
+    assert convention.take("zigbee2mqtt/bridge/devices", b"", retained=False) == ()
+
+
+def test_a_device_that_is_disabled_is_withdrawn_and_comes_back() -> None:
+    convention = bridge()
+    heard(convention, entry())
+    assert heard(convention, entry(disabled=True)) == (Withdrawn(LAMP, "it was disabled in Zigbee2MQTT"),)
+    assert one(heard(convention, entry())).key == LAMP
+
+
+def test_a_device_that_the_bridge_does_not_know_shows_what_it_says() -> None:
+    device = one(heard(bridge(), entry(definition=None, supported=False, interview_state="IN_PROGRESS")))
+    (part,) = device.parts
+    assert part.part.service_type == "x_unknown"
+    assert part.codec.read("zigbee2mqtt/kitchen/lamp", b'{"a":1,"b":"x"}', retained=False) == {"raw": "a=1, b=x"}
+    assert (device.facts["interview"], device.facts["supported"]) == ("in_progress", "no")
+
+
+def test_a_broken_entry_costs_that_device_alone_and_is_counted() -> None:
+    convention = bridge()
+    broken = [{"ieee_address": "0x1"}, "lamp", None, entry(PLUG, "a/+/b"), entry(PLUG, "bridge/x"), entry(PLUG, "")]
+    assert one(heard(convention, *broken, entry())).key == LAMP
+    assert convention.rejected == len(broken)
+
+
+def test_a_device_whose_entry_is_broken_now_stays_as_it_was() -> None:
+    convention = bridge()
+    heard(convention, entry(), entry(PLUG, "plug"))
+    lamp, plug = heard(convention, entry(name="#"), entry(PLUG, "plug"))
+    assert isinstance(lamp, Described)
+    assert isinstance(plug, Described)
+    assert (lamp.key, lamp.name) == (LAMP, "kitchen/lamp")
+
+
+def test_who_claims_the_name_or_the_address_of_another_is_left_out() -> None:
+    convention = bridge()
+    assert one(heard(convention, entry(), entry(PLUG), entry(name="other"))).name == "kitchen/lamp"
+    assert convention.rejected == 2
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [b"{}", b"nothing", b"[" * 9_999, json.dumps([{}] * (MAX_DEVICES + 1)).encode(), b'[{"ieee_address": "0x"}]'],
+    ids=["object", "no json", "deep", "too many", "broken"],
+)
+def test_a_list_that_is_none_is_refused_and_nothing_changes(payload: bytes) -> None:
+    convention = bridge()
+    heard(convention, entry())
+    with pytest.raises(WireError):
+        convention.take("zigbee2mqtt/bridge/devices", payload, retained=True)
+    assert convention.rejected == 1
+    assert heard(convention) == (Withdrawn(LAMP, "it left its bridge", is_final=True),)
+
+
+def test_other_topics_say_nothing() -> None:
+    convention = bridge()
+    for topic in ("zigbee2mqtt/lamp", "attic/bridge/devices", "zigbee2mqtt/bridge/groups", "bridge/devices"):
+        assert convention.take(topic, b"[1]", retained=True) == ()
+    assert convention.take("zigbee2mqtt/bridge/info", b"", retained=True) == ()
+
+
+def test_a_device_can_be_reached_when_bridge_and_device_say_so() -> None:
+    device = one(heard(bridge(), entry()))
+    assert sources(device) == ["zigbee2mqtt/bridge/state", "zigbee2mqtt/kitchen/lamp/availability"]
+    assert device.availability is not None
+    assert device.availability.mode == "all"
+
+
+@pytest.mark.parametrize("off", [{}, {"availability": False}, {"availability": {"enabled": False}}])
+def test_where_devices_do_not_tell_it_the_bridges_word_stands_alone(off: object) -> None:
+    convention = bridge()
+    assert info(convention, off) == ()
+    assert sources(one(heard(convention, entry()))) == ["zigbee2mqtt/bridge/state"]
+
+
+def test_devices_are_described_anew_when_it_is_learned_later_how_they_tell_it() -> None:
+    convention = bridge()
+    heard(convention, entry(), entry(PLUG, "plug"))
+    config = {"availability": {"enabled": False}, "devices": {LAMP.upper(): {"availability": True}, "odd": 1}}
+    assert sources(one(info(convention, config))) == ["zigbee2mqtt/bridge/state"]
+    assert info(convention, config) == ()
+    assert {device.key for device in info(convention, {"availability": {"enabled": True}})} == {PLUG}
+
+
+def test_info_without_config_is_refused() -> None:
+    convention = bridge()
+    with pytest.raises(WireError, match="config is None"):
+        convention.take("zigbee2mqtt/bridge/info", b"{}", retained=True)
+    assert convention.rejected == 1
+
+
+@pytest.mark.parametrize(
+    ("payload", "expected"),
+    [
+        (b'{"state":"online"}', True),
+        (b'{"state":"offline"}', False),
+        (b"online", True),
+        (b"offline", False),
+        (b"", None),
+        (b'{"state":1}', None),
+        (b'"online"', None),
+        (b"{" * 5_000, None),
+    ],
+)
+def test_the_word_of_availability_is_an_object_or_plain(payload: bytes, expected: object) -> None:
+    assert StateWord("t").read(payload) is expected
