@@ -77,5 +77,7 @@ $(BENCH)-ha/.tried:
 	@echo "installing Home Assistant into $(BENCH)-ha, to compare with; this takes some minutes, once"
 	@$(PYTHON) -m venv $(BENCH)-ha
 	@$(BENCH)-ha/bin/python -m pip install --quiet --disable-pip-version-check homeassistant \
+		&& $(BENCH)-ha/bin/python benchmarks/home_assistant_requirements.py > $(BENCH)-ha/mqtt.txt \
+		&& $(BENCH)-ha/bin/python -m pip install --quiet --disable-pip-version-check -r $(BENCH)-ha/mqtt.txt \
 		|| { echo "Home Assistant cannot be installed here: the benchmarks go without it"; rm -rf $(BENCH)-ha/bin; }
 	@touch $@

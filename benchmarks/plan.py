@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from worker import Worker
 
@@ -16,12 +17,14 @@ class Plan:
     Attributes:
         quick: A short look with few rounds, instead of the real thing.
         home_assistant: The process that measures Home Assistant, or None where it is not installed.
+        home_assistant_python: The Python that has it installed, or None.
         mosquitto: Path of the broker program, or None where it is not installed.
     """
 
     quick: bool
     home_assistant: Worker | None
     mosquitto: str | None
+    home_assistant_python: Path | None = None
 
     def rounds(self, normal: int) -> int:
         return min(normal, 2) if self.quick else normal

@@ -27,6 +27,7 @@ BENCHMARKS = (
     "broker_load",
     "broker_fixture",
     "start_up",
+    "ingest",
 )
 HOME_ASSISTANT_PYTHON = Path(__file__).parent.parent / ".venv-bench-ha/bin/python"
 
@@ -42,7 +43,12 @@ def main() -> None:
         print(describe_machine(peer.greeting["version"] if peer else None, mosquitto))
         if peer is None:
             print(f"Home Assistant is not measured: no {options.home_assistant}; `make bench` installs it.")
-        plan = Plan(quick=options.quick, home_assistant=peer, mosquitto=mosquitto)
+        plan = Plan(
+            quick=options.quick,
+            home_assistant=peer,
+            mosquitto=mosquitto,
+            home_assistant_python=options.home_assistant if peer else None,
+        )
         for name in options.names or BENCHMARKS:
             print_report(importlib.import_module(name).run(plan))
     print(f"\n{time.perf_counter() - started:.0f} s{', --quick: a look, not a measurement' if options.quick else ''}")

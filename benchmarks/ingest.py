@@ -1,0 +1,81 @@
+"""A house of Zigbee lamps at start: configs that a Mosquitto kept, until all lamps are known.
+
+Each figure is of a process of its own, which begins before its first connection, so that nothing is warm.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from bench_ingest import seed
+from mosquitto import mosquitto
+from plan import Plan
+from report import Aim, Comparison, Report, compare, megabytes, seconds
+from rounds import Samples
+
+__all__ = ["run"]
+
+HOMEBOT = "homebot, gateway and directory"
+HOME_ASSISTANT = "Home Assistant, MQTT integration"
+BARE = "aiomqtt + pydantic + dict"
+
+FIGURES: dict[str, tuple[Callable[[dict[str, Any]], float], Callable[[float], str], Aim | None]] = {
+    "until all are known": (lambda answer: answer["seconds"], seconds, Aim("at most", 1 / 20)),
+    "processor time each": (lambda answer: answer["cpu"] / answer["found"], lambda cpu: f"{1e3 * cpu:.3f} ms", None),
+    "memory": (lambda answer: answer["memory"], megabytes, None),
+}
+
+
+def run(plan: Plan) -> Report:
+    if plan.mosquitto is None:
+        return Report("ingest", [], ["Mosquitto is not installed: nothing was measured."])
+    comparisons: list[Comparison] = []
+    notes: list[str] = []
+    for count, rounds in ((1000, 3), (10_000, 1)) if not plan.quick else ((1000, 1),):
+        comparisons += _measured(plan, count, rounds, notes)
+    return Report("ingest: retained discovery configs, until every lamp is known", comparisons, notes)
+
+
+def _measured(plan: Plan, count: int, rounds: int, notes: list[str]) -> list[Comparison]:
+    assert plan.mosquitto is not None
+    answers: dict[str, list[dict[str, Any]]] = {}
+    with mosquitto(plan.mosquitto) as port:
+        seed(port, count)
+        for number in range(rounds):
+            contenders = list(_contenders(plan).items())
+            for name, command in contenders[:: -1 if number % 2 else 1]:
+                if (answer := _ask(command, port, count)) is not None:
+                    answers.setdefault(name, []).append(answer)
+                    if answer["found"] != count:
+                        notes.append(f"{name} knew {answer['found']:,} of {count:,} lamps in the end.")
+    lines: list[Comparison] = []
+    for what, (figure, show, aim) in FIGURES.items():
+        samples: Samples = {name: [figure(one) for one in given] for name, given in answers.items()}
+        pairs = ((HOMEBOT, HOME_ASSISTANT, aim), (HOMEBOT, BARE, None))
+        lines += compare(f"{count:,} lamps: {what}", samples, pairs, show)
+    return lines
+
+
+def _contenders(plan: Plan) -> dict[str, list[str]]:
+    here = Path(__file__).parent
+    contenders = {
+        HOMEBOT: [sys.executable, str(here / "ingest_homebot.py")],
+        BARE: [sys.executable, str(here / "ingest_bare.py")],
+    }
+    if plan.home_assistant_python is not None:
+        contenders[HOME_ASSISTANT] = [str(plan.home_assistant_python), str(here / "ingest_home_assistant.py")]
+    return contenders
+
+
+def _ask(command: list[str], port: int, count: int) -> dict[str, Any] | None:
+    """Return what a worker found; None where it could not run, which it tells on standard error."""
+    done = subprocess.run([*command, str(port), str(count)], stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode:
+        return None
+    answer: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return answer
