@@ -36,6 +36,9 @@ class GatewayNames:
         state: Topic of its own state.
         quarantine: Topic of whom it ignores, as :class:`homebot.devices.quarantine.Quarantine`.
         health: Service that tells what it counted and whom it ignores.
+        offers: Topic of what homebot offers to other systems through it, as :class:`homebot.devices.offer.Offer`.
+        offer_reports: Topic of what that says of itself, as :class:`homebot.devices.offer.OfferReport`.
+        offer_commands: Topic of what those systems tell it, as :class:`homebot.devices.command.Command`.
         send_command: Service that takes commands in the words of the vocabulary.
         subscribe: Service that starts the mirroring of raw messages.
     """
@@ -48,6 +51,9 @@ class GatewayNames:
         self.state = f"{base}/state"
         self.quarantine = f"{base}/quarantine"
         self.health = f"{base}/health"
+        self.offers = f"{base}/offers"
+        self.offer_reports = f"{base}/offer_reports"
+        self.offer_commands = f"{base}/offer_commands"
         self.send_command = f"{base}/send_command"
         self.subscribe = f"{base}/subscribe_to_topic"
         self._received_data = f"{base}/received_data"

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 
 from pydantic import BaseModel
 
 from homebot.devices import KeyValue
+from homebot.devices.command import Command
+from homebot.devices.offer import Offer
+from homebot.devices.report import Reading
 from homebot.gateways.mqtt.description import Heard, Publication
 
-__all__ = ["Announcement", "Convention", "TopicLayout"]
+__all__ = ["Announcement", "Convention", "Publisher", "PublishingConvention", "TopicLayout"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,5 +86,43 @@ class Convention(Protocol):
         Raises:
             WireError: The message belongs to this convention but breaks its rules; names field and value. What was
                 taken before stays.
+        """
+        ...
+
+
+class Publisher(Protocol):
+    """The other direction of a convention: shows others what homebot offers. It knows what it published."""
+
+    def filters(self) -> tuple[str, ...]:
+        """Return the filters of the commands that others send."""
+        ...
+
+    def owns(self, topic: str) -> bool:
+        """Whether *topic* is one on which it announces; what comes there is no device."""
+        ...
+
+    def publications(self, offer: Offer) -> tuple[Publication, ...]:
+        """Return what makes *offer* be there, or be gone where it is withdrawn."""
+        ...
+
+    def states(self, offer: Offer, readings: tuple[Reading, ...]) -> tuple[Publication, ...]:
+        """Return what tells *readings* of *offer*."""
+        ...
+
+    def take(self, topic: str, payload: bytes) -> Command | None:
+        """Return the command that a message on one of the filters is; None where it is none."""
+        ...
+
+
+@runtime_checkable
+class PublishingConvention(Protocol):
+    """A convention that can also publish."""
+
+    def publisher(self, owner: str, status_topic: str) -> Publisher | None:
+        """Return what publishes the offers of the homebot *owner*; None where the settings do not want it.
+
+        Args:
+            owner: A name that is lasting, and unique in the house.
+            status_topic: Where that homebot says ``online`` and ``offline``.
         """
         ...

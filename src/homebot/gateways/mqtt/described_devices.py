@@ -20,10 +20,11 @@ from homebot.gateways.mqtt.board import Board
 from homebot.gateways.mqtt.claim import Voice, Witness
 from homebot.gateways.mqtt.claims import Change, Claims, Route
 from homebot.gateways.mqtt.commands import Commands
-from homebot.gateways.mqtt.convention import Convention
+from homebot.gateways.mqtt.convention import Convention, Publisher, PublishingConvention
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.filter_tree import FilterTree
 from homebot.gateways.mqtt.last_words import LastWord, LastWords
+from homebot.gateways.mqtt.offers import Offers
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.gateways.mqtt.states import States
 from homebot.gateways.mqtt.subscriber import Subscriber
@@ -48,6 +49,8 @@ class DescribedDevices:
         stale_after: Seconds of silence after which a device counts as stale.
 
     Attributes:
+        commands: Brings commands to them.
+        offers: What homebot itself offers to others.
         tribunal: Judges those who break the rules.
     """
 
@@ -85,6 +88,7 @@ class DescribedDevices:
             on_question=self._subscriber.question,
         )
         self.commands = Commands(self._claims, connection, self.tribunal, counters, acts=gateway.acts)
+        self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.tribunal)
         gateway.node.create_service(SendCommand, gateway.names.send_command, self.commands.serve, concurrent=True)
         gateway.node.create_service(GetHealth, gateway.names.health, self._health)
 
@@ -97,6 +101,7 @@ class DescribedDevices:
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._timekeeper.run)
             tasks.start_soon(self._subscriber.run, self._connection)
+            tasks.start_soon(self.offers.serve, self._connection)
 
     def tick(self) -> None:
         """Let time have passed; once before each batch of messages."""
@@ -114,7 +119,7 @@ class DescribedDevices:
             route: Who reads it.
             raw: Whether to hand its bytes to those who listen to the topic itself.
         """
-        if route.conventions:
+        if route.conventions and not self.offers.owns(message.topic):
             self._announcements.take(message, route.conventions)
             missed, self._missed = self._missed, []
             for topic, reader in missed:
@@ -189,6 +194,13 @@ class DescribedDevices:
     def _health(self, request: HealthRequest) -> HealthResponse:
         del request
         return HealthResponse(counts=self._counters.counts(), quarantined=self.tribunal.confined())
+
+
+def _publishers(conventions: tuple[Convention, ...], gateway: str, connection: MqttConnection) -> tuple[Publisher, ...]:
+    status_topic = connection.status_topic or ""
+    owner = status_topic.removeprefix("homebot/").removesuffix("/status") or gateway
+    made = (one.publisher(owner, status_topic) for one in conventions if isinstance(one, PublishingConvention))
+    return tuple(one for one in made if one is not None)
 
 
 def _tree(filters: tuple[str, ...]) -> FilterTree[str]:

@@ -192,6 +192,8 @@ class MqttGateway(Gateway):
                 continue
             channel = self._channels.get(message.topic)
             if channel is None and (route is None or route.is_shared):
+                if self._described.offers.take(message):
+                    continue
                 channel = self._open(message)
             if route is not None:
                 work += _ANNOUNCEMENT * len(route.conventions) + len(route.voices)

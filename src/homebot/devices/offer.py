@@ -1,0 +1,52 @@
+"""What homebot offers to other systems of the house, such as a Home Assistant: its robot, its apps, its switches.
+
+An offer goes to a gateway that publishes offers, on ``/gateway/<name>/offers``, and what it says of itself on
+``/gateway/<name>/offer_reports``. Both topics are latched. What the other system tells it to do comes on
+``/gateway/<name>/offer_commands`` as :class:`homebot.devices.command.Command`, with the offer's id as its key.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from homebot.devices.part import Part
+from homebot.devices.report import Reading
+from homebot.messages.message import Message
+
+__all__ = ["Offer", "OfferReport"]
+
+
+class Offer(Message):
+    """Something of homebot's that others may see and use.
+
+    Attributes:
+        id: Unique in this homebot, and lasting.
+        name: What people call it.
+        parts: What it can do.
+        model: What kind of thing it is, in words; empty where nothing is to be said.
+        area: The room it is in; empty where it has none.
+        is_withdrawn: Whether it is offered no more.
+    """
+
+    key_field: ClassVar[str | None] = "id"
+
+    id: str
+    name: str
+    parts: tuple[Part, ...]
+    model: str = ""
+    area: str = ""
+    is_withdrawn: bool = False
+
+
+class OfferReport(Message):
+    """What something offered says of itself.
+
+    Attributes:
+        id: Which offer.
+        readings: What it says; kept until it says something else.
+    """
+
+    key_field: ClassVar[str | None] = "id"
+
+    id: str
+    readings: tuple[Reading, ...]
