@@ -6,7 +6,7 @@ from typing import Literal
 
 import pytest
 
-from homebot.devices import Sighting
+from homebot.devices import DeviceChange, Sighting
 from homebot.discovery import DeviceIndex
 from homebot.messages import Time
 
@@ -39,6 +39,20 @@ def sighting(
     )
 
 
+def observe(index: DeviceIndex, one: Sighting) -> DeviceChange | None:
+    """Take a sighting in and return what it changes."""
+    index.observe(one)
+    changes = index.take_changes()
+    assert len(changes) <= 1
+    return changes[0] if changes else None
+
+
+def expire(index: DeviceIndex, now: float, at_most: int | None = None) -> tuple[DeviceChange, ...]:
+    """Return what the passing of time changes."""
+    index.expire(now, at_most)
+    return index.take_changes()
+
+
 @pytest.fixture
 def index() -> DeviceIndex:
     return DeviceIndex(forget_after=FORGET_AFTER)
@@ -46,7 +60,7 @@ def index() -> DeviceIndex:
 
 def test_a_first_sighting_makes_a_device_appear(index: DeviceIndex) -> None:
     """The device carries what the sighting said, and both times are that of the sighting."""
-    change = index.observe(sighting(at=5))
+    change = observe(index, sighting(at=5))
 
     assert change is not None
     assert (change.kind, change.device.id, change.device.service_type) == ("appeared", "lights/lamp1", "lights")
@@ -56,9 +70,9 @@ def test_a_first_sighting_makes_a_device_appear(index: DeviceIndex) -> None:
 
 def test_a_second_sighting_of_the_same_device_says_nothing_new_but_moves_last_seen(index: DeviceIndex) -> None:
     """Every message of a device is no event."""
-    index.observe(sighting(at=0))
+    observe(index, sighting(at=0))
 
-    assert index.observe(sighting(kind="updated", at=7)) is None
+    assert observe(index, sighting(kind="updated", at=7)) is None
     (device,) = index.devices()
     assert device.first_seen.sec == 0
     assert device.last_seen.sec == 7
@@ -67,8 +81,8 @@ def test_a_second_sighting_of_the_same_device_says_nothing_new_but_moves_last_se
 def test_many_devices_of_one_type_are_all_kept(index: DeviceIndex) -> None:
     """The thesis stored None when a second device of a type appeared."""
     for number in range(50):
-        index.observe(sighting(f"lights/lamp{number:02}"))
-    index.observe(sighting("windows/motor"))
+        observe(index, sighting(f"lights/lamp{number:02}"))
+    observe(index, sighting("windows/motor"))
 
     lights = index.devices("lights")
     assert [device.id for device in lights] == [f"lights/lamp{number:02}" for number in range(50)]
@@ -77,8 +91,8 @@ def test_many_devices_of_one_type_are_all_kept(index: DeviceIndex) -> None:
 
 def test_a_changed_description_is_a_change(index: DeviceIndex) -> None:
     """A device that is called something else now is the same device."""
-    index.observe(sighting())
-    change = index.observe(sighting(kind="updated", name="reading lamp"))
+    observe(index, sighting())
+    change = observe(index, sighting(kind="updated", name="reading lamp"))
 
     assert change is not None
     assert (change.kind, change.device.id, change.device.name) == ("changed", "lights/lamp1", "reading lamp")
@@ -86,9 +100,9 @@ def test_a_changed_description_is_a_change(index: DeviceIndex) -> None:
 
 def test_a_removed_device_is_gone_and_can_appear_again(index: DeviceIndex) -> None:
     """Removal is no death sentence."""
-    index.observe(sighting())
-    removed = index.observe(sighting(kind="removed"))
-    again = index.observe(sighting(at=9))
+    observe(index, sighting())
+    removed = observe(index, sighting(kind="removed"))
+    again = observe(index, sighting(at=9))
 
     assert removed is not None
     assert removed.kind == "removed"
@@ -98,31 +112,31 @@ def test_a_removed_device_is_gone_and_can_appear_again(index: DeviceIndex) -> No
 
 def test_removing_what_was_never_seen_changes_nothing(index: DeviceIndex) -> None:
     """A gateway may say more than the index knows."""
-    assert index.observe(sighting(kind="removed")) is None
+    assert observe(index, sighting(kind="removed")) is None
 
 
 def test_a_silent_device_becomes_stale_once_and_is_forgotten_later(index: DeviceIndex) -> None:
     """At exactly its expiry, and exactly `forget_after` later."""
-    index.observe(sighting())
+    observe(index, sighting())
 
-    assert index.expire(EXPIRES_AFTER - 0.001) == ()
-    assert [change.kind for change in index.expire(EXPIRES_AFTER)] == ["stale"]
-    assert index.expire(EXPIRES_AFTER + 1) == ()
-    assert [change.kind for change in index.expire(EXPIRES_AFTER + FORGET_AFTER)] == ["removed"]
+    assert expire(index, EXPIRES_AFTER - 0.001) == ()
+    assert [change.kind for change in expire(index, EXPIRES_AFTER)] == ["stale"]
+    assert expire(index, EXPIRES_AFTER + 1) == ()
+    assert [change.kind for change in expire(index, EXPIRES_AFTER + FORGET_AFTER)] == ["removed"]
     assert len(index) == 0
 
 
 def test_a_long_jump_of_the_clock_makes_stale_and_forgets_in_one_go(index: DeviceIndex) -> None:
     """Both are announced, in order."""
-    index.observe(sighting())
-    assert [change.kind for change in index.expire(10_000)] == ["stale", "removed"]
+    observe(index, sighting())
+    assert [change.kind for change in expire(index, 10_000)] == ["stale", "removed"]
 
 
 def test_a_stale_device_that_speaks_returns(index: DeviceIndex) -> None:
     """It is the same device with its old first_seen."""
-    index.observe(sighting())
-    index.expire(EXPIRES_AFTER)
-    change = index.observe(sighting(kind="updated", at=100))
+    observe(index, sighting())
+    expire(index, EXPIRES_AFTER)
+    change = observe(index, sighting(kind="updated", at=100))
 
     assert change is not None
     assert (change.kind, change.device.freshness, change.device.first_seen.sec) == ("returned", "fresh", 0)
@@ -130,8 +144,8 @@ def test_a_stale_device_that_speaks_returns(index: DeviceIndex) -> None:
 
 def test_a_retained_message_alone_leaves_a_device_unconfirmed(index: DeviceIndex) -> None:
     """It may be a ghost; its own word confirms it."""
-    ghost = index.observe(sighting(confirmed=False))
-    alive = index.observe(sighting(kind="updated", at=3))
+    ghost = observe(index, sighting(confirmed=False))
+    alive = observe(index, sighting(kind="updated", at=3))
 
     assert ghost is not None
     assert ghost.device.freshness == "unconfirmed"
@@ -141,8 +155,8 @@ def test_a_retained_message_alone_leaves_a_device_unconfirmed(index: DeviceIndex
 
 def test_a_retained_message_does_not_refresh_a_device_that_has_spoken(index: DeviceIndex) -> None:
     """What the broker repeats after a reconnect is old news: last_seen and expiry stay."""
-    index.observe(sighting(at=0))
-    assert index.observe(sighting(kind="updated", at=50, confirmed=False)) is None
+    observe(index, sighting(at=0))
+    assert observe(index, sighting(kind="updated", at=50, confirmed=False)) is None
 
     (device,) = index.devices()
     assert (device.last_seen.sec, device.freshness, device.expires.sec) == (0, "fresh", 60)
@@ -150,8 +164,8 @@ def test_a_retained_message_does_not_refresh_a_device_that_has_spoken(index: Dev
 
 def test_the_same_key_at_two_gateways_is_two_devices(index: DeviceIndex) -> None:
     """A key is unique at its gateway only."""
-    index.observe(sighting(gateway="mqtt"))
-    index.observe(sighting(gateway="garage"))
+    observe(index, sighting(gateway="mqtt"))
+    observe(index, sighting(gateway="garage"))
 
     assert [device.id for device in index.devices()] == ["lights/lamp1", "lights/lamp1@garage"]
 
@@ -159,18 +173,18 @@ def test_the_same_key_at_two_gateways_is_two_devices(index: DeviceIndex) -> None
 def test_the_next_deadline_is_the_earliest_of_all_devices(index: DeviceIndex) -> None:
     """None when there is nothing to wait for."""
     assert index.next_deadline() is None
-    index.observe(sighting("lights/a", at=0))
-    index.observe(sighting("lights/b", at=10))
+    observe(index, sighting("lights/a", at=0))
+    observe(index, sighting("lights/b", at=10))
     assert index.next_deadline() == EXPIRES_AFTER
-    index.expire(EXPIRES_AFTER)
+    expire(index, EXPIRES_AFTER)
     assert index.next_deadline() == EXPIRES_AFTER + 10
 
 
 def test_sequences_grow_with_every_change_and_start_where_they_are_told() -> None:
     """A restarted directory goes on above the numbers of the one before."""
     index = DeviceIndex(forget_after=1, first_sequence=100)
-    first = index.observe(sighting("lights/a"))
-    second = index.observe(sighting("lights/b"))
+    first = observe(index, sighting("lights/a"))
+    second = observe(index, sighting("lights/b"))
 
     assert first is not None
     assert second is not None
@@ -179,12 +193,12 @@ def test_sequences_grow_with_every_change_and_start_where_they_are_told() -> Non
 
 def test_an_id_is_never_given_twice(index: DeviceIndex) -> None:
     """Not even when a device is called what another one's id was made of."""
-    index.observe(sighting("lights/a@garage", gateway="mqtt"))
-    index.observe(sighting("lights/a", gateway="mqtt"))
-    index.observe(sighting("lights/a", gateway="garage"))
+    observe(index, sighting("lights/a@garage", gateway="mqtt"))
+    observe(index, sighting("lights/a", gateway="mqtt"))
+    observe(index, sighting("lights/a", gateway="garage"))
 
     assert [device.id for device in index.devices()] == ["lights/a", "lights/a@garage", "lights/a@garage@garage"]
-    removed = index.observe(sighting("lights/a", gateway="garage", kind="removed"))
+    removed = observe(index, sighting("lights/a", gateway="garage", kind="removed"))
     assert removed is not None
     assert removed.device.id == "lights/a@garage@garage"
 
@@ -192,19 +206,19 @@ def test_an_id_is_never_given_twice(index: DeviceIndex) -> None:
 def test_what_the_passing_of_time_changes_can_be_taken_in_portions(index: DeviceIndex) -> None:
     """In the order of the deadlines."""
     for number in range(5):
-        index.observe(sighting(f"lights/{number}", at=-number))
+        observe(index, sighting(f"lights/{number}", at=-number))
 
-    first = index.expire(EXPIRES_AFTER, at_most=3)
-    second = index.expire(EXPIRES_AFTER, at_most=3)
+    first = expire(index, EXPIRES_AFTER, at_most=3)
+    second = expire(index, EXPIRES_AFTER, at_most=3)
     assert [change.device.id for change in first] == ["lights/4", "lights/3", "lights/2"]
     assert [change.device.id for change in second] == ["lights/1", "lights/0"]
-    assert index.expire(EXPIRES_AFTER, at_most=3) == ()
+    assert expire(index, EXPIRES_AFTER, at_most=3) == ()
 
 
 def test_one_device_is_found_by_its_id(index: DeviceIndex) -> None:
     """As it is now."""
-    index.observe(sighting())
-    index.expire(EXPIRES_AFTER)
+    observe(index, sighting())
+    expire(index, EXPIRES_AFTER)
     found = index.get("lights/lamp1")
     assert found is not None
     assert found.freshness == "stale"
@@ -214,9 +228,9 @@ def test_one_device_is_found_by_its_id(index: DeviceIndex) -> None:
 def test_a_full_index_takes_nothing_new_in_and_counts_it() -> None:
     """What is known already goes on."""
     index = DeviceIndex(forget_after=FORGET_AFTER, max_devices=1)
-    index.observe(sighting("lights/a"))
-    assert index.observe(sighting("lights/b")) is None
-    assert index.rejected == 1
-    changed = index.observe(sighting("lights/a", name="other"))
+    observe(index, sighting("lights/a"))
+    assert observe(index, sighting("lights/b")) is None
+    assert index.counters.rejected == 1
+    changed = observe(index, sighting("lights/a", name="other"))
     assert changed is not None
     assert changed.kind == "changed"

@@ -1,30 +1,25 @@
-"""The directory: the node that keeps the index, announces every change and answers who is there."""
+"""The node of the discovery layer: hears every gateway, keeps the index, tells what changes, and answers.
+
+Sightings and reports are taken in as they come; what they changed is told in portions soon after, each device once.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
 
 import anyio
 import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.devices import (
-    DEVICE_CHANGES,
-    FIND_DEVICES,
-    GET_INDEX_DATA,
-    DeviceChange,
-    FindDevices,
-    GetIndexData,
-    Sighting,
-)
-from homebot.devices.services import (
-    FindDevicesRequest,
-    FindDevicesResponse,
-    GetIndexDataRequest,
-    GetIndexDataResponse,
-)
+from homebot.devices import DEVICE_CHANGES, DEVICE_STATES, DeviceChange, Sighting, StateChange
+from homebot.devices.report import Report
+from homebot.discovery.answers import Answers
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
+from homebot.discovery.keeper import Keeper
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscription
 from homebot.log import LogLimit
@@ -37,6 +32,10 @@ CHANGED = "discovery.changed"
 STALE = "discovery.stale"
 RETURNED = "discovery.returned"
 REMOVED = "discovery.removed"
+MERGED = "discovery.merged"
+UNMERGED = "discovery.unmerged"
+CONFLICT = "discovery.conflict"
+RESOLVED = "discovery.resolved"
 REJECTED = "discovery.index_full"
 NOT_FOLLOWED = "discovery.source_not_followed"
 
@@ -49,7 +48,10 @@ LONGEST_SLEEP = 60.0
 _TURN = 100
 """Changes made in one go before other tasks get their turn."""
 
-_SIGHTINGS_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_SOURCES_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_STATES_QOS = QoSProfile(depth=1)
+
+MessageT = TypeVar("MessageT", Sighting, Report)
 
 
 class DirectorySettings(BaseModel):
@@ -58,26 +60,29 @@ class DirectorySettings(BaseModel):
     Attributes:
         forget_after: Seconds for which a stale device stays listed before it is removed; a day by default.
         max_devices: How many devices are listed; further ones are counted and told.
+        persist: Whether devices are remembered in a file over a restart, where the program has a place for it.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     forget_after: Seconds = Field(default=86_400.0)
     max_devices: int = Field(default=MAX_DEVICES, ge=1)
+    persist: bool = True
 
 
 class Directory:
-    """Listens to the sightings of every gateway, present and to come.
+    """Listens to the sightings and reports of every gateway, present and to come.
 
     Args:
         node: The node that it is on the graph.
         settings: How long it remembers.
+        file: Where it keeps the index over a restart; None for nowhere.
 
     Attributes:
         index: What it knows.
     """
 
-    def __init__(self, node: Node, settings: DirectorySettings) -> None:
+    def __init__(self, node: Node, settings: DirectorySettings, file: Path | None = None) -> None:
         self._node = node
         clock = node.graph.clock
         # Microseconds of the clock: a directory that was restarted goes on above the numbers of the one before.
@@ -88,24 +93,31 @@ class Directory:
         )
         self._clock = clock
         self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
-        self._sources: dict[str, Subscription[Sighting]] = {}
+        self._states = node.create_publisher(StateChange, DEVICE_STATES, _STATES_QOS)
+        self._keeper = Keeper(node, self.index, file if settings.persist else None)
+        self._answers = Answers(node, self.index, self._keeper, self._tell_all)
+        self._sources: dict[str, Subscription[Sighting] | Subscription[Report]] = {}
         self._wakes_at = math.inf
+        self._rejected = 0
         self._earlier_deadline = anyio.Event()
+        self._happened = anyio.Event()
         self._limit = LogLimit(clock)
         self._told = LogLimit(clock, burst=BURST)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the index until cancelled.
 
-        It answers as soon as it has taken in what the gateways keep for late joiners, so that nobody who asks a
-        restarted directory hears of an empty house.
+        It answers as soon as it has taken in its file and what the gateways keep for late joiners, so that nobody who
+        asks a restarted directory hears of an empty house.
         """
+        await self._keeper.load()
         with self._node.graph.watch() as changes:
             self._follow_all()
-            self._node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
-            self._node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
+            self._answers.offer()
             async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._keeper.run)
                 tasks.start_soon(self._expire)
+                tasks.start_soon(self._tell_on)
                 task_status.started()
                 lost = 0
                 async for change in changes:
@@ -114,38 +126,62 @@ class Directory:
                         while changes.take() is not None:
                             pass
                         self._follow_all()
-                    elif change.change == "added" and change.entity.ros_type == Sighting.ros_type:
-                        self._follow(change.entity.name)
+                    elif change.change == "added" and change.entity.kind is EntityKind.PUBLISHER:
+                        self._follow(change.entity.name, change.entity.ros_type)
 
     def _follow_all(self) -> None:
-        for endpoint in self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER):
-            if endpoint.ros_type == Sighting.ros_type:
-                self._follow(endpoint.name)
+        """Sightings first: a report of a device that nobody announced says nothing."""
+        endpoints = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
+        for kind in (Sighting, Report):
+            for endpoint in endpoints:
+                if endpoint.ros_type == kind.ros_type:
+                    self._follow(endpoint.name, endpoint.ros_type)
 
-    def _follow(self, topic: str) -> None:
+    def _follow(self, topic: str, ros_type: str) -> None:
         if topic in self._sources:
             return
+        if ros_type == Sighting.ros_type:
+            self._listen(Sighting, topic, self._observe)
+        elif ros_type == Report.ros_type:
+            self._listen(Report, topic, self._report)
+
+    def _listen(self, kind: type[MessageT], topic: str, take: Callable[[MessageT], None]) -> None:
         try:
-            source = self._node.create_subscription(Sighting, topic, qos_profile=_SIGHTINGS_QOS)
+            source = self._node.create_subscription(kind, topic, qos_profile=_SOURCES_QOS)
         except TypeMismatchError as exc:
             self._node.log.warning(NOT_FOLLOWED, message=str(exc), topic=topic)
             return
         self._sources[topic] = source
         while (kept := source.take()) is not None:
-            self._observe(kept)
-        self._node.create_task(lambda: source.run(self._observe, concurrent=False))
+            take(kept)
+        self._node.create_task(lambda: source.run(take, concurrent=False))
 
     def _observe(self, sighting: Sighting) -> None:
-        rejected = self.index.rejected
-        change = self.index.observe(sighting)
-        if change is not None:
-            self._announce(change)
-        elif self.index.rejected > rejected and self._limit.allows(REJECTED) is not None:
-            self._node.log.warning(
-                REJECTED, message=f"{sighting.key} was not taken in: the index is full", rejected=self.index.rejected
-            )
-        if sighting.expires_at.to_seconds() < self._wakes_at:
+        self.index.observe(sighting)
+        if self.index.counters.rejected > self._rejected:
+            self._tell_rejected(sighting)
+        self._look()
+
+    def _report(self, report: Report) -> None:
+        self.index.tells_states = self._states.subscription_count > 0
+        self.index.report(report)
+        self._look()
+
+    def _look(self) -> None:
+        """Wake those who have something to do now."""
+        if not self._happened.is_set():
+            self._happened.set()
+        deadline = self.index.next_deadline()
+        if deadline is not None and deadline < self._wakes_at:
             self._earlier_deadline.set()
+
+    async def _tell_on(self) -> None:
+        """Tell what happened, and sort it in for queries, while nothing else is to be done."""
+        while True:
+            await self._happened.wait()
+            self._happened = anyio.Event()
+            while self._tell(_TURN) or self.index.sort(_TURN):
+                await anyio.lowlevel.checkpoint()
 
     async def _expire(self) -> None:
         while True:
@@ -154,13 +190,27 @@ class Directory:
             delay = min(self._wakes_at - self._clock.now(), LONGEST_SLEEP) if self._wakes_at < math.inf else math.inf
             with anyio.move_on_after(max(0.0, delay)):
                 await self._earlier_deadline.wait()
-            while changes := self.index.expire(self._clock.now(), at_most=_TURN):
-                for change in changes:
-                    self._announce(change)
+            while self.index.expire(self._clock.now(), at_most=_TURN):
+                self._tell_all()
                 await anyio.lowlevel.checkpoint()
 
-    def _announce(self, change: DeviceChange) -> None:
-        self._changes.publish(change)
+    def _tell_all(self) -> None:
+        while self._tell(_TURN):
+            pass
+
+    def _tell(self, at_most: int) -> bool:
+        """Tell of so many changes, and of all new states after the last one; return whether there were changes."""
+        changes = self.index.take_changes(at_most)
+        for change in changes:
+            self._answers.remember(change)
+            self._changes.publish(change)
+            self._log(change)
+        if len(changes) < at_most:
+            for state in self.index.take_states():
+                self._states.publish(state)
+        return bool(changes)
+
+    def _log(self, change: DeviceChange) -> None:
         event, words = _WORDS[change.kind]
         held_back = self._told.allows(event)
         if held_back is None:
@@ -174,18 +224,16 @@ class Directory:
             service_type=device.service_type,
             gateway=device.endpoints[0].gateway,
             why=change.why,
+            other=change.other,
             held_back=held_back,
         )
 
-    def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
-        devices = self.index.devices(request.service_type)
-        return GetIndexDataResponse(
-            topics=tuple(device.endpoints[0].address for device in devices),
-            device_ids=tuple(device.id for device in devices),
-        )
-
-    def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse:
-        return FindDevicesResponse(devices=self.index.devices(request.service_type), sequence=self.index.sequence)
+    def _tell_rejected(self, sighting: Sighting) -> None:
+        self._rejected = self.index.counters.rejected
+        if self._limit.allows(REJECTED) is not None:
+            self._node.log.warning(
+                REJECTED, message=f"{sighting.key} was not taken in: the index is full", rejected=self._rejected
+            )
 
 
 _WORDS = {
@@ -194,4 +242,8 @@ _WORDS = {
     "stale": (STALE, "{id} is stale: {why}"),
     "returned": (RETURNED, "{id} is back: {why}"),
     "removed": (REMOVED, "{id} is gone: {why}"),
+    "merged": (MERGED, "{id} is one device: {why}"),
+    "unmerged": (UNMERGED, "{id} is less than was thought: {why}"),
+    "conflict": (CONFLICT, "{id} is claimed by somebody else: {why}"),
+    "resolved": (RESOLVED, "{id} is disputed no longer: {why}"),
 }

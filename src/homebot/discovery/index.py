@@ -1,24 +1,72 @@
 """The index: who is out there, what they offer, and how fresh that knowledge is. Pure; the time comes from outside.
 
-It holds devices, not topics: however many messages and addresses a device has, it is one entry.
+It holds devices, not topics: however many messages, announcements and addresses a device has, it is one entry. What
+happens to devices is collected until :meth:`DeviceIndex.take_changes`, so that a device that is announced in thirty
+messages is told of once.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from typing import final
 
-from homebot.devices import Device, DeviceChange, Endpoint, Freshness, KeyValue, Sighting
+from homebot.devices import Device, DeviceChange, Sighting, State, StateChange
+from homebot.devices.device import ChangeKind
+from homebot.devices.part import Part
+from homebot.devices.query import Query, facets_of, type_is
+from homebot.devices.report import REACHABLE, Reading, Report
+from homebot.devices.value import PlainValue
+from homebot.discovery.bonds import Bonds
+from homebot.discovery.claim import Claim, ClaimKey, Told
 from homebot.discovery.deadlines import Deadlines
+from homebot.discovery.disputes import Disputes
+from homebot.discovery.entry import Entry
+from homebot.discovery.happenings import Happenings
+from homebot.discovery.ids import Tombstone, Tombstones, new_id
+from homebot.discovery.postings import Postings
+from homebot.discovery.regroup import Regrouped, regroup
 from homebot.messages import Time
 
-__all__ = ["MAX_DEVICES", "DeviceIndex"]
+__all__ = ["MAX_CLAIMS", "MAX_DEVICES", "DeviceIndex", "IndexCounters"]
 
 MAX_DEVICES = 100_000
 
+MAX_CLAIMS = 1000
+"""Announcements of one device; further ones are rejected."""
 
+SAVE_LIFE = 600.0
+"""Seconds between two writings of when a device was last seen."""
+
+_CLAIMS_PER_DEVICE = 10
+"""Announcements that the index takes in, for each device that it may hold."""
+
+_MAX_EVIDENCE = 16
+
+_ONLINE_FOR = 86_400.0
+"""Seconds for which a device that said live that it is online may be silent: its last will watches over it."""
+
+
+@dataclass(slots=True)
+class IndexCounters:
+    """What was not taken in.
+
+    Attributes:
+        rejected: Announcements of new devices while the index was full, and those of a device that has too many.
+        ghosts: Announcements that the broker had kept, of devices that were forgotten.
+        strays: Reports of devices that nobody announced.
+        unknown_parts: Readings of parts that were not announced.
+    """
+
+    rejected: int = 0
+    ghosts: int = 0
+    strays: int = 0
+    unknown_parts: int = 0
+
+
+@final
 class DeviceIndex:
-    """Every known device, kept up to date by sightings and the passing of time.
+    """Every known device, kept up to date by sightings, reports and the passing of time.
 
     Args:
         forget_after: Seconds for which a stale device stays in the index before it is removed.
@@ -26,172 +74,518 @@ class DeviceIndex:
         max_devices: How many it takes in.
 
     Attributes:
-        sequence: Number of the last change.
-        rejected: Sightings of new devices that were not taken because the index was full.
+        counters: What was not taken in.
+        tombstones: Who went.
+        unsaved: Ids whose record is not in the index file as it is; of those that went as well.
+        tells_states: Whether changes of states are collected.
     """
 
     def __init__(self, *, forget_after: float, first_sequence: int = 1, max_devices: int = MAX_DEVICES) -> None:
-        self.sequence = first_sequence - 1
-        self.rejected = 0
+        self.counters = IndexCounters()
+        self.tombstones = Tombstones()
+        self.unsaved: dict[str, None] = {}
+        self.tells_states = False
         self._forget_after = forget_after
         self._max_devices = max_devices
-        self._entries: dict[str, _Entry] = {}
-        self._ids: dict[tuple[str, str], str] = {}
+        self._claims: dict[ClaimKey, Claim] = {}
+        self._owner: dict[ClaimKey, Entry] = {}
+        self._entries: dict[str, Entry] = {}
+        self._bonds = Bonds()
+        self._disputes = Disputes()
         self._deadlines = Deadlines()
+        self._postings = Postings()
+        self._unsorted: dict[str, None] = {}
+        self._happenings = Happenings(self._device, first_sequence)
+        self._number = 0
 
-    def observe(self, sighting: Sighting) -> DeviceChange | None:
-        """Take *sighting* in and return what it changes; None for one that only says "still there"."""
-        device_id = self._ids.get((sighting.gateway, sighting.key))
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def counts(self) -> dict[str, int]:
+        """Return what was not taken in, and what was dropped, by name."""
+        return {
+            **asdict(self.counters),
+            "identifiers_cut": self._bonds.cut,
+            "states_lost": self._happenings.states_lost,
+        }
+
+    @property
+    def sequence(self) -> int:
+        """Number of the last change that was taken."""
+        return self._happenings.sequence
+
+    def observe(self, sighting: Sighting) -> None:
+        """Take *sighting* in."""
+        key = (sighting.gateway, sighting.key)
+        claim = self._claims.get(key)
         if sighting.kind == "removed":
-            return self._remove(device_id, sighting.why) if device_id is not None else None
-        if device_id is None:
-            return self._add(sighting)
-        return self._refresh(self._entries[device_id], sighting)
+            if claim is not None:
+                self._withdraw(key, sighting.why)
+        elif claim is None:
+            self._add(key, sighting)
+        else:
+            self._refresh(key, claim, sighting)
 
-    def expire(self, now: float, at_most: int | None = None) -> tuple[DeviceChange, ...]:
-        """Return what the passing of time changes: devices that become stale at *now*, and those to be forgotten.
+    def report(self, report: Report) -> None:
+        """Take in what a device told; one that nobody announced is left out and counted."""
+        key = (report.gateway, report.key)
+        claim = self._claims.get(key)
+        if claim is None:
+            self.counters.strays += 1
+            return
+        entry, live, stamp = self._owner[key], not report.retained, report.received_at
+        is_life = live and bool(report.address)
+        for reading in report.readings:
+            if reading.capability == REACHABLE and not reading.part:
+                is_life = self._reach(entry, claim, reading.value.plain(), stamp, live=live) and is_life
+            else:
+                self._tell(entry, claim, reading, stamp, live=live)
+        entry.told_anew()
+        if is_life:
+            self._hear(entry, claim, stamp, "it spoke itself")
+
+    def expire(self, now: float, at_most: int | None = None) -> int:
+        """Let become stale what is silent for too long at *now*, and forget what is stale for too long.
 
         Args:
             now: Seconds since the Unix epoch.
-            at_most: How many changes to make; ask again until none is left. None makes them all.
+            at_most: How many changes to make. None makes them all.
+
+        Returns:
+            How many were made; ask again until it is none.
         """
-        changes: list[DeviceChange] = []
-        while (at_most is None or len(changes) < at_most) and (due := self._deadlines.pop(now)) is not None:
+        made = 0
+        while (at_most is None or made < at_most) and (due := self._deadlines.pop(now)) is not None:
+            made += 1
             entry = self._entries[due]
             if entry.freshness == "stale":
-                changes.append(self._remove(due, "it has been stale for too long"))
-            else:
-                entry.become_stale()
-                self._plan(entry)
-                changes.append(self._change("stale", entry, "it has been silent for too long"))
-        return tuple(changes)
+                self._remove(entry, "it has been stale for too long", is_ghost=True, at=now)
+                continue
+            entry.freshness = "stale"
+            self._deadlines.set(due, entry.deadline + self._forget_after)
+            self._note("stale", entry, "it has been silent for too long")
+            self._settle(self._disputes.set_idle(due, idle=True))
+        return made
 
     def next_deadline(self) -> float | None:
         """Return when :meth:`expire` has something to do, in seconds since the Unix epoch; None for never."""
         return self._deadlines.next()
 
+    def take_changes(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
+        """Return what happened, oldest first, and forget it; what became of one device meanwhile is in its change.
+
+        Args:
+            at_most: How many to take; None for all.
+        """
+        return self._happenings.take(at_most)
+
+    def take_states(self) -> tuple[StateChange, ...]:
+        """Return the changes of states, oldest first, and forget them; to be called after :meth:`take_changes`."""
+        return self._happenings.take_states()
+
     def devices(self, service_type: str = "") -> tuple[Device, ...]:
         """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""
-        return tuple(
-            entry.to_device()
-            for _, entry in sorted(self._entries.items())
-            if not service_type or entry.sighting.service_type == service_type
-        )
+        found = self.find(type_is(service_type)) if service_type else self._entries
+        return tuple(self._device(self._entries[one]) for one in sorted(found))
 
     def get(self, device_id: str) -> Device | None:
         """Return the device *device_id*, or None."""
         entry = self._entries.get(device_id)
-        return entry.to_device() if entry else None
+        return self._device(entry) if entry is not None else None
 
-    def __len__(self) -> int:
-        return len(self._entries)
+    def find(self, query: Query) -> frozenset[str] | set[str]:
+        """Return the ids of the devices that fit *query*; not to be changed."""
+        self.sort()
+        return self._postings.find(query)
 
-    def _add(self, sighting: Sighting) -> DeviceChange | None:
-        if len(self._entries) >= self._max_devices:
-            self.rejected += 1
+    @property
+    def postings(self) -> Postings:
+        """What the devices can be found by; up to date after :meth:`sort`."""
+        return self._postings
+
+    def sort(self, at_most: int | None = None) -> bool:
+        """Make devices that changed findable, at most so many; return whether some are left.
+
+        :meth:`find` does it by itself; who does it before has the answer sooner.
+        """
+        done = 0
+        while self._unsorted and (at_most is None or done < at_most):
+            device_id = next(iter(self._unsorted))
+            del self._unsorted[device_id]
+            entry = self._entries[device_id]
+            device = self._device(entry)
+            merged = entry.parts(self._disputed)
+            types = {part.id: part.part.service_type for part in merged.parts}
+            values = [(one.part, types[one.part], one.capability, one.value.plain()) for one in device.states]
+            self._postings.put(facets_of(device), values)
+            done += 1
+        return bool(self._unsorted)
+
+    def forget(self, device_id: str, now: float) -> tuple[tuple[str, str], ...] | None:
+        """Remove the device; announcements of it that the broker keeps do not bring it back, its own word does.
+
+        Returns:
+            Gateway and place of its announcements; None where there is no such device.
+        """
+        entry = self._entries.get(device_id)
+        if entry is None:
             return None
-        device_id = self._free_id(sighting)
-        self._ids[sighting.gateway, sighting.key] = device_id
-        entry = self._entries[device_id] = _Entry(device_id, sighting)
-        self._plan(entry)
-        return self._change("appeared", entry, sighting.why)
+        announced = [one.sighting for one in entry.claims.values()]
+        self._remove(entry, "somebody wants it forgotten", is_ghost=True, at=now)
+        return tuple((one.gateway, one.announced_on) for one in announced if one.announced_on)
 
-    def _plan(self, entry: _Entry) -> None:
-        forgets = self._forget_after if entry.freshness == "stale" else 0.0
-        self._deadlines.set(entry.device_id, entry.expires.to_seconds() + forgets)
+    def entry(self, device_id: str) -> Entry | None:
+        """Return what is kept of the device, for the index file."""
+        return self._entries.get(device_id)
 
-    def _free_id(self, sighting: Sighting) -> str:
-        """A key is the id, unless another gateway has a device of the same key."""
-        device_id = sighting.key
-        while device_id in self._entries:
-            device_id = f"{device_id}@{sighting.gateway}"
-        return device_id
+    def save_all(self) -> None:
+        """Note that nothing is in the index file."""
+        self.unsaved.update(dict.fromkeys(self._entries))
+        self.unsaved.update((stone.id, None) for stone in self.tombstones)
 
-    def _refresh(self, entry: _Entry, sighting: Sighting) -> DeviceChange | None:
-        was, was_described = entry.freshness, _description(entry.sighting)
-        entry.refresh(sighting)
-        self._plan(entry)
-        if was == "stale" and entry.freshness == "fresh":
-            return self._change("returned", entry, "it spoke again")
-        if was_described != _description(sighting):
-            return self._change("changed", entry, "it is described anew")
-        if was != entry.freshness:
-            return self._change("changed", entry, "it spoke itself")
+    def restore(self, entry: Entry, now: float) -> None:
+        """Take in a device of the index file, unconfirmed, before anything else is taken in."""
+        if entry.id in self._entries or len(self._entries) >= self._max_devices or not entry.claims:
+            return
+        if any(key in self._claims for key in entry.claims):
+            return
+        for key, claim in entry.claims.items():
+            self._number += 1
+            claim.number = self._number
+            self._claims[key] = claim
+            self._owner[key] = entry
+            self._bonds.put(key, claim.sighting)
+        entry.freshness = "unconfirmed"
+        entry.deadline = now + _time_to_live(entry)
+        self._entries[entry.id] = entry
+        self._describe(entry)
+        self._deadlines.set(entry.id, entry.deadline)
+        self._note("appeared", entry, "it was known before the start")
+
+    def _add(self, key: ClaimKey, sighting: Sighting) -> None:
+        stone = self.tombstones.find(key, ())
+        if stone is not None and stone.is_ghost and not sighting.confirmed:
+            self.counters.ghosts += 1
+            return
+        if len(self._claims) >= _CLAIMS_PER_DEVICE * self._max_devices:
+            self.counters.rejected += 1
+            return
+        affected = self._bonds.put(key, sighting)
+        is_alone = len(affected) == 1
+        if len(affected) > MAX_CLAIMS or (is_alone and len(self._entries) >= self._max_devices):
+            self._bonds.discard(key)
+            self.counters.rejected += 1
+            return
+        self._number += 1
+        claim = Claim(
+            sighting=sighting,
+            number=self._number,
+            first_seen=sighting.seen_at,
+            seen_at=sighting.seen_at,
+            expires_at=sighting.expires_at,
+            confirmed=sighting.confirmed,
+        )
+        self._claims[key] = claim
+        if is_alone:
+            self._appear({key: claim}, sighting.why)
+        else:
+            self._regroup(affected, sighting.why)
+            if sighting.confirmed:
+                self._hear(self._owner[key], claim, sighting.seen_at, sighting.why)
+
+    def _refresh(self, key: ClaimKey, claim: Claim, sighting: Sighting) -> None:
+        before, claim.sighting = claim.sighting, sighting
+        entry = self._owner[key]
+        is_new = _is_described_anew(before, sighting)
+        if is_new:
+            self._note_facts(claim, before, sighting)
+            if before.identifiers != sighting.identifiers or before.convention != sighting.convention:
+                self._regroup(self._bonds.put(key, sighting), "it says anew who it is")
+                entry = self._owner[key]
+            else:
+                self._describe(entry)
+            self._note("changed", entry, "it is described anew")
+        if sighting.confirmed:
+            claim.expires_at = sighting.expires_at
+            self._hear(entry, claim, sighting.seen_at, "it spoke itself")
+        elif not claim.confirmed and entry.freshness == "unconfirmed":
+            claim.seen_at, claim.expires_at = sighting.seen_at, sighting.expires_at
+            entry.told_anew()
+            self._set_deadline(entry, max(entry.deadline, sighting.expires_at.to_seconds()))
+
+    def _note_facts(self, claim: Claim, before: Sighting, sighting: Sighting) -> None:
+        known = {"name": before.name, "area": before.area, **{one.key: one.value for one in before.metadata}}
+        said = {"name": sighting.name, "area": sighting.area, **{one.key: one.value for one in sighting.metadata}}
+        kept = {name: found for name, found in claim.said.items() if name in said}
+        anew = {name: (value, sighting.seen_at) for name, value in said.items() if known.get(name) != value}
+        claim.said = {**kept, **anew}
+
+    def _withdraw(self, key: ClaimKey, why: str) -> None:
+        entry = self._owner[key]
+        if len(entry.claims) == 1:
+            self._remove(entry, why, is_ghost=False, at=entry.last_seen().to_seconds())
+            return
+        affected = self._bonds.discard(key)
+        del self._claims[key], self._owner[key], entry.claims[key]
+        self._regroup(affected, why)
+        self._describe(entry)
+        self._note("changed", entry, f"it announces less: {why}")
+
+    def _appear(self, claims: dict[ClaimKey, Claim], why: str) -> Entry:
+        first = next(iter(claims.values()))
+        stone = self._stone(claims)
+        if stone is not None:
+            self.tombstones.take(stone.id)
+        is_back = stone is not None and stone.id not in self._entries
+        device_id = stone.id if stone is not None and is_back else new_id(first.sighting, self._is_taken)
+        confirmed = any(claim.confirmed for claim in claims.values())
+        first_seen = min((claim.first_seen for claim in claims.values()), key=lambda one: (one.sec, one.nanosec))
+        entry = Entry(device_id, first_seen, "fresh" if confirmed else "unconfirmed", claims)
+        self._entries[device_id] = entry
+        self._owner.update(dict.fromkeys(claims, entry))
+        for claim in claims.values():
+            if claim.confirmed:
+                entry.rhythm.heard(claim.seen_at.to_seconds())
+        self._describe(entry)
+        self._set_deadline(entry, max(claim.expires_at.to_seconds() for claim in claims.values()))
+        self._note("appeared", entry, f"it is back: {why}" if is_back else why)
+        return entry
+
+    def _stone(self, claims: dict[ClaimKey, Claim]) -> Tombstone | None:
+        for key, claim in claims.items():
+            hardware = (one for one in claim.sighting.identifiers if not one.startswith("id:"))
+            if (stone := self.tombstones.find(key, hardware)) is not None:
+                return stone
         return None
 
-    def _remove(self, device_id: str, why: str) -> DeviceChange:
-        entry = self._entries.pop(device_id)
-        self._deadlines.discard(device_id)
-        del self._ids[entry.sighting.gateway, entry.sighting.key]
-        return self._change("removed", entry, why)
+    def _is_taken(self, device_id: str) -> bool:
+        return device_id in self._entries or device_id in self.tombstones
 
-    def _change(
-        self, kind: Literal["appeared", "changed", "stale", "returned", "removed"], entry: _Entry, why: str
-    ) -> DeviceChange:
-        self.sequence += 1
-        return DeviceChange(kind=kind, device=entry.to_device(), sequence=self.sequence, why=why)
+    def _remove(self, entry: Entry, why: str, *, is_ghost: bool, at: float) -> None:
+        self._happenings.note_removed(entry, why)
+        stone = Tombstone(entry.id, tuple(entry.claims), entry.hardware(), is_ghost, at)
+        self._drop(entry)
+        for key in entry.claims:
+            self._bonds.discard(key)
+            del self._claims[key], self._owner[key]
+        forgotten = self.tombstones.put(stone)
+        if forgotten is not None:
+            self.unsaved[forgotten.id] = None
 
+    def _drop(self, entry: Entry) -> None:
+        del self._entries[entry.id]
+        self._unsorted.pop(entry.id, None)
+        self._postings.discard(entry.id)
+        self._deadlines.discard(entry.id)
+        self.unsaved[entry.id] = None
+        self._settle(self._disputes.discard(entry.id))
 
-@dataclass(slots=True)
-class _Entry:
-    device_id: str
-    sighting: Sighting
-    first_seen: Time = field(init=False)
-    expires: Time = field(init=False)
-    freshness: Freshness = field(init=False)
-    _device: Device | None = field(init=False, default=None)
+    def _regroup(self, affected: Iterable[ClaimKey], why: str) -> None:
+        """Make the devices those that the announcements *affected* are about now."""
+        for one in regroup(self._bonds.groups(affected), self._owner, self._age):
+            if one.keeps is not None:
+                self._gather(one.keeps, one, why)
+            else:
+                self._part(one, why)
 
-    def __post_init__(self) -> None:
-        self.first_seen = self.sighting.seen_at
-        self.expires = self.sighting.expires_at
-        self.freshness = "fresh" if self.sighting.confirmed else "unconfirmed"
+    def _age(self, key: ClaimKey) -> int:
+        return self._claims[key].number
 
-    def refresh(self, sighting: Sighting) -> None:
-        """A kept message tells nothing new of a device that has spoken itself."""
-        self._device = None
-        if not sighting.confirmed and self.freshness != "unconfirmed":
-            self.sighting = sighting.model_copy(update={"seen_at": self.sighting.seen_at, "confirmed": True})
+    def _part(self, new: Regrouped, why: str) -> None:
+        for parent in new.parents:
+            for key in new.keys:
+                parent.claims.pop(key, None)
+        entry = self._appear({key: self._claims[key] for key in new.keys}, why)
+        for parent in new.parents:
+            self._describe(parent)
+            self._note("unmerged", parent, f"{entry.id} turned out to be another device", entry.id)
+
+    def _gather(self, entry: Entry, found: Regrouped, why: str) -> None:
+        claims = {key: self._claims[key] for key in found.keys}
+        new = claims.keys() - entry.claims.keys()
+        if not new and len(claims) == len(entry.claims):
             return
-        self.sighting = sighting
-        self.expires = sighting.expires_at
-        self.freshness = "fresh" if sighting.confirmed else "unconfirmed"
+        for other in found.gone:
+            self._happenings.note_removed(other, f"it is the same device as {entry.id}", entry.id)
+            self._drop(other)
+            entry.rhythm.join(other.rhythm)
+            entry.deadline = max(entry.deadline, other.deadline)
+            if other.freshness == "fresh" or entry.freshness == "stale":
+                entry.freshness = other.freshness
+        entry.claims = claims
+        self._owner.update(dict.fromkeys(claims, entry))
+        before = entry.evidence
+        self._describe(entry)
+        self._set_deadline(entry, entry.deadline)
+        evidence = "; ".join(one for one in entry.evidence if one not in before)
+        for other in found.gone:
+            self._note("merged", entry, evidence or why, other.id)
+        if new and not found.gone:
+            self._note("merged" if evidence else "changed", entry, evidence or "it announces more")
 
-    def become_stale(self) -> None:
-        self._device = None
-        self.freshness = "stale"
+    def _describe(self, entry: Entry) -> None:
+        """What the announcements of *entry* say changed: look anew at all that follows from it."""
+        entry.evidence = tuple(self._evidence(entry)) if len(entry.claims) > 1 else ()
+        entry.described_anew()
+        writes: list[tuple[str, str]] = []
+        bridge = ""
+        for claim in entry.claims.values():
+            sighting = claim.sighting
+            if sighting.identifiers:
+                writes += [(sighting.gateway, topic) for part in sighting.parts for topic in part.writes]
+                bridge = bridge or next((one.value for one in sighting.metadata if one.key == "via_device"), "")
+        self._settle(self._disputes.put(entry.id, writes, bridge))
+        self._unsorted[entry.id] = None
+        self.unsaved[entry.id] = None
+        owner = next((found for one in writes if (found := self._disputes.owner(one, entry.id))), "")
+        if owner and owner in self._entries:
+            self._note(
+                "conflict", self._entries[owner], f"{entry.id} wants to be told things where it listens", entry.id
+            )
 
-    def to_device(self) -> Device:
-        """The same object as long as nothing is new: an answer may hold thousands of them."""
-        if self._device is None:
-            self._device = self._to_device()
-        return self._device
+    def _evidence(self, entry: Entry) -> Iterator[str]:
+        for number, (identifier, keys) in enumerate(self._bonds.shared(entry.claims)):
+            if number >= _MAX_EVIDENCE:
+                return
+            yield f"same {identifier} in {' and '.join(self._claims[key].label for key in keys)}"
 
-    def _to_device(self) -> Device:
-        sighting = self.sighting
-        endpoint = Endpoint(
-            gateway=sighting.gateway,
-            key=sighting.key,
-            address=sighting.address,
-            command_address=sighting.command_address,
-        )
-        return Device(
-            id=self.device_id,
-            name=sighting.name,
-            service_type=sighting.service_type,
-            endpoints=(endpoint,),
-            metadata=sighting.metadata,
-            first_seen=self.first_seen,
-            last_seen=sighting.seen_at,
-            expires=self.expires,
-            freshness=self.freshness,
-        )
+    def _settle(self, concerned: Iterable[str]) -> None:
+        """Look anew at devices that share a topic with one that came or went."""
+        for device_id in concerned:
+            entry = self._entries.get(device_id)
+            if entry is None:
+                continue
+            before = entry.parts(self._disputed).conflicts if entry.is_described() else ()
+            entry.described_anew()
+            self._unsorted[device_id] = None
+            if before and not entry.parts(self._disputed).conflicts:
+                self._note("resolved", entry, "nobody disputes it any more")
+
+    def _disputed(self, claim: Claim, part: Part) -> str:
+        gateway, key = claim.key
+        if not part.writes or not claim.sighting.identifiers:
+            return ""
+        entry = self._owner[gateway, key]
+        for topic in part.writes:
+            owner = self._disputes.owner((gateway, topic), entry.id)
+            if owner:
+                return f"{claim.label} wants to be told things on {topic}, where {owner} listens"
+        return ""
+
+    def _hear(self, entry: Entry, claim: Claim, stamp: Time, why: str) -> None:
+        now = stamp.to_seconds()
+        if now - entry.saved_at > SAVE_LIFE:
+            entry.saved_at = now
+            self.unsaved[entry.id] = None
+        claim.confirmed = True
+        claim.seen_at = stamp
+        entry.rhythm.heard(now)
+        entry.told_anew()
+        usual = max(_time_to_live(entry), entry.rhythm.patience())
+        if claim.reachable and claim.reachable_live:
+            usual = max(usual, _ONLINE_FOR)
+        before, entry.freshness = entry.freshness, "fresh"
+        self._set_deadline(entry, now + usual)
+        if before == "fresh":
+            return
+        self._unsorted[entry.id] = None
+        if before == "stale":
+            self._note("returned", entry, "it spoke again")
+            self._settle(self._disputes.set_idle(entry.id, idle=False))
+        else:
+            self._note("changed", entry, why)
+
+    def _set_deadline(self, entry: Entry, deadline: float) -> None:
+        entry.deadline = deadline
+        forgets = self._forget_after if entry.freshness == "stale" else 0.0
+        self._deadlines.set(entry.id, deadline + forgets)
+
+    def _reach(self, entry: Entry, claim: Claim, value: PlainValue, stamp: Time, *, live: bool) -> bool:
+        """Note whether the device can be reached; return whether that is a sign of life."""
+        answer = value if isinstance(value, bool) else None
+        claim.reachable_live = live
+        if answer is not claim.reachable or claim.reachable_since is None:
+            before = entry.reachability().state
+            claim.reachable, claim.reachable_since = answer, stamp
+            after = entry.reachability()
+            if after.state != before:
+                entry.told_anew()
+                self._unsorted[entry.id] = None
+                self._note("changed", entry, after.why)
+        return answer is True
+
+    def _tell(self, entry: Entry, claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> None:
+        place = (reading.part, reading.capability)
+        value = reading.value.plain()
+        known = claim.told.get(place)
+        if known is None:
+            if not any(part.id == reading.part for part in claim.sighting.parts):
+                self.counters.unknown_parts += 1
+                return
+            claim.told[place] = Told(value, stamp, stamp, live)
+        else:
+            if known.live and not live:
+                return
+            is_same = known.value == value and type(known.value) is type(value)
+            known.told_at, known.live = stamp, live
+            if is_same:
+                return
+            known.value, known.since = value, stamp
+        self._show(entry, claim, reading, claim.told[place])
+
+    def _show(self, entry: Entry, claim: Claim, reading: Reading, told: Told) -> None:
+        """Make a new value findable, and tell it."""
+        if entry.id in self._unsorted and not self.tells_states:
+            return
+        gateway, key = claim.key
+        merged = entry.parts(self._disputed)
+        place = merged.places.get((gateway, key, reading.part))
+        if place is None:
+            return
+        part = merged.parts[place]
+        if entry.id not in self._unsorted:
+            if len(part.routes) > 1:
+                self._unsorted[entry.id] = None
+            else:
+                self._postings.tell(entry.id, part.id, part.part.service_type, reading.capability, told.value)
+        if self.tells_states:
+            state = State(
+                part=part.id,
+                capability=reading.capability,
+                value=reading.value,
+                since=told.since,
+                told_at=told.told_at,
+                live=told.live,
+            )
+            self._happenings.note_state(entry, state)
+
+    def _device(self, entry: Entry) -> Device:
+        return entry.to_device(self._disputed)
+
+    def _note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
+        entry.told_anew()
+        self._unsorted[entry.id] = None
+        self._happenings.note(kind, entry, why, other)
 
 
-def _description(sighting: Sighting) -> tuple[str, str, str, str, tuple[KeyValue, ...]]:
+def _time_to_live(entry: Entry) -> float:
+    """How long the gateways think that silence is no bad sign."""
+    longest = 0.0
+    for claim in entry.claims.values():
+        sighting = claim.sighting
+        longest = max(longest, sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds())
+    return longest
+
+
+def _is_described_anew(before: Sighting, now: Sighting) -> bool:
     return (
-        sighting.name,
-        sighting.service_type,
-        sighting.address,
-        sighting.command_address,
-        sighting.metadata,
+        before.name != now.name
+        or before.service_type != now.service_type
+        or before.address != now.address
+        or before.command_address != now.command_address
+        or before.metadata != now.metadata
+        or before.identifiers != now.identifiers
+        or before.area != now.area
+        or before.parts != now.parts
+        or before.convention != now.convention
     )

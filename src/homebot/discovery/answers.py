@@ -1,0 +1,140 @@
+"""What the directory answers when it is asked."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+from homebot.devices import (
+    FIND_DEVICES,
+    GET_CHANGES,
+    GET_INDEX_DATA,
+    QUERY_DEVICES,
+    DeviceChange,
+    FindDevices,
+    Found,
+    GetChanges,
+    GetIndexData,
+    QueryDevices,
+)
+from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
+from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
+from homebot.devices.query import parse_query
+from homebot.devices.services import (
+    AnnouncedOn,
+    FindDevicesRequest,
+    FindDevicesResponse,
+    ForgetDevice,
+    ForgetDeviceRequest,
+    ForgetDeviceResponse,
+    GetChangesRequest,
+    GetChangesResponse,
+    GetIndexDataRequest,
+    GetIndexDataResponse,
+    QueryDevicesRequest,
+    QueryDevicesResponse,
+)
+from homebot.discovery.index import DeviceIndex
+from homebot.discovery.keeper import Keeper
+from homebot.discovery.rank import rank, reasons
+from homebot.errors import UsageError
+from homebot.graph import Node
+
+__all__ = ["REMEMBERED", "Answers"]
+
+REMEMBERED = 2000
+"""Changes that a late asker can still be told."""
+
+
+class Answers:
+    """The services of the directory.
+
+    Args:
+        node: The directory's node.
+        index: What it knows.
+        keeper: Who keeps the index file.
+        tell: Tells what happened and was not told yet, so that an answer holds nothing that is told after it.
+    """
+
+    def __init__(self, node: Node, index: DeviceIndex, keeper: Keeper, tell: Callable[[], None]) -> None:
+        self._clock = node.graph.clock
+        self._index = index
+        self._keeper = keeper
+        self._tell = tell
+        self._changes: deque[DeviceChange] = deque()
+        self._forgotten = index.sequence
+        self._node = node
+
+    def offer(self) -> None:
+        """Begin to answer."""
+        node = self._node
+        node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
+        node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
+        node.create_service(QueryDevices, QUERY_DEVICES, self._query)
+        node.create_service(GetChanges, GET_CHANGES, self._get_changes)
+        node.create_service(ForgetDevice, FORGET_DEVICE, self._forget)
+        node.create_service(GetHealth, DISCOVERY_HEALTH, self._get_health)
+
+    def remember(self, change: DeviceChange) -> None:
+        """Keep a change that was told, for those who ask later."""
+        if len(self._changes) >= REMEMBERED:
+            self._forgotten = self._changes.popleft().sequence
+        self._changes.append(change)
+
+    def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
+        self._tell()
+        devices = self._index.devices(request.service_type)
+        return GetIndexDataResponse(
+            topics=tuple(device.endpoints[0].address for device in devices),
+            device_ids=tuple(device.id for device in devices),
+        )
+
+    def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse:
+        self._tell()
+        return FindDevicesResponse(devices=self._index.devices(request.service_type), sequence=self._index.sequence)
+
+    def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
+        self._tell()
+        try:
+            query = parse_query(request.query)
+        except UsageError as exc:
+            return QueryDevicesResponse(success=False, message=str(exc), sequence=self._index.sequence)
+        found = self._index.find(query)
+        ranked = rank(query, found, self._index.postings)
+        shown = ranked[request.offset :][: request.limit or None]
+        results = (
+            Found(device=device, score=score, reasons=reasons(query, one, self._index.postings))
+            for score, one in shown
+            if (device := self._index.get(one)) is not None
+        )
+        return QueryDevicesResponse(
+            success=True, results=tuple(results), total=len(ranked), sequence=self._index.sequence
+        )
+
+    def _get_changes(self, request: GetChangesRequest) -> GetChangesResponse:
+        self._tell()
+        return GetChangesResponse(
+            changes=tuple(one for one in self._changes if one.sequence > request.since),
+            complete=request.since >= self._forgotten,
+            sequence=self._index.sequence,
+        )
+
+    def _forget(self, request: ForgetDeviceRequest) -> ForgetDeviceResponse:
+        announced = self._index.forget(request.device, self._clock.now())
+        self._tell()
+        if announced is None:
+            return ForgetDeviceResponse(success=False, message=f"there is no device {request.device!r}")
+        return ForgetDeviceResponse(
+            success=True,
+            announced_on=tuple(AnnouncedOn(gateway=gateway, topic=topic) for gateway, topic in announced),
+        )
+
+    def _get_health(self, _: HealthRequest) -> HealthResponse:
+        counts = {
+            "devices": len(self._index),
+            "forgotten_devices": len(self._index.tombstones),
+            **self._index.counts(),
+            "index_file_failures": self._keeper.failures,
+            "index_file_damaged": self._keeper.damaged,
+        }
+        return HealthResponse(counts=tuple(Count(name=name, count=count) for name, count in counts.items()))

@@ -1,0 +1,214 @@
+"""Which announcements are about one device: those that share an identifier which is specific enough. Pure.
+
+A radio address (``eui64:``) always is. A hardware address (``mac:``) is, unless it belongs to a host that speaks for
+several devices: announcements that are each of a whole device, or whose other identifiers have nothing in common. Any
+other identifier is, unless it is a word that many devices have, or comes with different hardware addresses.
+
+Where it does not matter who came first, it does not: the same announcements in any order are the same devices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import combinations
+from typing import final
+
+from homebot.devices import Sighting
+from homebot.discovery.claim import WHOLE, ClaimKey
+
+__all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "Bonds"]
+
+MAX_IDENTIFIERS = 16
+"""Identifiers of one announcement that count; the first ones, hardware addresses before others."""
+
+MAX_HOLDERS = 64
+"""Different voices that may share an identifier; one that more have is nobody's."""
+
+_SHORTEST = 4
+_WORDS = """
+none null unknown undefined default test device devices mydevice my_device sensor sensors switch light lamp relay bridge
+gateway hub home house node root main mqtt mqtt-io mqttio mqtt_io mqttdevice mqtt_device esp esp32 esp8266 esphome
+espressif arduino tasmota shelly zigbee zigbee2mqtt zwave homie homeassistant home-assistant hass raspberrypi raspberry
+rpi wled openmqttgateway rtl_433 rtl433 system server controller thermostat unique_id identifier identifiers serial
+0123456789 1234567890 12345678 123456
+"""
+_GENERIC = frozenset(_WORDS.split())
+
+
+@dataclass(frozen=True, slots=True)
+class Voice:
+    """Who speaks in one way about one device; announcements of the same voice are about one device.
+
+    Attributes:
+        gateway: Where it is heard.
+        convention: How it speaks.
+        identifiers: Who the device is to it.
+        key: The announcement, where each is a device of its own.
+    """
+
+    gateway: str
+    convention: str
+    identifiers: tuple[str, ...]
+    key: str
+
+    @property
+    def hardware(self) -> frozenset[str]:
+        """The hardware addresses among its identifiers."""
+        return frozenset(one for one in self.identifiers if not one.startswith("id:"))
+
+    @property
+    def others(self) -> frozenset[str]:
+        """The other identifiers."""
+        return frozenset(one for one in self.identifiers if one.startswith("id:"))
+
+
+@final
+class Bonds:
+    """Keeps who shares which identifiers.
+
+    Attributes:
+        cut: Announcements of whose identifiers some were left out.
+    """
+
+    def __init__(self) -> None:
+        self.cut = 0
+        self._voices: dict[ClaimKey, Voice] = {}
+        self._claims: dict[Voice, dict[ClaimKey, None]] = {}
+        self._holders: dict[str, dict[Voice, None]] = {}
+        self._links: dict[str, bool] = {}
+
+    def put(self, key: ClaimKey, sighting: Sighting) -> frozenset[ClaimKey]:
+        """Note who *key* says the device is; return all announcements whose bonds may be others now, with *key*."""
+        voice = self._voice(key, sighting)
+        before = self._voices.get(key)
+        if before == voice:
+            return frozenset()
+        affected = self.discard(key) if before is not None else frozenset()
+        self._voices[key] = voice
+        claims = self._claims.get(voice)
+        if claims is not None:
+            claims[key] = None
+            return affected | claims.keys()
+        self._claims[voice] = {key: None}
+        changed: set[str] = set()
+        for identifier in voice.identifiers:
+            holders = self._holders.setdefault(identifier, {})
+            holders[voice] = None
+            if len(holders) > 1:
+                changed.add(identifier)
+        if not changed:
+            return affected | {key}
+        return affected | self._affected(voice, changed)
+
+    def discard(self, key: ClaimKey) -> frozenset[ClaimKey]:
+        """Forget *key*; return the announcements whose bonds may be others now."""
+        voice = self._voices.pop(key, None)
+        if voice is None:
+            return frozenset()
+        claims = self._claims[voice]
+        del claims[key]
+        if claims:
+            return frozenset(claims)
+        del self._claims[voice]
+        reached: set[Voice] = set()
+        for identifier in voice.identifiers:
+            holders = self._holders[identifier]
+            linked = self._links.get(identifier, True)
+            del holders[voice]
+            if not holders:
+                del self._holders[identifier]
+                self._links.pop(identifier, None)
+                continue
+            self._links.pop(identifier, None)
+            if linked or self._is_link(identifier):
+                reached |= self._reach(holders)
+        return frozenset(claim for one in reached for claim in self._claims[one])
+
+    def groups(self, keys: Iterable[ClaimKey]) -> tuple[frozenset[ClaimKey], ...]:
+        """Return the devices that the announcements *keys* are about, each as the set of all its announcements."""
+        found: list[frozenset[ClaimKey]] = []
+        done: set[Voice] = set()
+        for key in keys:
+            voice = self._voices.get(key)
+            if voice is None or voice in done:
+                continue
+            voices = self._reach((voice,))
+            done |= voices
+            found.append(frozenset(claim for one in voices for claim in self._claims[one]))
+        return tuple(found)
+
+    def shared(self, keys: Iterable[ClaimKey]) -> Iterator[tuple[str, tuple[ClaimKey, ...]]]:
+        """Yield each identifier that holds different voices among *keys* together, with one announcement of each."""
+        voices = dict.fromkeys(self._voices[key] for key in keys if key in self._voices)
+        if len(voices) < _PAIR:
+            return
+        for identifier in dict.fromkeys(one for voice in voices for one in voice.identifiers):
+            holders = [voice for voice in voices if identifier in voice.identifiers]
+            if len(holders) >= _PAIR and self._is_link(identifier):
+                yield identifier, tuple(next(iter(self._claims[voice])) for voice in holders)
+
+    def _voice(self, key: ClaimKey, sighting: Sighting) -> Voice:
+        found = sighting.identifiers
+        if len(found) > MAX_IDENTIFIERS:
+            self.cut += 1
+            found = found[:MAX_IDENTIFIERS]
+        is_own = sighting.convention in WHOLE or not any(_names_somebody(one) for one in found)
+        return Voice(key[0], sighting.convention, found, key[1] if is_own else "")
+
+    def _affected(self, voice: Voice, changed: set[str]) -> frozenset[ClaimKey]:
+        reached: set[Voice] = {voice}
+        for identifier in changed:
+            linked = self._links.pop(identifier, True)
+            if linked or self._is_link(identifier):
+                reached |= self._reach(self._holders[identifier])
+        return frozenset(claim for one in reached for claim in self._claims[one])
+
+    def _reach(self, voices: Iterable[Voice]) -> set[Voice]:
+        """All that is bound to one of *voices*, directly or by others."""
+        reached = set(voices)
+        waiting = list(reached)
+        while waiting:
+            for identifier in waiting.pop().identifiers:
+                holders = self._holders[identifier]
+                if len(holders) > 1 and self._is_link(identifier):
+                    new = holders.keys() - reached
+                    reached |= new
+                    waiting.extend(new)
+        return reached
+
+    def _is_link(self, identifier: str) -> bool:
+        known = self._links.get(identifier)
+        if known is None:
+            known = self._links[identifier] = _is_specific(identifier, self._holders[identifier])
+        return known
+
+
+_PAIR = 2
+
+
+def _is_specific(identifier: str, holders: dict[Voice, None]) -> bool:
+    if len(holders) > MAX_HOLDERS:
+        return False
+    if identifier.startswith("eui64:"):
+        return True
+    if identifier.startswith("mac:"):
+        return not any(_are_guests(one, other) for one, other in combinations(holders, 2))
+    if not _names_somebody(identifier) or len(identifier) < len("id:") + _SHORTEST:
+        return False
+    known = [hardware for voice in holders if (hardware := voice.hardware)]
+    return not any(one.isdisjoint(other) for one, other in combinations(known, 2))
+
+
+def _are_guests(one: Voice, other: Voice) -> bool:
+    """Whether a hardware address that both name is their host's: it speaks of both in the same way."""
+    if (one.gateway, one.convention) != (other.gateway, other.convention):
+        return False
+    if one.key or other.key:
+        return True
+    mine, others = one.others, other.others
+    return bool(mine) and bool(others) and mine.isdisjoint(others)
+
+
+def _names_somebody(identifier: str) -> bool:
+    return not identifier.startswith("id:") or identifier[3:].casefold() not in _GENERIC

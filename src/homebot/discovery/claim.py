@@ -1,0 +1,89 @@
+"""One announcement of a device, and what came of it. A device is what one or more of them are about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from homebot.devices import Sighting
+from homebot.devices.value import PlainValue
+from homebot.messages import Time
+
+__all__ = ["NATIVE", "WHOLE", "Claim", "ClaimKey", "Told", "preference"]
+
+ClaimKey: TypeAlias = tuple[str, str]
+"""Gateway, and what that calls the announcement."""
+
+WHOLE = frozenset({"homie", "shelly", "tasmota", "zigbee2mqtt"})
+"""Conventions whose announcements each tell of a whole device: two of them are never about the same one, unless they
+name one radio address."""
+
+NATIVE = WHOLE | {"", "thesis"}
+"""Conventions of the devices themselves, preferred to what somebody else makes of them."""
+
+
+@dataclass(slots=True)
+class Told:
+    """A value that a part told.
+
+    Attributes:
+        value: The value.
+        since: Since when it is that.
+        told_at: When it was last told.
+        live: Whether the device told it, rather than a message that the broker had kept.
+    """
+
+    value: PlainValue
+    since: Time
+    told_at: Time
+    live: bool
+
+
+@dataclass(slots=True, eq=False)
+class Claim:
+    """What one gateway heard under one key.
+
+    Attributes:
+        sighting: The newest sighting; the description counts.
+        number: Grows with each new claim: who came first.
+        first_seen: When it was first heard of.
+        seen_at: When the device was last heard through it, or it was announced.
+        expires_at: When that is too long ago, as the gateway says.
+        confirmed: Whether the device itself was heard through it since the start.
+        said: Each fact with its value, and when it was first said.
+        told: What its parts told, by part and capability.
+        reachable: What it says of itself; None for unknown.
+        reachable_since: Since when.
+        reachable_live: Whether that was said live.
+    """
+
+    sighting: Sighting
+    number: int
+    first_seen: Time
+    seen_at: Time
+    expires_at: Time
+    confirmed: bool
+    said: dict[str, tuple[str, Time]] = field(default_factory=dict)
+    told: dict[tuple[str, str], Told] = field(default_factory=dict)
+    reachable: bool | None = None
+    reachable_since: Time | None = None
+    reachable_live: bool = False
+
+    @property
+    def key(self) -> ClaimKey:
+        """What it goes by in the index."""
+        return self.sighting.gateway, self.sighting.key
+
+    @property
+    def label(self) -> str:
+        """What people know it by, for example ``homeassistant:light/0x17_light``."""
+        sighting = self.sighting
+        prefix = f"{sighting.convention}:"
+        if not sighting.convention or sighting.key.startswith(prefix):
+            return sighting.key
+        return prefix + sighting.key
+
+
+def preference(claim: Claim) -> tuple[int, int]:
+    """Return what sorts claims on one device: those of its own convention first, then the older ones."""
+    return (0 if claim.sighting.convention in NATIVE else 1, claim.number)

@@ -1,0 +1,274 @@
+"""A device in the index: its announcements, its signs of life, and the message that tells of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from homebot.devices import (
+    Device,
+    DevicePart,
+    Endpoint,
+    Fact,
+    Freshness,
+    KeyValue,
+    Reachability,
+    State,
+)
+from homebot.devices.device_types import wanted_types
+from homebot.devices.value import Value
+from homebot.devices.words import takes_words, words_address
+from homebot.discovery.claim import Claim, ClaimKey, Told, preference
+from homebot.discovery.parts import Disputed, MergedParts, main_part, merge_parts
+from homebot.discovery.rhythm import Rhythm
+from homebot.messages import Time
+
+__all__ = ["MAX_FACTS", "Entry"]
+
+MAX_FACTS = 200
+"""Facts of one device that are told; those of the preferred announcements first."""
+
+
+@dataclass(slots=True, eq=False)
+class Entry:
+    """What the index keeps of a device.
+
+    Attributes:
+        id: Its id, for as long as the entry lives.
+        claims: Its announcements by gateway and key.
+        first_seen: When it was first heard of.
+        freshness: See :class:`Device`.
+        deadline: When it becomes stale unless it is heard of again, in seconds since the Unix epoch.
+        rhythm: How often it speaks.
+        evidence: Why its announcements are one device, in words.
+        saved_at: The time when it was last seen that was last to be written to the index file.
+    """
+
+    id: str
+    first_seen: Time
+    freshness: Freshness
+    claims: dict[ClaimKey, Claim] = field(default_factory=dict)
+    deadline: float = 0.0
+    rhythm: Rhythm = field(default_factory=Rhythm)
+    evidence: tuple[str, ...] = ()
+    saved_at: float = 0.0
+    _description: _Description | None = None
+    _device: Device | None = None
+
+    def best(self) -> Claim:
+        """Return the preferred announcement."""
+        claims = self.claims.values()
+        return next(iter(claims)) if len(claims) == 1 else min(claims, key=preference)
+
+    def hardware(self) -> tuple[str, ...]:
+        """Return its hardware addresses."""
+        found = (one for claim in self.claims.values() for one in claim.sighting.identifiers)
+        return tuple(dict.fromkeys(one for one in found if not one.startswith("id:")))
+
+    def is_confirmed(self) -> bool:
+        """Whether it was heard itself since the start."""
+        return any(claim.confirmed for claim in self.claims.values())
+
+    def last_seen(self) -> Time:
+        """Return when it was last heard of: when it spoke, or else was announced."""
+        confirmed = [claim for claim in self.claims.values() if claim.confirmed]
+        return max((claim.seen_at for claim in confirmed or self.claims.values()), key=_moment)
+
+    def is_described(self) -> bool:
+        """Whether its parts are known as they are."""
+        return self._description is not None
+
+    def told_anew(self) -> None:
+        """Its states or its freshness changed."""
+        self._device = None
+
+    def described_anew(self) -> None:
+        """Its announcements changed, or what is disputed about it."""
+        self._device = self._description = None
+
+    def parts(self, disputed: Disputed) -> MergedParts:
+        """Return its parts."""
+        return self._described(disputed).merged
+
+    def to_device(self, disputed: Disputed) -> Device:
+        """Return the message that tells all of it; the same object as long as nothing is new."""
+        if self._device is None:
+            described = self._described(disputed)
+            self._device = Device(
+                id=self.id,
+                name=described.name,
+                service_type=described.service_type,
+                endpoints=described.endpoints,
+                metadata=described.metadata,
+                first_seen=self.first_seen,
+                last_seen=self.last_seen(),
+                expires=Time.from_seconds(min(self.deadline, _LATEST)),
+                freshness=self.freshness,
+                service_types=described.service_types,
+                area=described.area,
+                names=described.names,
+                identifiers=described.identifiers,
+                parts=described.merged.parts,
+                facts=described.facts,
+                reachable=self.reachability(),
+                states=tuple(self._states(described.merged)),
+                evidence=self.evidence,
+                conflicts=described.merged.conflicts,
+            )
+        return self._device
+
+    def reachability(self) -> Reachability:
+        """Return whether it can be reached: yes where one announcement says so, no where others deny it."""
+        said = [claim for claim in self.claims.values() if claim.reachable_since is not None]
+        if not said:
+            return _NOT_SAID
+        answers = {claim.reachable for claim in said}
+        answer = True if True in answers else False if False in answers else None
+        claim = max((one for one in said if one.reachable is answer), key=lambda one: _moment(one.reachable_since))
+        kept = "" if claim.reachable_live else ", in a message that the broker had kept"
+        if answer is None:
+            why = f"{claim.label} was said to be offline, but it speaks"
+        else:
+            why = f"{claim.label} is {'online' if answer else 'offline'}, as it or its last will says{kept}"
+        since = claim.reachable_since or claim.first_seen
+        return Reachability(state="unknown" if answer is None else "yes" if answer else "no", since=since, why=why)
+
+    def _described(self, disputed: Disputed) -> _Description:
+        if self._description is None:
+            self._description = _describe(tuple(self.claims.values()), disputed)
+        return self._description
+
+    def _states(self, merged: MergedParts) -> Iterator[State]:
+        """The newest of what all routes to a part told; what came live counts more than what the broker had kept."""
+        newest: dict[tuple[int, str], Told] = {}
+        for (gateway, key), claim in self.claims.items():
+            for (part, capability), told in claim.told.items():
+                place = merged.places.get((gateway, key, part))
+                if place is None:
+                    continue
+                known = newest.get((place, capability))
+                if known is None or _weight(told) > _weight(known):
+                    newest[place, capability] = told
+        for (place, capability), told in newest.items():
+            yield State(
+                part=merged.parts[place].id,
+                capability=capability,
+                value=Value.of(told.value),
+                since=told.since,
+                told_at=told.told_at,
+                live=told.live,
+            )
+
+
+_NOT_SAID = Reachability()
+_LATEST = 2.0**31 - 1
+
+
+@dataclass(frozen=True, slots=True)
+class _Description:
+    """What follows from the announcements alone."""
+
+    name: str
+    names: tuple[str, ...]
+    service_type: str
+    service_types: tuple[str, ...]
+    area: str
+    identifiers: tuple[str, ...]
+    metadata: tuple[KeyValue, ...]
+    facts: tuple[Fact, ...]
+    endpoints: tuple[Endpoint, ...]
+    merged: MergedParts
+
+
+def _describe(claims: tuple[Claim, ...], disputed: Disputed) -> _Description:
+    ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
+    merged = merge_parts(ordered, disputed)
+    main = main_part(merged.parts)
+    names = tuple(dict.fromkeys(one.sighting.name for one in ordered))
+    first = ordered[0].sighting
+    return _Description(
+        name=names[0],
+        names=names,
+        service_type=main.part.service_type if main is not None else first.service_type,
+        service_types=_service_types(ordered, merged.parts),
+        area=next((one.sighting.area for one in ordered if one.sighting.area), ""),
+        identifiers=tuple(dict.fromkeys(found for one in ordered for found in one.sighting.identifiers)),
+        metadata=first.metadata if len(ordered) == 1 else _metadata(ordered),
+        facts=tuple(_facts(ordered)),
+        endpoints=_endpoints(ordered, main),
+        merged=merged,
+    )
+
+
+def _service_types(claims: Sequence[Claim], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
+    if parts:
+        shown = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
+        found = [one.service_type for one in shown] + [one.advertised for one in shown if one.advertised]
+    else:
+        words = [one.sighting.service_type for one in claims]
+        meant = [wanted_types(one) for one in words]
+        found = [min(types) for types in meant if len(types) == 1] + words
+    return tuple(dict.fromkeys(found))
+
+
+def _metadata(claims: Sequence[Claim]) -> tuple[KeyValue, ...]:
+    found: dict[str, KeyValue] = {}
+    for claim in claims:
+        for one in claim.sighting.metadata:
+            found.setdefault(one.key, one)
+    return tuple(found.values())[:MAX_FACTS]
+
+
+def _facts(claims: Sequence[Claim]) -> Iterator[Fact]:
+    """Each value once for each gateway and convention, by the first announcement that says it."""
+    done: set[tuple[str, str, str, str]] = set()
+    for claim in claims:
+        sighting = claim.sighting
+        said = [("name", sighting.name), ("area", sighting.area), *((one.key, one.value) for one in sighting.metadata)]
+        for name, value in said:
+            place = (name, value, sighting.gateway, sighting.convention)
+            if not value or place in done or len(done) >= MAX_FACTS:
+                continue
+            done.add(place)
+            anew, since = claim.said.get(name, (value, claim.first_seen))
+            yield Fact(
+                name=name,
+                value=value,
+                gateway=sighting.gateway,
+                convention=sighting.convention,
+                key=sighting.key,
+                said_at=since if anew == value else claim.first_seen,
+            )
+
+
+def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoint, ...]:
+    """One for each gateway: two conventions at one gateway say everything twice."""
+    found: dict[str, Endpoint] = {}
+    if main is not None:
+        for route in main.routes:
+            address = words_address(route.key, route.part)
+            endpoint = Endpoint(
+                gateway=route.gateway,
+                key=route.key,
+                address=address,
+                command_address=address if takes_words(main.part) else "",
+            )
+            found.setdefault(route.gateway, endpoint)
+    for claim in claims if not found else ():
+        sighting = claim.sighting
+        if sighting.gateway not in found:
+            found[sighting.gateway] = Endpoint(
+                gateway=sighting.gateway,
+                key=sighting.key,
+                address=sighting.address,
+                command_address="" if main is not None else sighting.command_address,
+            )
+    return tuple(found.values())
+
+
+def _moment(time: Time | None) -> tuple[int, int]:
+    return (time.sec, time.nanosec) if time is not None else (0, 0)
+
+
+def _weight(told: Told) -> tuple[bool, int, int]:
+    return told.live, told.told_at.sec, told.told_at.nanosec

@@ -1,0 +1,94 @@
+"""What happened to devices and was not told yet. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+from homebot.devices import Device, DeviceChange, State, StateChange
+from homebot.devices.device import ChangeKind
+from homebot.discovery.entry import Entry
+
+__all__ = ["Happenings"]
+
+_MAX_STATES = 10_000
+
+
+@dataclass(slots=True, eq=False)
+class _Happened:
+    kind: ChangeKind
+    entry: Entry
+    why: str
+    other: str
+    device: Device | None = None
+
+
+@final
+class Happenings:
+    """Collects changes until they are taken: a device that is announced in thirty messages is then told of once.
+
+    Args:
+        describe: Returns a device as it is.
+        first_sequence: Number of the first change.
+
+    Attributes:
+        sequence: Number of the last change that was taken.
+        states_lost: Changes of states that were dropped because nobody took them.
+    """
+
+    def __init__(self, describe: Callable[[Entry], Device], first_sequence: int) -> None:
+        self.sequence = first_sequence - 1
+        self.states_lost = 0
+        self._describe = describe
+        self._happened: list[_Happened] = []
+        self._last: dict[str, _Happened] = {}
+        self._states: list[tuple[Entry, State]] = []
+
+    def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
+        """Note a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
+        waiting = self._last.get(entry.id)
+        if kind == "changed" and waiting is not None and waiting.kind != "stale":
+            return
+        happened = _Happened(kind, entry, why, other)
+        self._happened.append(happened)
+        self._last[entry.id] = happened
+
+    def note_removed(self, entry: Entry, why: str, other: str = "") -> None:
+        """Note that *entry* goes; it is told of as it is now."""
+        device = self._describe(entry)
+        if self._last.pop(entry.id, None) is not None:
+            for one in self._happened:
+                if one.entry is entry and one.device is None:
+                    one.device = device
+        self._happened.append(_Happened("removed", entry, why, other, device))
+
+    def note_state(self, entry: Entry, state: State) -> None:
+        """Note that a part of *entry* told another value; while 10,000 wait, it is dropped and counted."""
+        if len(self._states) >= _MAX_STATES:
+            self.states_lost += 1
+        else:
+            self._states.append((entry, state))
+
+    def take(self, at_most: int | None) -> tuple[DeviceChange, ...]:
+        """Return the oldest changes, and forget them."""
+        taken = self._happened if at_most is None else self._happened[:at_most]
+        self._happened = [] if at_most is None else self._happened[at_most:]
+        return tuple(self._change(one) for one in taken)
+
+    def take_states(self) -> tuple[StateChange, ...]:
+        """Return the changes of states, oldest first, and forget them."""
+        taken, self._states = self._states, []
+        return tuple(self._state_change(entry, state) for entry, state in taken)
+
+    def _change(self, one: _Happened) -> DeviceChange:
+        if self._last.get(one.entry.id) is one:
+            del self._last[one.entry.id]
+        self.sequence += 1
+        device = one.device or self._describe(one.entry)
+        return DeviceChange(kind=one.kind, device=device, sequence=self.sequence, why=one.why, other=one.other)
+
+    def _state_change(self, entry: Entry, state: State) -> StateChange:
+        self.sequence += 1
+        stream = f"{entry.id}\0{state.part}\0{state.capability}"
+        return StateChange(stream=stream, device=entry.id, state=state, sequence=self.sequence)

@@ -1,0 +1,176 @@
+"""Keeps the index file in step with the index: reads it at the start, writes what changed every few seconds.
+
+All of SQLite happens in a worker thread. Without a file it does nothing.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import anyio
+from anyio import to_thread
+
+from homebot.discovery.index import DeviceIndex
+from homebot.discovery.record import entry_record, read_entry, read_tombstone, tombstone_record
+from homebot.discovery.store import IndexFile, Records
+from homebot.errors import LinkError, UsageError, WireError
+from homebot.graph import Node
+from homebot.log import LogLimit
+
+__all__ = ["Keeper"]
+
+DAMAGED = "discovery.index_file_damaged"
+NOT_WRITTEN = "discovery.index_file_not_written"
+WRITTEN_AGAIN = "discovery.index_file_written_again"
+NOT_USED = "discovery.index_file_not_used"
+LOADED = "discovery.index_file_loaded"
+BAD_RECORD = "discovery.index_record_rejected"
+
+SAVE_EVERY = 2.0
+"""Seconds in which changes are gathered before they are written."""
+
+RETRY_AFTER = 30.0
+_BATCH = 1000
+_LAST_CHANCE = 5.0
+
+
+class Keeper:
+    """Keeps the index file.
+
+    Args:
+        node: For its log and clock.
+        index: What is kept.
+        path: Where; None for nowhere.
+
+    Attributes:
+        file: Where the file is; empty for nowhere.
+        state: ``off``, ``ok``, or what is wrong with the file, in words.
+        failures: How often it could not be written or read.
+        damaged: How many damaged files were set aside.
+    """
+
+    def __init__(self, node: Node, index: DeviceIndex, path: Path | None) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._index = index
+        self._file = IndexFile(path) if path is not None else None
+        self._limit = LogLimit(self._clock)
+        self.failures = 0
+        self.damaged = 0
+        self.file = str(path or "")
+        self.state = "off" if path is None else "ok"
+
+    async def load(self) -> None:
+        """Take in what the file holds, as unconfirmed; a file that cannot be used costs no more than its content."""
+        if self._file is None or not await self._open(self._file):
+            return
+        try:
+            records = await to_thread.run_sync(self._file.read)
+        except LinkError as exc:
+            await self._set_aside(self._file, str(exc))
+            return
+        now = self._clock.now()
+        rejected = 0
+        for device_id, text in records.tombstones:
+            try:
+                self._index.tombstones.put(read_tombstone(device_id, text))
+            except WireError:
+                rejected += 1
+        entries = []
+        for device_id, text in records.devices:
+            try:
+                entries.append(read_entry(device_id, text))
+            except WireError:
+                rejected += 1
+        for entry in sorted(entries, key=lambda one: (one.first_seen.sec, one.first_seen.nanosec, one.id)):
+            self._index.restore(entry, now)
+        self._index.unsaved.clear()
+        if rejected:
+            self._node.log.warning(BAD_RECORD, message=f"{rejected} devices of {self.file} were not understood")
+        self._node.log.info(LOADED, message=f"{len(entries)} devices are known from before", file=self.file)
+
+    async def run(self) -> None:
+        """Write what changes until cancelled, then once more."""
+        if self._file is None:
+            await anyio.sleep_forever()
+            return
+        try:
+            while True:
+                await anyio.sleep(SAVE_EVERY if self.state == "ok" else RETRY_AFTER)
+                await self._save(self._file)
+        finally:
+            with anyio.move_on_after(_LAST_CHANCE, shield=True):
+                await self._save(self._file)
+                await to_thread.run_sync(self._file.close)
+
+    async def _open(self, file: IndexFile) -> bool:
+        try:
+            damaged = await to_thread.run_sync(file.open, self._clock.now())
+        except UsageError as exc:
+            self._node.log.warning(NOT_USED, message=f"{exc}; devices are not remembered", file=self.file)
+            self.state, self._file = str(exc), None
+            return False
+        except LinkError as exc:
+            self._complain(exc)
+            return False
+        if damaged is not None:
+            self._tell_damage(damaged)
+        return True
+
+    async def _save(self, file: IndexFile) -> None:
+        while self._index.unsaved:
+            batch = tuple(self._index.unsaved)[:_BATCH]
+            for device_id in batch:
+                del self._index.unsaved[device_id]
+            if not await self._write(file, batch):
+                self._index.unsaved.update(dict.fromkeys(batch))
+                return
+
+    async def _write(self, file: IndexFile, batch: tuple[str, ...]) -> bool:
+        entries = [entry for one in batch if (entry := self._index.entry(one)) is not None]
+        stones = [stone for one in batch if (stone := self._index.tombstones.get(one)) is not None]
+        records = Records(
+            tuple((entry.id, entry_record(entry)) for entry in entries),
+            tuple((stone.id, tombstone_record(stone)) for stone in stones),
+        )
+        if self.state != "ok" and not await self._open(file):
+            return False
+        try:
+            await to_thread.run_sync(file.write, records, batch)
+        except WireError as exc:
+            await self._set_aside(file, str(exc))
+            return False
+        except LinkError as exc:
+            self._complain(exc)
+            return False
+        if self.state != "ok":
+            self.state = "ok"
+            self._node.log.info(WRITTEN_AGAIN, message=f"{self.file} is written again", file=self.file)
+        return True
+
+    async def _set_aside(self, file: IndexFile, why: str) -> None:
+        """Begin a new file with all that is known now."""
+        self.state = why
+        try:
+            self._tell_damage(await to_thread.run_sync(file.set_aside, self._clock.now()))
+        except OSError as exc:
+            self._complain(LinkError(f"{self.file} cannot be set aside: {exc}"))
+            return
+        self._index.save_all()
+        if await self._open(file):
+            self.state = "ok"
+
+    def _tell_damage(self, where: Path) -> None:
+        self.damaged += 1
+        self._node.log.warning(
+            DAMAGED, message=f"the index file was damaged; it is {where} now, and a new one is begun", file=str(where)
+        )
+
+    def _complain(self, exc: LinkError) -> None:
+        self.failures += 1
+        self.state = str(exc)
+        held_back = self._limit.allows(NOT_WRITTEN)
+        if held_back is not None:
+            self._node.log.warning(
+                NOT_WRITTEN, message=f"{exc}; it is tried again", file=self.file, held_back=held_back
+            )

@@ -1,0 +1,168 @@
+"""The parts of a device out of all announcements of it: each lamp once, with the ways to it. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from homebot.devices import DevicePart, Route
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.part import Part
+from homebot.devices.query.folding import fold
+from homebot.discovery.claim import Claim, preference
+
+__all__ = ["MAX_PARTS", "Disputed", "MergedParts", "main_part", "merge_parts"]
+
+MAX_PARTS = 1000
+"""Parts of one device; further ones are left out."""
+
+Disputed: TypeAlias = Callable[[Claim, Part], str]
+"""Says in words who else has what a part of a claim would use; empty for nobody."""
+
+
+@dataclass(frozen=True, slots=True)
+class MergedParts:
+    """The parts of a device.
+
+    Attributes:
+        parts: The parts, in the order of the preferred announcements.
+        conflicts: What was left out, and why, in words.
+        places: Which part of the device each part of a claim is, by gateway, key and part.
+        left_out: How many parts were too many.
+    """
+
+    parts: tuple[DevicePart, ...]
+    conflicts: tuple[str, ...]
+    places: dict[tuple[str, str, str], int]
+    left_out: int = 0
+
+
+@dataclass(slots=True)
+class _Merged:
+    part: Part
+    claims: list[Claim]
+    routes: list[Route] = field(default_factory=list)
+
+
+def merge_parts(claims: Sequence[Claim], disputed: Disputed) -> MergedParts:
+    """Return the parts that *claims* on one device tell of.
+
+    Two parts are one when they are of one type, come from different conventions or gateways, and have one name, or
+    share a topic, or are the only ones of their type. In one convention they are one only when they have one id and the
+    same topics. Two of one id that do not are in conflict: the older one counts.
+    """
+    merged: list[_Merged] = []
+    by_type: dict[str, list[_Merged]] = {}
+    places: dict[tuple[str, str, str], int] = {}
+    conflicts: list[str] = []
+    ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
+    alone = _only_ones(ordered) if len(claims) > 1 else frozenset()
+    left_out = 0
+    for claim in ordered:
+        gateway, key = claim.key
+        for part in claim.sighting.parts:
+            same_type = by_type.setdefault(part.service_type, [])
+            rival = _rival(claim, part, same_type) if len(claims) > 1 else None
+            if rival is not None:
+                conflicts.append(f"{claim.label} announces {part.id!r}, which is {rival.claims[0].label}'s")
+                continue
+            found = _twin(claim, part, same_type, alone) if len(claims) > 1 else None
+            if found is None:
+                if len(merged) >= MAX_PARTS:
+                    left_out += 1
+                    continue
+                found = _Merged(part, [])
+                same_type.append(found)
+                merged.append(found)
+            found.claims.append(claim)
+            if dispute := disputed(claim, part):
+                conflicts.append(dispute)
+            else:
+                route = Route(gateway=gateway, key=key, part=part.id, convention=claim.sighting.convention)
+                found.routes.append(route)
+            places[gateway, key, part.id] = id(found)
+    numbers = {id(one): number for number, one in enumerate(merged)}
+    return MergedParts(
+        _named(merged), tuple(conflicts), {place: numbers[one] for place, one in places.items()}, left_out
+    )
+
+
+def main_part(parts: Iterable[DevicePart]) -> DevicePart | None:
+    """Return the part that a device is there for: no setting or diagnosis, and rather a lamp than its thermometer."""
+    return min(
+        parts, key=lambda one: (bool(one.part.category), _RANK.get(one.part.service_type, len(_RANK))), default=None
+    )
+
+
+_RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
+
+
+def _named(merged: list[_Merged]) -> tuple[DevicePart, ...]:
+    taken: set[str] = set()
+    parts = []
+    for one in merged:
+        part_id = one.part.id
+        if part_id in taken:
+            part_id = f"{one.claims[0].label}/{part_id}"
+        while part_id in taken:
+            part_id += "'"
+        taken.add(part_id)
+        parts.append(DevicePart(id=part_id, part=one.part, routes=tuple(one.routes)))
+    return tuple(parts)
+
+
+def _only_ones(claims: Sequence[Claim]) -> frozenset[tuple[str, str, str]]:
+    """Gateway, convention and type of the parts that have no second of their type there."""
+    counts: dict[tuple[str, str, str], int] = {}
+    for claim in claims:
+        for part in claim.sighting.parts:
+            if not part.category:
+                place = (claim.sighting.gateway, claim.sighting.convention, part.service_type)
+                counts[place] = counts.get(place, 0) + 1
+    return frozenset(place for place, count in counts.items() if count == 1)
+
+
+def _rival(claim: Claim, part: Part, others: list[_Merged]) -> _Merged | None:
+    """The part that another announcement in the same convention calls the same, though it is elsewhere."""
+    if not part.id:
+        return None
+    for other in others:
+        first = other.claims[0]
+        if other.part.id == part.id and _same_source(claim, first) and claim is not first:
+            return None if _same_topics(part, other.part) else other
+    return None
+
+
+def _twin(claim: Claim, part: Part, others: list[_Merged], alone: frozenset[tuple[str, str, str]]) -> _Merged | None:
+    for other in others:
+        first = other.claims[0]
+        if _same_source(claim, first):
+            if claim is not first and part.id == other.part.id and _same_topics(part, other.part):
+                return other
+        elif not any(_same_source(claim, one) for one in other.claims) and _is_same(claim, part, other, alone):
+            return other
+    return None
+
+
+def _is_same(claim: Claim, part: Part, other: _Merged, alone: frozenset[tuple[str, str, str]]) -> bool:
+    if part.category != other.part.category:
+        return False
+    if part.name and fold(part.name) == fold(other.part.name):
+        return True
+    places = ((one.sighting.gateway, one.sighting.convention, part.service_type) for one in (claim, other.claims[0]))
+    if all(place in alone for place in places):
+        return True
+    writes = set(part.writes)
+    return bool(writes) and part.name == other.part.name and not writes.isdisjoint(other.part.writes)
+
+
+def _same_source(one: Claim, other: Claim) -> bool:
+    mine, others = one.sighting, other.sighting
+    return mine.convention == others.convention and mine.gateway == others.gateway
+
+
+def _same_topics(part: Part, other: Part) -> bool:
+    if part.writes or other.writes:
+        return set(part.writes) == set(other.writes)
+    return part.reads == other.reads

@@ -1,0 +1,309 @@
+"""What devices can be found by: for each thing that may be asked, the set of those that fit. Pure."""
+
+from __future__ import annotations
+
+import operator
+from bisect import bisect_left, insort
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias, final
+
+from homebot.devices.query import (
+    And,
+    CanDo,
+    Facets,
+    FactIs,
+    FreshnessIs,
+    GatewayIs,
+    HasText,
+    InArea,
+    Not,
+    Or,
+    Query,
+    ReachableIs,
+    StateIs,
+    TypeIs,
+)
+from homebot.devices.query.folding import WORD_TYPO, is_typo
+from homebot.devices.query.terms import compares
+from homebot.devices.value import PlainValue
+
+__all__ = ["Found", "Postings"]
+
+Found: TypeAlias = frozenset[str] | set[str]
+_Key: TypeAlias = tuple[object, ...]
+
+_NONE: frozenset[str] = frozenset()
+_FEW = 200
+"""Devices that are sooner looked at one by one than by going through all values of a capability."""
+
+
+@dataclass(slots=True)
+class _Posted:
+    facets: Facets
+    keys: frozenset[_Key]
+    values: dict[tuple[str, str], tuple[str, PlainValue]] = field(default_factory=dict)
+
+
+@final
+class Postings:
+    """Finds the devices that fit a query by sets, without looking at each."""
+
+    def __init__(self) -> None:
+        self._posted: dict[str, _Posted] = {}
+        self._sets: dict[_Key, set[str]] = {}
+        self._values_of: dict[str, set[_Key]] = {}
+        self._columns: dict[tuple[str, str], dict[tuple[str, str], PlainValue]] = {}
+        self._types_with: dict[str, set[str]] = {}
+        self._words = _Words()
+
+    def __len__(self) -> int:
+        return len(self._posted)
+
+    def put(self, facets: Facets, values: Iterable[tuple[str, str, str, PlainValue]]) -> None:
+        """Let a device be found by its facets, and by *values*: part, type of the part, capability, value."""
+        device_id = facets.id
+        keys = frozenset(_keys(facets))
+        before = self._posted.get(device_id)
+        known = before.keys if before is not None else frozenset()
+        for key in known - keys:
+            self._leave(key, device_id)
+        for key in keys - known:
+            self._join(key, device_id)
+        if before is not None:
+            self._untell(device_id, before)
+        self._posted[device_id] = _Posted(facets, keys)
+        for part, service_type, capability, value in values:
+            self.tell(device_id, part, service_type, capability, value)
+
+    def tell(self, device_id: str, part: str, service_type: str, capability: str, value: PlainValue) -> None:
+        """Note that a part has a value; of a device that can be found already."""
+        posted = self._posted.get(device_id)
+        if posted is None:
+            return
+        posted.values[part, capability] = (service_type, value)
+        column = self._columns.get((service_type, capability))
+        if column is None:
+            column = self._columns[service_type, capability] = {}
+            self._types_with.setdefault(capability, set()).add(service_type)
+        column[device_id, part] = value
+
+    def discard(self, device_id: str) -> None:
+        """Let the device be found no longer."""
+        posted = self._posted.pop(device_id, None)
+        if posted is not None:
+            for key in posted.keys:
+                self._leave(key, device_id)
+            self._untell(device_id, posted)
+
+    def facets(self, device_id: str) -> Facets:
+        """Return what the device can be found by; its values may be older ones."""
+        return self._posted[device_id].facets
+
+    def value(self, device_id: str, term: StateIs) -> PlainValue:
+        """Return the value by which the device fits *term*; None where it does not."""
+        for (_, capability), (service_type, value) in self._posted[device_id].values.items():
+            is_meant = capability == term.capability and (not term.types or service_type in term.types)
+            if is_meant and compares(term, value):
+                return value
+        return None
+
+    def find(self, query: Query) -> Found:
+        """Return the devices that fit *query*; not to be changed."""
+        match query:
+            case And(terms):
+                return self._all(terms)
+            case Or(terms):
+                return _NONE.union(*(self.find(term) for term in terms))
+            case Not(term):
+                return self._posted.keys() - self.find(term)
+            case StateIs():
+                return self._by_value(query)
+            case HasText(word):
+                return self._union(("word", one) for one in self._words.like(word))
+            case TypeIs():
+                return self._union(self._type_keys(query))
+            case _:
+                return self._simple(query)
+
+    def _simple(self, query: CanDo | InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs) -> Found:
+        match query:
+            case CanDo(name, settable):
+                return self._sets.get(("set" if settable else "can", name), _NONE)
+            case InArea(area):
+                return self._begins("area", area)
+            case FreshnessIs(freshness):
+                return self._sets.get(("freshness", freshness), _NONE)
+            case ReachableIs(state):
+                return self._sets.get(("reachable", state), _NONE)
+            case GatewayIs(gateway):
+                return self._sets.get(("gateway", gateway), _NONE)
+            case FactIs("id", value):
+                return self._sets.get(("id", value), _NONE)
+            case FactIs("convention", value):
+                return self._sets.get(("convention", value), _NONE)
+            case FactIs("name", value):
+                return self._begins("name", value) | self._begins("fact name", value)
+            case FactIs(name, value):
+                return self._begins(f"fact {name}", value)
+
+    def _all(self, terms: tuple[Query, ...]) -> Found:
+        """The cheap terms first, and those that take away or look at values last, when few devices are left."""
+        found: Found | None = None
+        cheap = [self.find(term) for term in terms if not isinstance(term, (Not, StateIs))]
+        for one in sorted(cheap, key=len):
+            found = one if found is None else found & one
+        for term in terms:
+            if isinstance(term, StateIs):
+                found = self._by_value(term) if found is None else self._of_value(found, term)
+        for term in terms:
+            if isinstance(term, Not):
+                found = (self._posted.keys() if found is None else found) - self.find(term.term)
+        return frozenset(self._posted) if found is None else found
+
+    def _of_value(self, devices: Found, term: StateIs) -> Found:
+        if len(devices) > _FEW:
+            return devices & self._by_value(term)
+        return {one for one in devices if self.value(one, term) is not None}
+
+    def _by_value(self, term: StateIs) -> Found:
+        found: set[str] = set()
+        for service_type in term.types or self._types_with.get(term.capability, frozenset()):
+            column = self._columns.get((service_type, term.capability))
+            if column is not None:
+                found |= _fitting(column, term)
+        return found
+
+    def _type_keys(self, query: TypeIs) -> Iterator[_Key]:
+        for service_type in query.types:
+            for found in self._values_of.get(f"kind {service_type}", set()):
+                tag = str(found[0])
+                if query.wants((service_type, tag)):
+                    yield (f"kind {service_type}", tag)
+        if query.by_word:
+            yield ("said", query.word)
+        if query.types:
+            yield ("sense", query.types)
+
+    def _begins(self, field_name: str, wanted: str) -> Found:
+        values = self._values_of.get(field_name, set())
+        prefix = f"{wanted} "
+        fitting = [one for one in values if (text := str(one[0])) == wanted or text.startswith(prefix)]
+        return self._union((field_name, *one) for one in fitting)
+
+    def _union(self, keys: Iterable[_Key]) -> Found:
+        sets = [self._sets[key] for key in keys if key in self._sets]
+        return sets[0] if len(sets) == 1 else _NONE.union(*sets)
+
+    def _join(self, key: _Key, device_id: str) -> None:
+        found = self._sets.get(key)
+        if found is not None:
+            found.add(device_id)
+            return
+        self._sets[key] = {device_id}
+        if key[0] == "word":
+            self._words.add(str(key[1]))
+        else:
+            self._values_of.setdefault(str(key[0]), set()).add(key[1:])
+
+    def _leave(self, key: _Key, device_id: str) -> None:
+        found = self._sets[key]
+        found.discard(device_id)
+        if found:
+            return
+        del self._sets[key]
+        if key[0] == "word":
+            self._words.discard(str(key[1]))
+        else:
+            self._values_of[str(key[0])].discard(key[1:])
+
+    def _untell(self, device_id: str, posted: _Posted) -> None:
+        for (part, capability), (service_type, _) in posted.values.items():
+            self._columns[service_type, capability].pop((device_id, part), None)
+
+
+def _fitting(column: dict[tuple[str, str], PlainValue], term: StateIs) -> set[str]:
+    """Numbers and flags, which there are most of, are compared without a call for each."""
+    wanted = term.value
+    if isinstance(wanted, bool) and term.operator == "=":
+        return {place[0] for place, value in column.items() if value is wanted}
+    if isinstance(wanted, float):
+        holds = _HOLDS[term.operator]
+        return {place[0] for place, value in column.items() if isinstance(value, float) and holds(value, wanted)}
+    return {place[0] for place, value in column.items() if compares(term, value)}
+
+
+_HOLDS: dict[str, Callable[[float, float], bool]] = {
+    "=": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
+
+
+def _keys(facets: Facets) -> Iterator[_Key]:
+    yield "id", facets.id.casefold()
+    yield "name", facets.name
+    yield "freshness", facets.freshness
+    yield "reachable", facets.reachable
+    if facets.area:
+        yield "area", facets.area
+    if facets.senses:
+        yield "sense", facets.senses
+    for service_type, tag in facets.kinds:
+        yield f"kind {service_type}", tag
+    for name, found in (
+        ("said", facets.words_said),
+        ("can", facets.capabilities),
+        ("set", facets.settable),
+        ("gateway", facets.gateways),
+        ("convention", facets.conventions),
+        ("word", facets.words),
+    ):
+        for one in found:
+            yield name, one
+    for fact, values in facets.facts.items():
+        for value in values:
+            yield f"fact {fact}", value
+
+
+@final
+class _Words:
+    """The words of all devices, to be found by their beginning and with a typo in them."""
+
+    def __init__(self) -> None:
+        self._sorted: list[str] = []
+        self._shortened: dict[str, set[str]] = {}
+
+    def add(self, word: str) -> None:
+        insort(self._sorted, word)
+        for short in _shortened(word):
+            self._shortened.setdefault(short, set()).add(word)
+
+    def discard(self, word: str) -> None:
+        del self._sorted[bisect_left(self._sorted, word)]
+        for short in _shortened(word):
+            words = self._shortened[short]
+            words.discard(word)
+            if not words:
+                del self._shortened[short]
+
+    def like(self, wanted: str) -> Iterator[str]:
+        """Yield the words that begin with *wanted* or are a typo away, each once."""
+        place = bisect_left(self._sorted, wanted)
+        while place < len(self._sorted) and self._sorted[place].startswith(wanted):
+            yield self._sorted[place]
+            place += 1
+        near: set[str] = set()
+        for short in _shortened(wanted):
+            near |= self._shortened.get(short, set())
+        yield from sorted(one for one in near if is_typo(wanted, one) and not one.startswith(wanted))
+
+
+def _shortened(word: str) -> set[str]:
+    """The word, and the word without each of its letters: words that are a typo apart have one in common."""
+    if len(word) < WORD_TYPO:
+        return set()
+    return {word, *(word[:place] + word[place + 1 :] for place in range(len(word)))}

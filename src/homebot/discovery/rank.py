@@ -1,0 +1,125 @@
+"""Which of the devices that fit a query come first, and why. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
+
+from homebot.devices.query import And, CanDo, Facets, FactIs, HasText, InArea, Not, Or, Query, StateIs, TypeIs, fits
+from homebot.devices.query.folding import words_of
+from homebot.devices.value import PlainValue
+from homebot.discovery.postings import Postings
+
+__all__ = ["Ranked", "rank", "reasons"]
+
+Ranked: TypeAlias = tuple[float, str]
+"""Score and id."""
+
+_FRESHNESS = {"fresh": (1.0, "it spoke lately"), "unconfirmed": (0.0, "it was not heard itself yet")}
+_STALE = (-4.0, "it is stale: it has been silent for too long")
+_OFFLINE = (-2.0, "it is offline")
+_GUESSED = (-1.0, "its type was guessed")
+
+
+def rank(query: Query, found: Iterable[str], postings: Postings) -> list[Ranked]:
+    """Return the devices *found* by *query*, best first, equally good ones by id."""
+    terms = tuple(_terms(query))
+    scored = [(-_score(terms, facets := postings.facets(one)) - _standing(facets), one) for one in found]
+    return [(-score, one) for score, one in sorted(scored)]
+
+
+def reasons(query: Query, device_id: str, postings: Postings) -> tuple[str, ...]:
+    """Return in words why the device fits *query* and stands where it stands, the weightiest first."""
+    facets = postings.facets(device_id)
+    found: list[tuple[float, str]] = []
+    for term in _terms(query):
+        score, why = _weigh(term, facets)
+        if isinstance(term, StateIs):
+            value = postings.value(device_id, term)
+            score, why = (1.0, f"{term.capability} is {_shown(value)}") if value is not None else (0.0, "")
+        if why:
+            found.append((score, why))
+    found += [one for one in _standings(facets) if one[1]]
+    return tuple(dict.fromkeys(why for _, why in sorted(found, key=lambda one: -abs(one[0]))))
+
+
+def _terms(query: Query) -> Iterator[Query]:
+    match query:
+        case And(terms) | Or(terms):
+            for term in terms:
+                yield from _terms(term)
+        case Not():
+            return
+        case _:
+            yield query
+
+
+def _score(terms: tuple[Query, ...], facets: Facets) -> float:
+    return sum(_weigh(term, facets)[0] for term in terms)
+
+
+def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
+    match term:
+        case TypeIs():
+            return _weigh_type(term, facets)
+        case HasText(word):
+            return _weigh_text(word, facets)
+        case InArea(area) if fits(term, facets):
+            return (2.0, f"it is in {facets.area}") if facets.area == area else (1.0, f"its room is {facets.area}")
+        case CanDo(name) if fits(term, facets):
+            return 1.0, f"it has {name}"
+        case FactIs(name, value) if fits(term, facets):
+            return 1.0, f"its {name} is {value}"
+        case _:
+            return 0.0, ""
+
+
+def _weigh_type(term: TypeIs, facets: Facets) -> tuple[float, str]:
+    if facets.main_type in term.types:
+        return 3.0, f"it is a {_plain(facets.main_type)}"
+    if term.by_word and term.word in facets.words_said:
+        return 2.5, f"it calls itself {term.word}"
+    for kind in facets.kinds:
+        if term.wants(kind):
+            return 2.0, f"a part of it is a {_plain(kind[0])}"
+    return (1.0, f"it may be a {term.word}") if facets.senses and facets.senses == term.types else (0.0, "")
+
+
+def _weigh_text(word: str, facets: Facets) -> tuple[float, str]:
+    name = words_of(facets.name)
+    if name == (word,):
+        return 6.0, f"it is called {word}"
+    if word in name:
+        return 4.0, f"its name has {word}"
+    if word in facets.words:
+        return 3.0, f"{word} is said of it"
+    for one in (*name, *sorted(facets.words)):
+        if one.startswith(word):
+            return 2.0, f"{one} begins with {word}"
+    return (1.0, f"something of it is spelt like {word}") if fits(HasText(word), facets) else (0.0, "")
+
+
+def _standing(facets: Facets) -> float:
+    return sum(score for score, _ in _standings(facets))
+
+
+def _standings(facets: Facets) -> Iterator[tuple[float, str]]:
+    yield _FRESHNESS.get(facets.freshness, _STALE)
+    if facets.reachable == "no":
+        yield _OFFLINE
+    if facets.is_guessed:
+        yield _GUESSED
+
+
+def _shown(value: PlainValue) -> str:
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case float():
+            return f"{value:g}"
+        case _:
+            return str(value)
+
+
+def _plain(service_type: str) -> str:
+    return service_type.removeprefix("x_").replace("_", " ")

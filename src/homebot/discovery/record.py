@@ -1,0 +1,111 @@
+"""Devices and tombstones as lines of the index file, and back. Pure."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from homebot.devices import Sighting
+from homebot.discovery.claim import Claim
+from homebot.discovery.entry import Entry
+from homebot.discovery.ids import Tombstone
+from homebot.discovery.rhythm import Rhythm
+from homebot.errors import WireError
+from homebot.messages import Time
+
+__all__ = ["MAX_RECORD", "entry_record", "read_entry", "read_tombstone", "tombstone_record"]
+
+MAX_RECORD = 4_000_000
+"""Characters of one record; a longer one is not read."""
+
+
+class _ClaimRecord(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    sighting: Sighting
+    first_seen: Time
+
+
+class _EntryRecord(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    first_seen: Time
+    gaps: tuple[float, ...] = ()
+    claims: tuple[_ClaimRecord, ...]
+
+
+class _TombstoneRecord(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    keys: tuple[tuple[str, str], ...]
+    hardware: tuple[str, ...] = ()
+    is_ghost: bool
+    at: float
+
+
+_RecordT = TypeVar("_RecordT", bound=BaseModel)
+
+
+def entry_record(entry: Entry) -> str:
+    """Return the record of a device; what its parts told is not in it, for it would be old."""
+    claims = tuple(
+        _ClaimRecord(
+            sighting=claim.sighting.model_copy(update={"seen_at": claim.seen_at, "confirmed": False}),
+            first_seen=claim.first_seen,
+        )
+        for claim in entry.claims.values()
+    )
+    return _EntryRecord(first_seen=entry.first_seen, gaps=entry.rhythm.gaps, claims=claims).model_dump_json()
+
+
+def read_entry(device_id: str, text: str) -> Entry:
+    """Return the device of a record, not confirmed.
+
+    Raises:
+        WireError: It is no record of a device.
+    """
+    record = _read(_EntryRecord, text)
+    gaps = [gap for gap in record.gaps if math.isfinite(gap) and gap > 0]
+    claims = {}
+    for number, one in enumerate(record.claims):
+        sighting = one.sighting
+        claims[sighting.gateway, sighting.key] = Claim(
+            sighting=sighting,
+            number=number,
+            first_seen=one.first_seen,
+            seen_at=sighting.seen_at,
+            expires_at=sighting.expires_at,
+            confirmed=False,
+        )
+    if not device_id or not claims:
+        raise WireError("a device without an id or an announcement", text[:100].encode(errors="replace"))
+    return Entry(device_id, record.first_seen, "unconfirmed", claims, rhythm=Rhythm(gaps))
+
+
+def tombstone_record(stone: Tombstone) -> str:
+    """Return the record of a device that went."""
+    return json.dumps({"keys": stone.keys, "hardware": stone.hardware, "is_ghost": stone.is_ghost, "at": stone.at})
+
+
+def read_tombstone(device_id: str, text: str) -> Tombstone:
+    """Return the device that went.
+
+    Raises:
+        WireError: It is no such record.
+    """
+    record = _read(_TombstoneRecord, text)
+    if not math.isfinite(record.at):
+        raise WireError("a device that went at no time", text[:100].encode(errors="replace"))
+    return Tombstone(device_id, record.keys, record.hardware, record.is_ghost, record.at)
+
+
+def _read(kind: type[_RecordT], text: str) -> _RecordT:
+    if len(text) > MAX_RECORD:
+        raise WireError(f"a record of {len(text):,} characters", b"")
+    try:
+        return kind.model_validate_json(text)
+    except ValidationError as exc:
+        raise WireError(f"no record: {exc.errors()[0]['msg']}", text[:100].encode(errors="replace")) from exc

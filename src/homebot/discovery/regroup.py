@@ -1,0 +1,61 @@
+"""Which device goes on under its id when announcements turn out to be about others than was thought. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+from homebot.discovery.claim import ClaimKey
+from homebot.discovery.entry import Entry
+
+__all__ = ["Regrouped", "regroup"]
+
+
+@dataclass(frozen=True, slots=True)
+class Regrouped:
+    """One device as it is to be.
+
+    Attributes:
+        keys: Its announcements, the oldest first.
+        keeps: The device that it was before; None for a new one.
+        gone: Devices that are no more, because they are this one.
+        parents: Devices that some of the announcements were thought to be about, and that live on.
+    """
+
+    keys: tuple[ClaimKey, ...]
+    keeps: Entry | None
+    gone: tuple[Entry, ...]
+    parents: tuple[Entry, ...]
+
+
+def regroup(
+    groups: Iterable[frozenset[ClaimKey]], owners: Mapping[ClaimKey, Entry], age: Callable[[ClaimKey], int]
+) -> tuple[Regrouped, ...]:
+    """Return the devices that *groups* of announcements are about.
+
+    A device goes with its oldest announcement; of several that become one, the one with the oldest lives on.
+
+    Args:
+        groups: The announcements of each device.
+        owners: What they were thought to be about; new ones have none.
+        age: Tells which announcement is older: the smaller number.
+    """
+    ordered = sorted((tuple(sorted(group, key=age)) for group in groups), key=lambda keys: age(keys[0]))
+    found: list[tuple[tuple[ClaimKey, ...], Entry | None, list[Entry]]] = []
+    kept: set[str] = set()
+    for keys in ordered:
+        entries = list(dict.fromkeys(owners[key] for key in keys if key in owners))
+        members = frozenset(keys)
+        keeps = next((one for one in entries if one.id not in kept and next(iter(one.claims)) in members), None)
+        if keeps is not None:
+            kept.add(keeps.id)
+        found.append((keys, keeps, entries))
+    return tuple(
+        Regrouped(
+            keys,
+            keeps,
+            gone=tuple(one for one in entries if one.id not in kept and keeps is not None),
+            parents=tuple(one for one in entries if one.id in kept and one is not keeps),
+        )
+        for keys, keeps, entries in found
+    )

@@ -1,0 +1,221 @@
+"""The index file: an SQLite database with a row for each device. Blocking; called from a worker thread.
+
+Source of the pragmas: SQLite 3 documentation, https://www.sqlite.org/pragma.html.
+"""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+import sys
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+from homebot.errors import LinkError, UsageError, WireError
+from homebot.names import escape_token
+
+__all__ = ["VERSION", "IndexFile", "Records", "index_path"]
+
+VERSION = 2
+"""Of the schema, kept as SQLite's ``user_version``."""
+
+_SCHEMA = (
+    "CREATE TABLE devices (id TEXT PRIMARY KEY, record TEXT NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE tombstones (id TEXT PRIMARY KEY, record TEXT NOT NULL) WITHOUT ROWID",
+)
+
+_MIGRATIONS: dict[int, Sequence[str]] = {
+    1: (_SCHEMA[1],),  # version 1 knew no tombstones
+}
+"""What makes the next version out of each."""
+
+_BUSY = 5.0
+"""Seconds to wait for another homebot that holds the file."""
+
+_FILES = ("", "-wal", "-shm", "-journal")
+
+
+@dataclass(frozen=True, slots=True)
+class Records:
+    """Rows of the index file: id and record.
+
+    Attributes:
+        devices: Of devices that are known.
+        tombstones: Of those that went.
+    """
+
+    devices: tuple[tuple[str, str], ...] = ()
+    tombstones: tuple[tuple[str, str], ...] = ()
+
+
+def index_path(home: str) -> Path:
+    """Return where the index of a home is kept: below ``HOMEBOT_DATA``, or the user's directory for data."""
+    return _data_directory() / escape_token(home) / "index.sqlite"
+
+
+def _data_directory() -> Path:
+    if given := os.environ.get("HOMEBOT_DATA"):
+        return Path(given)
+    if given := os.environ.get("XDG_DATA_HOME"):
+        return Path(given) / "homebot"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "homebot"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "homebot"
+    return Path.home() / ".local" / "share" / "homebot"
+
+
+@final
+class IndexFile:
+    """Reads and writes the index file.
+
+    Args:
+        path: Where it is; directories are made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._connection: sqlite3.Connection | None = None
+
+    def open(self, now: float) -> Path | None:
+        """Open the file, make it where there is none, and bring it to this version; a damaged one is set aside.
+
+        Args:
+            now: Seconds since the Unix epoch, for the name of a damaged file.
+
+        Returns:
+            Where a damaged file is now; None where it was whole.
+
+        Raises:
+            LinkError: It cannot be opened or written now, for example because the disk is full.
+            UsageError: A newer homebot wrote it.
+        """
+        self.close()
+        set_aside = None
+        try:
+            self._open()
+        except sqlite3.DatabaseError as exc:
+            if not _is_damage(exc):
+                raise LinkError(f"the index file {self.path} cannot be opened: {exc}") from exc
+            set_aside = self.set_aside(now)
+            self._open_anew()
+        except OSError as exc:
+            raise LinkError(f"the index file {self.path} cannot be opened: {exc}") from exc
+        return set_aside
+
+    def read(self) -> Records:
+        """Return all rows, devices in the order of their ids.
+
+        Raises:
+            LinkError: It cannot be read.
+        """
+        connection = self._opened()
+        try:
+            devices = connection.execute("SELECT id, record FROM devices ORDER BY id").fetchall()
+            tombstones = connection.execute("SELECT id, record FROM tombstones ORDER BY id").fetchall()
+        except sqlite3.Error as exc:
+            raise LinkError(f"the index file {self.path} cannot be read: {exc}") from exc
+        return Records(_texts(devices), _texts(tombstones))
+
+    def write(self, records: Records, gone: Sequence[str]) -> None:
+        """Write the records in one transaction; *gone* are ids of which nothing is kept, or only what is written.
+
+        Raises:
+            LinkError: It cannot be written now; nothing of it was.
+            WireError: The file is damaged; nothing was written.
+        """
+        connection = self._opened()
+        try:
+            with connection:
+                rows = [(one,) for one in gone]
+                connection.executemany("DELETE FROM devices WHERE id = ?", rows)
+                connection.executemany("DELETE FROM tombstones WHERE id = ?", rows)
+                connection.executemany("INSERT OR REPLACE INTO devices VALUES (?, ?)", records.devices)
+                connection.executemany("INSERT OR REPLACE INTO tombstones VALUES (?, ?)", records.tombstones)
+        except sqlite3.Error as exc:
+            if _is_damage(exc):
+                raise WireError(f"the index file {self.path} is damaged: {exc}", b"") from exc
+            raise LinkError(f"the index file {self.path} cannot be written: {exc}") from exc
+
+    def set_aside(self, now: float) -> Path:
+        """Move the file away, so that the next one begins empty; return where it is now."""
+        self.close()
+        target = self.path.with_name(f"{self.path.name}.damaged-{now:.0f}")
+        number = 1
+        while target.exists():
+            number += 1
+            target = self.path.with_name(f"{self.path.name}.damaged-{now:.0f}-{number}")
+        for ending in _FILES:
+            source = self.path.with_name(self.path.name + ending)
+            with suppress(FileNotFoundError):
+                source.rename(target.with_name(target.name + ending))
+        return target
+
+    def close(self) -> None:
+        """Close the file. Twice is fine."""
+        if self._connection is not None:
+            with suppress(sqlite3.Error):
+                self._connection.close()
+            self._connection = None
+
+    def _open_anew(self) -> None:
+        try:
+            self._open()
+        except (sqlite3.Error, OSError) as exc:
+            raise LinkError(f"the index file {self.path} cannot be made anew: {exc}") from exc
+
+    def _open(self) -> None:
+        self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        connection = sqlite3.connect(self.path, timeout=_BUSY, check_same_thread=False, isolation_level=None)
+        try:
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA synchronous = NORMAL")
+            _check(connection)
+            self._migrate(connection)
+            connection.execute("SELECT id, record FROM devices LIMIT 1").fetchall()
+            connection.execute("SELECT id, record FROM tombstones LIMIT 1").fetchall()
+        except BaseException:
+            connection.close()
+            raise
+        connection.isolation_level = "DEFERRED"
+        self._connection = connection
+
+    def _migrate(self, connection: sqlite3.Connection) -> None:
+        (version,) = connection.execute("PRAGMA user_version").fetchone()
+        if version > VERSION:
+            raise UsageError(f"the index file {self.path} is of a newer homebot (version {version}, not {VERSION})")
+        steps = _SCHEMA if version == 0 else [step for one in range(version, VERSION) for step in _MIGRATIONS[one]]
+        connection.execute("BEGIN IMMEDIATE")
+        try:
+            for step in steps:
+                connection.execute(step)
+            connection.execute(f"PRAGMA user_version = {VERSION}")
+        except BaseException:
+            connection.execute("ROLLBACK")
+            raise
+        connection.execute("COMMIT")
+
+    def _opened(self) -> sqlite3.Connection:
+        if self._connection is None:
+            raise LinkError(f"the index file {self.path} is not open")
+        return self._connection
+
+
+def _check(connection: sqlite3.Connection) -> None:
+    (problem,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    if problem != "ok":
+        raise sqlite3.DatabaseError(problem)
+
+
+def _is_damage(exc: sqlite3.Error) -> bool:
+    """Whether the file is at fault, rather than the disk or another program."""
+    if not isinstance(exc, sqlite3.OperationalError):
+        return isinstance(exc, sqlite3.DatabaseError)
+    return "no such" in str(exc) or "already exists" in str(exc)
+
+
+def _texts(rows: Iterable[tuple[object, object]]) -> tuple[tuple[str, str], ...]:
+    return tuple((one, record) for one, record in rows if isinstance(one, str) and isinstance(record, str))

@@ -1,0 +1,113 @@
+"""Announcements of described devices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+import pytest
+
+from homebot.devices import KeyValue, Sighting
+from homebot.devices.part import Capability, Category, Part
+from homebot.devices.report import Reading, Report
+from homebot.devices.value import PlainValue, Value
+from homebot.messages import Time
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
+
+
+@pytest.fixture
+def announce() -> Announce:
+    def make(
+        key: str,
+        *parts: Part,
+        convention: str = "homeassistant",
+        ids: tuple[str, ...] = (),
+        name: str = "Desk lamp",
+        gateway: str = "mqtt",
+        area: str = "",
+        facts: dict[str, str] | None = None,
+        at: float = 0.0,
+        confirmed: bool = False,
+        kind: Literal["appeared", "updated", "removed"] = "updated",
+    ) -> Sighting:
+        return Sighting(
+            gateway=gateway,
+            key=f"{convention}:{key}",
+            kind=kind,
+            why="it was announced",
+            name=name,
+            service_type=parts[0].service_type if parts else "x_unknown",
+            address="",
+            command_address="",
+            metadata=tuple(KeyValue(key=one, value=value) for one, value in (facts or {}).items()),
+            convention=convention,
+            identifiers=ids,
+            area=area,
+            parts=parts,
+            announced_on=f"{convention}/{key}/config",
+            seen_at=Time.from_seconds(at),
+            expires_at=Time.from_seconds(at + 3600),
+            confirmed=confirmed,
+        )
+
+    return make
+
+
+@pytest.fixture
+def part() -> MakePart:
+    def make(
+        service_type: str = "light",
+        *capabilities: str,
+        id: str = "",  # noqa: A002 - as the part calls it
+        name: str = "",
+        writes: tuple[str, ...] = (),
+        reads: tuple[str, ...] = (),
+        category: Category = "",
+        tag: str = "",
+        advertised: str = "",
+        guessed: bool = False,
+    ) -> Part:
+        return Part(
+            id=id,
+            name=name,
+            service_type=service_type,
+            capabilities=tuple(Capability(name=one, settable=bool(writes)) for one in capabilities),
+            writes=writes,
+            reads=reads,
+            category=category,
+            tag=tag,
+            advertised=advertised,
+            guessed=guessed,
+        )
+
+    return make
+
+
+@pytest.fixture
+def tell() -> Tell:
+    """Makes a report of one value."""
+
+    def make(
+        sighting: Sighting,
+        capability: str,
+        value: PlainValue,
+        *,
+        part: str = "",
+        at: float = 1.0,
+        retained: bool = False,
+        address: str = "said",
+    ) -> Report:
+        return Report(
+            gateway=sighting.gateway,
+            key=sighting.key,
+            readings=(Reading(part=part, capability=capability, value=Value.of(value)),),
+            address=address,
+            stream=f"{sighting.key} {address}",
+            retained=retained,
+            received_at=Time.from_seconds(at),
+        )
+
+    return make

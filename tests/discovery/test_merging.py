@@ -1,0 +1,274 @@
+"""Which announcements are one device, and what that device then is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import permutations
+
+import pytest
+
+from homebot.devices import DeviceChange, Sighting
+from homebot.devices.part import Part
+from homebot.devices.report import Report
+from homebot.discovery import DeviceIndex
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
+
+IEEE = "eui64:00158d0001abcdef"
+MAC = "mac:aabbccddeeff"
+
+
+@pytest.fixture
+def index() -> DeviceIndex:
+    return DeviceIndex(forget_after=1000.0)
+
+
+def after(index: DeviceIndex, *sightings: Sighting) -> tuple[DeviceChange, ...]:
+    """Return what the sightings change."""
+    for one in sightings:
+        index.observe(one)
+    return index.take_changes()
+
+
+def kinds(changes: tuple[DeviceChange, ...]) -> list[tuple[str, str, str]]:
+    return [(one.kind, one.device.id, one.other) for one in changes]
+
+
+def test_the_entities_of_one_device_are_one_device_told_of_once(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    changes = after(
+        index,
+        announce("sensor/a", part("temperature_sensor", "temperature", id="t", category="diagnostic"), ids=(MAC,)),
+        announce("light/a", part("light", "on_off", id="l", writes=("a/set",)), ids=(MAC,), area="Küche"),
+        announce("update/a", part("x_update", "version", id="u", category="config"), ids=(MAC,)),
+    )
+    assert kinds(changes) == [("appeared", "desk_lamp", "")]
+    device = changes[0].device
+    assert (device.service_type, device.service_types, device.area) == ("light", ("light",), "Küche")
+    assert [one.id for one in device.parts] == ["t", "l", "u"]
+    assert device.endpoints[0].command_address == "words:homeassistant:light/a#l"
+    assert device.evidence == ()
+
+
+def test_one_lamp_through_two_conventions_is_one_lamp_with_two_routes(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """The device's own convention first, and the evidence in words."""
+    lamp = part("light", "on_off", "level", id="x", reads=("z/lamp",), writes=("z/lamp/set",))
+    own = part("light", "on_off", id="state", reads=("z/lamp",), writes=("z/lamp/set",))
+    first = after(index, announce("light/0x17", lamp, ids=(IEEE, "id:zigbee2mqtt_0x17"), name="Lamp"))
+    second = after(index, announce("z/0x17", own, convention="zigbee2mqtt", ids=(IEEE,), name="lamp"))
+
+    assert kinds(first) == [("appeared", "lamp", "")]
+    assert kinds(second) == [("merged", "lamp", "")]
+    assert second[0].why == f"same {IEEE} in homeassistant:light/0x17 and zigbee2mqtt:z/0x17"
+    device = second[0].device
+    assert device.evidence == (second[0].why,)
+    (only,) = device.parts
+    assert [(route.convention, route.part) for route in only.routes] == [
+        ("zigbee2mqtt", "state"),
+        ("homeassistant", "x"),
+    ]
+    assert [one.key for one in device.endpoints] == ["zigbee2mqtt:z/0x17"]
+    assert index.devices("lights") == (device,)
+
+
+def test_two_devices_that_turn_out_to_be_one_are_told_of_and_the_older_lives_on(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """And when the bond goes, the younger is a device again."""
+    lamp = part(id="l")
+    after(index, announce("light/a", lamp, ids=("id:serial-4711",), name="A"))
+    after(index, announce("shelly1", lamp, convention="shelly", ids=(MAC,), name="B"))
+    both = announce("sensor/a", part("x_sensor", id="s"), ids=("id:serial-4711", MAC), name="A")
+
+    merged = after(index, both)
+    assert kinds(merged) == [("removed", "b", "a"), ("merged", "a", "b")]
+    assert index.get("b") is None
+    assert "same id:serial-4711" in merged[1].why
+    assert f"same {MAC}" in merged[1].why
+
+    parted = after(index, both.model_copy(update={"kind": "removed"}))
+    assert ("unmerged", "a", "b") in kinds(parted)
+    assert ("appeared", "b", "") in kinds(parted)
+    assert {one.id for one in index.devices()} == {"a", "b"}
+
+
+def test_the_address_of_a_host_does_not_make_its_devices_one(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """Homie devices name the computer that speaks for them."""
+    for number in range(5):
+        index.observe(announce(f"dev{number}", part(id="p"), convention="homie", ids=(MAC,), name=f"Dev {number}"))
+    assert len(index.devices()) == 5
+
+
+def test_a_host_itself_is_none_of_its_devices(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+    after(
+        index,
+        announce("host", part(id="p"), convention="shelly", ids=(MAC,), name="Host"),
+        announce("dev1", part(id="p"), convention="homie", ids=(MAC, "id:dev1"), name="One"),
+        announce("dev2", part(id="p"), convention="homie", ids=(MAC, "id:dev2"), name="Two"),
+    )
+    assert {one.id for one in index.devices()} == {"host", "one", "two"}
+
+
+@pytest.mark.parametrize("shared", ["id:mqtt-io", "id:ESP32", "id:1", "id:abc"])
+def test_a_word_that_many_devices_have_is_no_identity(
+    index: DeviceIndex, announce: Announce, part: MakePart, shared: str
+) -> None:
+    after(
+        index,
+        announce("light/a", part(id="p"), ids=(shared, "mac:000000000001"), name="A"),
+        announce("light/b", part(id="p"), ids=(shared, "mac:000000000002"), name="B"),
+    )
+    assert len(index) == 2
+
+
+def test_an_identifier_of_devices_with_different_addresses_is_no_identity_in_any_order(
+    announce: Announce, part: MakePart
+) -> None:
+    claims = [
+        announce("light/a", part(id="p"), ids=("mac:000000000001", "id:my-lamps"), name="A"),
+        announce("light/b", part(id="p"), ids=("mac:000000000002", "id:my-lamps"), name="B"),
+        announce("light/c", part(id="p"), ids=("id:my-lamps",), name="C"),
+    ]
+    for order in permutations(claims):
+        index = DeviceIndex(forget_after=1000.0)
+        after(index, *order)
+        assert {one.id for one in index.devices()} == {"a", "b", "c"}
+
+
+def test_equal_names_topics_and_part_ids_do_not_make_one_device(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """ESPHome's default unique ids are the same on every node."""
+    same = part(id="ESPlightlight")
+    after(
+        index,
+        announce("light/a/light", same, ids=("mac:000000000001",), name="Light"),
+        announce("light/b/light", same, ids=("mac:000000000002",), name="Light"),
+    )
+    assert [one.id for one in index.devices()] == ["light", "light_0002"]
+
+
+def test_two_relays_of_one_device_stay_two(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+    """Also where they speak on one topic, and when a second convention tells of both."""
+    after(
+        index,
+        announce("switch/l1", part("switch", id="u1", name="L1", reads=("z",), writes=("z/l1",)), ids=(IEEE,)),
+        announce("switch/l2", part("switch", id="u2", name="L2", reads=("z",), writes=("z/l2",)), ids=(IEEE,)),
+        announce(
+            "z",
+            part("switch", id="state_l1", name="l1", reads=("z",), writes=("z/set",)),
+            part("switch", id="state_l2", name="l2", reads=("z",), writes=("z/set",)),
+            convention="zigbee2mqtt",
+            ids=(IEEE,),
+        ),
+    )
+    (device,) = index.devices()
+    assert [[route.part for route in one.routes] for one in device.parts] == [["state_l1", "u1"], ["state_l2", "u2"]]
+
+
+def test_the_same_entity_announced_twice_is_one_part(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+    lamp = part("light", "on_off", id="l", writes=("a/set",))
+    after(index, announce("light/old", lamp, ids=(MAC,)), announce("light/new", lamp, ids=(MAC,)))
+    (device,) = index.devices()
+    assert [len(one.routes) for one in device.parts] == [2]
+    assert device.conflicts == ()
+
+
+def test_a_second_source_of_a_known_part_with_other_topics_changes_nothing(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    after(index, announce("light/a", part("light", "on_off", id="l", writes=("a/set",)), ids=(MAC,)))
+    after(index, announce("light/evil", part("light", "on_off", id="l", writes=("evil",)), ids=(MAC,)))
+    (device,) = index.devices()
+    assert [one.part.writes for one in device.parts] == [("a/set",)]
+    assert device.conflicts == ("homeassistant:light/evil announces 'l', which is homeassistant:light/a's",)
+
+
+def test_a_lamp_that_names_another_devices_command_topic_is_told_nothing_there_until_that_is_gone(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    lock = announce("lock/a", part("door_lock", "lock", id="k", writes=("a/set",)), ids=(MAC,), name="Door")
+    lamp = announce("light/b", part(id="l", writes=("a/set",)), ids=("mac:000000000001",), name="Evil")
+    after(index, lock)
+    changes = after(index, lamp)
+
+    assert ("conflict", "door", "evil") in kinds(changes)
+    evil = index.get("evil")
+    assert evil is not None
+    assert evil.parts[0].routes == ()
+    assert evil.endpoints[0].command_address == ""
+    assert evil.conflicts == ("homeassistant:light/b wants to be told things on a/set, where door listens",)
+    door = index.get("door")
+    assert door is not None
+    assert len(door.parts[0].routes) == 1
+
+    resolved = after(index, lock.model_copy(update={"kind": "removed"}))
+    assert ("resolved", "evil", "") in kinds(resolved)
+    evil = index.get("evil")
+    assert evil is not None
+    assert len(evil.parts[0].routes) == 1
+
+
+def test_devices_behind_one_bridge_may_share_its_topic(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+    """An infrared blaster has one topic for all that it controls."""
+    for number in range(3):
+        one = part(id="l", writes=("blaster/send",))
+        after(index, announce(f"light/{number}", one, ids=(f"id:blaster-{number}",), facts={"via_device": "blaster"}))
+    assert all(one.parts[0].routes and not one.conflicts for one in index.devices())
+
+
+def test_facts_say_who_said_them_and_when(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+    lamp = announce("light/a", part(id="l"), ids=(IEEE,), facts={"model": "E27", "sw_version": "1"}, at=5)
+    own = announce(
+        "z/a", part(id="s"), convention="zigbee2mqtt", ids=(IEEE,), name="lamp", facts={"model": "LED1"}, at=7
+    )
+    newer = announce("light/a", part(id="l"), ids=(IEEE,), facts={"model": "E27", "sw_version": "2"}, at=9)
+    after(index, lamp, own, newer)
+    (device,) = index.devices()
+    assert [(one.name, one.value, one.convention, one.said_at.sec) for one in device.facts] == [
+        ("name", "lamp", "zigbee2mqtt", 7),
+        ("model", "LED1", "zigbee2mqtt", 7),
+        ("name", "Desk lamp", "homeassistant", 5),
+        ("model", "E27", "homeassistant", 5),
+        ("sw_version", "2", "homeassistant", 9),
+    ]
+    assert device.names == ("lamp", "Desk lamp")
+    assert {one.key: one.value for one in device.metadata} == {"model": "LED1", "sw_version": "2"}
+
+
+def test_a_renamed_device_keeps_its_id(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+    after(index, announce("light/a", part(id="l"), ids=(IEEE,), name="Büro-Lampe"))
+    changes = after(index, announce("light/a", part(id="l"), ids=(IEEE,), name="Hall"))
+    assert [(one.kind, one.device.id, one.device.name) for one in changes] == [("changed", "buro_lampe", "Hall")]
+
+
+def test_states_come_from_the_newest_word_of_any_route(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """Live words count more than kept ones."""
+    lamp = announce("light/a", part("light", "on_off", id="l"), ids=(IEEE,))
+    own = announce("z/a", part("light", "on_off", id="s"), convention="zigbee2mqtt", ids=(IEEE,))
+    after(index, lamp, own)
+    index.report(tell(lamp, "on_off", True, part="l", at=10))
+    index.report(tell(own, "on_off", False, part="s", at=20, retained=True))
+    (device,) = index.devices()
+    (state,) = device.states
+    assert (state.value.plain(), state.live, state.since.sec, state.part) == (True, True, 10, "s")
+    index.report(tell(own, "on_off", False, part="s", at=30))
+    (state,) = index.devices()[0].states
+    assert (state.value.plain(), state.live, state.since.sec) == (False, True, 20)
+
+
+def test_a_device_of_many_entities_is_bounded(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+    for number in range(1100):
+        index.observe(announce(f"sensor/{number}", part("x_sensor", id=str(number)), ids=(MAC,)))
+    (device,) = index.devices()
+    assert len(device.parts) == 1000
+    assert index.counters.rejected == 100
