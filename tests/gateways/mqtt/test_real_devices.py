@@ -14,7 +14,7 @@ A part is named by its id, by its service type where ids are the convention's ow
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -25,14 +25,18 @@ from homebot.errors import RefusedError
 from homebot.gateways.mqtt.convention import Convention
 from homebot.gateways.mqtt.description import Described, DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
+from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 
 Row: TypeAlias = dict[str, Any]
 
 FIXTURES = Path(__file__).parent / "fixtures"
-CONVENTIONS = {
+CONVENTIONS: Mapping[str, Callable[[], Convention]] = {
     "homeassistant": lambda: HomeAssistantDiscovery(HomeAssistantSettings()),
+    "zigbee2mqtt": lambda: Zigbee2Mqtt(Zigbee2MqttSettings()),
+    "shelly": lambda: Shelly(ShellySettings()),
 }
-MODELS = 250
+MODELS = 400
 TOLERANCES = {"color_temperature": 40.0, "level": 0.7, "position": 0.51, "tilt": 0.51, "fan_speed": 0.51}
 """Judges show whole percents and mireds; of other numbers, they show fewer digits."""
 
