@@ -13,17 +13,31 @@ from homebot.gateways.mqtt.description import Described
 from homebot.gateways.mqtt.filter_tree import FilterTree, has_wildcard
 from homebot.gateways.mqtt.state_topics import StateTopics
 
-__all__ = ["Change", "Claims", "Route"]
-
-MAX_CLAIMS = 50_000
-MAX_PARTS = 200_000
-MAX_PARTS_EACH = 1000
-MAX_READERS = 5000
-"""Parts that may read one topic: each of its messages is work for all of them."""
+__all__ = ["Bounds", "Change", "Claims", "Route"]
 
 _MAX_ROUTES = 50_000
 
 _Readers: TypeAlias = tuple[tuple[str, Voice | Witness], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """How much may stand at once.
+
+    Attributes:
+        claims: Announcements.
+        parts: Parts of all of them.
+        parts_each: Parts of one.
+        readers: Parts that read one topic: each of its messages is work for all of them.
+    """
+
+    claims: int = 50_000
+    parts: int = 200_000
+    parts_each: int = 1000
+    readers: int = 5000
+
+
+_BOUNDS = Bounds()
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,14 +82,21 @@ class Claims:
         conventions: The conventions.
         topics: Counts which state topics are needed.
         others: What the gateway subscribes to beside its conventions.
+        bounds: How much may stand at once.
     """
 
     def __init__(
-        self, gateway: str, conventions: tuple[Convention, ...], topics: StateTopics, others: FilterTree[str]
+        self,
+        gateway: str,
+        conventions: tuple[Convention, ...],
+        topics: StateTopics,
+        others: FilterTree[str],
+        bounds: Bounds = _BOUNDS,
     ) -> None:
         self._gateway = gateway
         self._topics = topics
         self._others = others
+        self._bounds = bounds
         self._claims: dict[str, Claim] = {}
         self._parts = 0
         self._announcements: FilterTree[Convention] = FilterTree()
@@ -137,20 +158,20 @@ class Claims:
 
     def _check_room(self, described: Described, before: Claim | None) -> None:
         count = len(described.parts)
-        if count > MAX_PARTS_EACH:
-            raise WireError(f"{described.key!r} has {count} parts, more than {MAX_PARTS_EACH:,}")
-        if before is None and len(self._claims) >= MAX_CLAIMS:
-            raise WireError(f"{described.key!r} is one too many: {MAX_CLAIMS:,} announcements stand")
-        if self._parts + count - (0 if before is None else len(before.described.parts)) > MAX_PARTS:
-            raise WireError(f"{described.key!r} has parts too many: {MAX_PARTS:,} are described")
+        if count > self._bounds.parts_each:
+            raise WireError(f"{described.key!r} has {count} parts, more than {self._bounds.parts_each:,}")
+        if before is None and len(self._claims) >= self._bounds.claims:
+            raise WireError(f"{described.key!r} is one too many: {self._bounds.claims:,} announcements stand")
+        if self._parts + count - (0 if before is None else len(before.described.parts)) > self._bounds.parts:
+            raise WireError(f"{described.key!r} has parts too many: {self._bounds.parts:,} are described")
 
     def _enlist(self, claim: Claim) -> tuple[tuple[WireError, ...], _Readers]:
         refused: list[WireError] = []
         readers: list[tuple[str, Voice | Witness]] = []
         for topic_filter, reader in _readings(claim):
             count = self._reader_counts.get(topic_filter, 0)
-            if count >= MAX_READERS and isinstance(reader, Voice):
-                refused.append(WireError(f"topic {topic_filter!r} is read by {MAX_READERS:,} parts already"))
+            if count >= self._bounds.readers and isinstance(reader, Voice):
+                refused.append(WireError(f"topic {topic_filter!r} is read by {self._bounds.readers:,} parts already"))
                 continue
             try:
                 self._topics.use(topic_filter)
