@@ -130,7 +130,7 @@ class DescribedDevices:
             self._counters.received += 1
         self._last_words.keep(message.topic, LastWord(message.payload, message.retain, self._board.stamp))
         if route.witnesses:
-            self._states.witness(message, route.witnesses)
+            await self._states.witness(message, route.witnesses)
         if route.voices:
             await self._states.read(message, route.voices)
             if raw and (listeners := self._listeners.now(message.topic)):
@@ -177,7 +177,7 @@ class DescribedDevices:
             return
         message = MqttMessage(topic, word.payload, retain=True)
         if isinstance(reader, Witness):
-            self._states.witness(message, (reader,))
+            await self._states.witness(message, (reader,))
         else:
             await self._states.read(message, (reader,))
 

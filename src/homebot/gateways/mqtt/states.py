@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
+import anyio.lowlevel
+
 from homebot.devices import RawMessage
 from homebot.devices.report import REACHABLE, Reading
 from homebot.devices.value import PlainValue, Value
@@ -21,6 +23,9 @@ from homebot.gateways.mqtt.tribunal import Tribunal
 from homebot.mqtt.message import MqttMessage
 
 __all__ = ["States"]
+
+_TURN = 100
+"""Readers of one message after which others get their turn."""
 
 
 class States:
@@ -51,9 +56,11 @@ class States:
         self._tribunal = tribunal
         self._counters = counters
 
-    def witness(self, message: MqttMessage, witnesses: tuple[Witness, ...]) -> None:
+    async def witness(self, message: MqttMessage, witnesses: tuple[Witness, ...]) -> None:
         """Take *message* as one that tells whether devices can be reached."""
-        for witness in witnesses:
+        for number, witness in enumerate(witnesses, 1):
+            if number % _TURN == 0:
+                await anyio.lowlevel.checkpoint()
             claim = witness.claim
             if claim.reachability is None:
                 continue
@@ -70,7 +77,9 @@ class States:
             return
         readings: list[Reading] = []
         claim: Claim | None = None
-        for voice in voices:
+        for number, voice in enumerate(voices, 1):
+            if number % _TURN == 0:
+                await anyio.lowlevel.checkpoint()
             told = self._told(voice, message)
             if not told:
                 continue
