@@ -1,0 +1,58 @@
+"""Ceiling fans with Tasmota firmware: Sonoff iFan02 to iFan04. Pure.
+
+Source: tasmota.github.io/docs, Commands > FanSpeed; hatasmota 0.10.2, ``fan.py``.
+"""
+
+from __future__ import annotations
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number
+from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
+from homebot.gateways.mqtt.tasmota.lines import Lines
+
+__all__ = ["offer_fan"]
+
+
+def offer_fan(part: JsonPart, lines: Lines) -> None:
+    """Have *part* be the fan."""
+    fan = _Fan(lines)
+    part.hears(fan.read, *lines.states)
+    part.offers("on_off", writer=fan.switch)
+    part.offers("fan_speed", writer=fan.set_speed)
+    part.listens(lines.topic(_COMMAND))
+    part.asks(*lines.asks_state)
+
+
+_COMMAND = "FanSpeed"
+_PERCENTS = (0.0, 33.0, 66.0, 100.0)
+"""Of each speed: the largest percentage that it stands for."""
+
+_MIDDLE = 2
+
+
+class _Fan:
+    """Reads and tells the fan.
+
+    It has no command for the speed from before, so the last one that it told is remembered.
+    """
+
+    __slots__ = ("_lines", "_speed")
+
+    def __init__(self, lines: Lines) -> None:
+        self._lines = lines
+        self._speed = _MIDDLE
+
+    def read(self, message: JsonMessage) -> Readings:
+        speed = message.get(_COMMAND)
+        if type(speed) is not int or not 0 <= speed < len(_PERCENTS):
+            return NOTHING
+        self._speed = speed or self._speed
+        return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
+
+    def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return self._lines.tell(_COMMAND, self._speed if wanted_flag("on_off", value) else 0)
+
+    def set_speed(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        percent = wanted_number("fan_speed", value, 0, 100, "%")
+        return self._lines.tell(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))

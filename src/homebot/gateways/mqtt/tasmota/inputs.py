@@ -1,0 +1,117 @@
+"""Switches and buttons that are wired to a Tasmota device. Pure.
+
+Source: tasmota.github.io/docs, Buttons and Switches; hatasmota 0.10.2, ``switch.py`` and ``button.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import partial
+
+from homebot.gateways.mqtt.description import DescribedPart, Fade
+from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
+from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
+
+__all__ = ["describe_inputs"]
+
+
+def describe_inputs(lines: Lines) -> Iterable[DescribedPart]:
+    """Describe what the inputs tell: whether a contact is on, and how a switch or a button was pressed."""
+    for index, mode in enumerate(lines.config.switch_modes):
+        if mode in _FOLLOWED:
+            yield _contact(lines, index, mode)
+        if mode in _PRESSED:
+            words = {lines.config.words[place]: press for place, press in _PRESSED[mode].items()}
+            yield _presses(lines, f"switch_{index + 1}_press", _switch_name(lines, index), words)
+    if lines.config.option(_BUTTONS_OPTION):
+        for index, is_there in enumerate(lines.config.buttons):
+            if is_there:
+                yield _presses(lines, f"button_{index + 1}", f"Button{index + 1}", _button_words(lines))
+
+
+_TOGGLE, _HOLD = 2, 3
+"""Places in a device's words."""
+
+_PULSES = frozenset({13, 14})
+"""Modes of what says that it is on, and never that it is off."""
+
+_FOLLOWED = frozenset({1, 2, 3, 4, 5, 6, 9, 10, 13, 14, 15, 16})
+"""Modes in which the input's state is told."""
+
+_SINGLE = {_TOGGLE: "single"}
+_PRESSED: Mapping[int, Mapping[int, str]] = {
+    0: _SINGLE,
+    3: _SINGLE,
+    4: _SINGLE,
+    5: {_TOGGLE: "single", _HOLD: "hold"},
+    6: {_TOGGLE: "single", _HOLD: "hold"},
+    7: _SINGLE,
+    8: {_TOGGLE: "single", _HOLD: "double"},
+    9: {_HOLD: "double"},
+    10: {_HOLD: "double"},
+    11: _SINGLE,
+    12: _SINGLE,
+}
+"""Modes in which presses are told, and what each word then means."""
+
+_BUTTONS_OPTION, _SWAP_OPTION, _SINGLE_ONLY_OPTION = 73, 11, 13
+_BUTTON_WORDS: Mapping[str, str] = {
+    "SINGLE": "single",
+    "DOUBLE": "double",
+    "TRIPLE": "triple",
+    "QUAD": "quadruple",
+    "PENTA": "quintuple",
+    "HOLD": "hold",
+}
+_PULSE_SECONDS = 1.0
+
+
+def _switch_name(lines: Lines, index: int) -> str:
+    """Return what an input is called in messages."""
+    names = lines.config.switch_names
+    return (names[index] if index < len(names) else "") or f"Switch{index + 1}"
+
+
+def _contact(lines: Lines, index: int, mode: int) -> DescribedPart:
+    name = _switch_name(lines, index)
+    part = JsonPart(f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch")
+    read = partial(_read_state, lines.config.words[0], lines.config.words[1], name)
+    part.offers("state")
+    if mode in _PULSES:
+        part.hears_events(read, lines.states[0])
+        part.fades(Fade("state", _PULSE_SECONDS, value=False, only=True))
+    else:
+        part.hears(read, lines.states[0], *lines.sensors)
+        part.asks(*lines.asks_sensors)
+    return part.described()
+
+
+def _read_state(off: str, on: str, name: str, message: JsonMessage) -> Readings:
+    """The action on one topic, the bare word on the others."""
+    said = told_of_sensors(message).get(name)
+    word = said.get("Action") if isinstance(said, dict) else said
+    if not isinstance(word, str) or word not in (off, on):
+        return NOTHING
+    return {"state": word == on}
+
+
+def _button_words(lines: Lines) -> Mapping[str, str]:
+    if lines.config.option(_SINGLE_ONLY_OPTION):
+        return {"SINGLE": "single"}
+    if lines.config.option(_SWAP_OPTION):
+        return {**_BUTTON_WORDS, "SINGLE": "double", "DOUBLE": "single"}
+    return _BUTTON_WORDS
+
+
+def _presses(lines: Lines, part_id: str, name: str, words: Mapping[str, str]) -> DescribedPart:
+    part = JsonPart(part_id, "generic_switch", name=clean_text(name), advertised="button")
+    part.hears_events(partial(_read_press, name, words), lines.states[0])
+    part.offers("press", options=tuple(dict.fromkeys(words.values())))
+    return part.described()
+
+
+def _read_press(name: str, words: Mapping[str, str], message: JsonMessage) -> Readings:
+    said = message.get(name)
+    action = said.get("Action") if isinstance(said, dict) else None
+    return {"press": words[action]} if isinstance(action, str) and action in words else NOTHING

@@ -1,0 +1,190 @@
+"""Lamps with Tasmota firmware. Pure.
+
+Source: tasmota.github.io/docs, Lights; hatasmota 0.10.2, ``light.py``; rounding as Home Assistant core 2025.4,
+``components/tasmota/light.py``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.light_color import kelvin_mired
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
+from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.tasmota.config import LIGHT, TasmotaConfig
+from homebot.gateways.mqtt.tasmota.fading import Change, Shown, speed
+from homebot.gateways.mqtt.tasmota.lines import Lines
+
+__all__ = ["offer_light"]
+
+
+def offer_light(part: JsonPart, lines: Lines, index: int) -> None:
+    """Have *part* be the lamp at the output *index*."""
+    lamp = _lamp(lines, index)
+    part.hears(lamp.read, *lines.states)
+    part.listens(lines.topic("Backlog"))
+    part.offers("on_off", writer=lamp.switch)
+    if lamp.kind != _ON_OFF:
+        part.offers("level", writer=lamp.dim)
+    if lamp.has_white:
+        part.offers("color_temperature", writer=lamp.set_white, bounds=lamp.kelvins)
+    if lamp.has_color:
+        part.offers("color", writer=lamp.set_color)
+        part.offers("effect", writer=lamp.play, options=_EFFECTS)
+    part.asks(*lines.asks_state)
+
+
+_ON_OFF, _DIMMER, _WHITES, _COLOR, _COLOR_WHITE, _COLOR_WHITES = range(6)
+_EFFECTS = ("Solid", "Wake up", "Cycle up", "Cycle down", "Random")
+_MIRED = (153, 500)
+_REDUCED_MIRED = (200, 380)
+_REDUCED_MIRED_OPTION, _DIMMERS_OPTION, _POWER_APART_OPTION = 82, 68, 20
+_FIXED_FADE_OPTION = 117
+_PAIR = 2
+
+
+@dataclass(frozen=True, slots=True)
+class _Lamp:
+    """Reads and tells one lamp.
+
+    Attributes:
+        lines: Its topics.
+        index: Which output it is.
+        kind: Its light type.
+        dimmer: The command for its brightness.
+        dimmer_told: What its brightness is called in messages.
+        shown: What it said last; a command that shall take time depends on it.
+    """
+
+    lines: Lines
+    index: int
+    kind: int
+    dimmer: str
+    dimmer_told: str
+    shown: Shown = field(default_factory=Shown)
+
+    @property
+    def has_white(self) -> bool:
+        return self.kind in (_WHITES, _COLOR_WHITES)
+
+    @property
+    def has_color(self) -> bool:
+        return self.kind >= _COLOR
+
+    @property
+    def kelvins(self) -> tuple[float, ...]:
+        coldest, warmest = self._mireds
+        return float(kelvin_mired(warmest)), float(kelvin_mired(coldest))
+
+    @property
+    def _mireds(self) -> tuple[int, int]:
+        return _REDUCED_MIRED if self.lines.config.option(_REDUCED_MIRED_OPTION) else _MIRED
+
+    def read(self, message: JsonMessage) -> Readings:
+        found = dict(self.lines.read_power(self.index, message))
+        self.shown.hear(found.get("on_off"), message.get(self.dimmer_told), message.get("Color"), message.get("CT"))
+        if self.kind == _ON_OFF:
+            return found
+        level = finite_number(message.get(self.dimmer_told))
+        if level is not None and 0 < level <= 100:
+            found["level"] = level
+        found.update(self._read_color(message))
+        scheme = message.get("Scheme")
+        if self.has_color and isinstance(scheme, int) and 0 <= scheme < len(_EFFECTS):
+            found["effect"] = _EFFECTS[scheme]
+        return found
+
+    def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        on = wanted_flag("on_off", value)
+        return self._tell([self._power(on)], transition, Change(on=on))
+
+    def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        """Rounded twice, by way of 0 to 255, as Home Assistant does."""
+        percent = wanted_number("level", value, 0, 100, "%")
+        if not percent:
+            return self._tell([self._power(on=False)], transition, Change(on=False))
+        steps = max(1, round(round(255 * percent / 100) / 255 * 100))
+        apart = [self._power(on=True)] if self.lines.config.option(_POWER_APART_OPTION) else []
+        return self._tell([(self.dimmer, steps), *apart], transition, Change(level=steps))
+
+    def set_white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        kelvin = wanted_number("color_temperature", value, 1_000, 40_000, "K")
+        mired = kelvin_mired(int(kelvin))
+        return self._tell([self._power(on=True), ("CT", mired)], transition, Change(mired=mired))
+
+    def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        hue, saturation = wanted_numbers("color", value, ((0, 360), (0, 100)))
+        told: list[tuple[str, str | int]] = [("HsbColor1", round(hue)), ("HsbColor2", round(saturation))]
+        return self._tell([self._power(on=True), *told], transition, Change(color=(hue, saturation)))
+
+    def play(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        scheme = _EFFECTS.index(wanted_option("effect", value, _EFFECTS))
+        return self._tell([self._power(on=True), ("Scheme", scheme)], transition, Change())
+
+    def _power(self, on: bool) -> tuple[str, str | int]:  # noqa: FBT001 - it is what the command says
+        return f"Power{self.index + 1}", self.lines.word(on)
+
+    def _tell(
+        self, commands: list[tuple[str, str | int]], transition: float, change: Change
+    ) -> tuple[Publication, ...]:
+        """Tell it to fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
+        if not math.isfinite(transition) or transition < 0:
+            raise RefusedError(f"a transition of {transition:g} s", "it takes 0 or more")
+        if not transition or self.kind == _ON_OFF or self.lines.config.is_tuya:
+            return self.lines.tell_all(commands)
+        is_whole = self.lines.config.option(_FIXED_FADE_OPTION)
+        share = 1.0 if is_whole else self.shown.share(change, self.kind, self._mireds)
+        return self.lines.tell_all([("Fade2", 1), ("Speed2", speed(transition, share)), *commands])
+
+    def _read_color(self, message: JsonMessage) -> Readings:
+        """One with colours and white shows a colour while its white is at 0."""
+        shows_white = self.kind in (_COLOR_WHITE, _COLOR_WHITES) and message.get("White") not in (None, 0)
+        found: dict[str, PlainValue] = {}
+        if self.has_color and not shows_white and (color := _hue_saturation(message.get("HSBColor"))):
+            found["color"] = color
+            if self.has_white:
+                found["color_temperature"] = None
+        mired = finite_number(message.get("CT"))
+        if self.has_white and mired is not None and mired > 0 and (shows_white or not self.has_color):
+            found["color_temperature"] = float(kelvin_mired(mired))
+        if self.has_color and shows_white:
+            found["color"] = None
+        return found or NOTHING
+
+
+def _lamp(lines: Lines, index: int) -> _Lamp:
+    """One device may be several lamps: each channel a dimmer, or colours and then white where they are not linked."""
+    config = lines.config
+    if config.option(_DIMMERS_OPTION):
+        channel = f"Channel{index + 1}"
+        return _Lamp(lines, index, _DIMMER, channel, channel)
+    place = _place(config, index)
+    if config.light_type >= _COLOR_WHITE and not config.is_linked and place < _PAIR:
+        white = _DIMMER if config.light_type == _COLOR_WHITE else _WHITES
+        dimmer = f"Dimmer{place + 1}"
+        return _Lamp(lines, index, white if place else _COLOR, dimmer, dimmer)
+    kind = config.light_type if _ON_OFF <= config.light_type <= _COLOR_WHITES else _ON_OFF
+    return _Lamp(lines, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
+
+
+def _place(config: TasmotaConfig, index: int) -> int:
+    """Return how many lamps come before the one at *index*."""
+    return index - config.outputs.index(LIGHT)
+
+
+def _hue_saturation(value: object) -> tuple[float, float] | None:
+    """Return the first two of ``hue,saturation,brightness``."""
+    if not isinstance(value, str) or len(value) > _MAX_COLOR:
+        return None
+    try:
+        hue, saturation, _ = (float(one) for one in value.split(","))
+    except ValueError:
+        return None
+    return (hue, saturation) if 0 <= hue <= 360 and 0 <= saturation <= 100 else None
+
+
+_MAX_COLOR = 40

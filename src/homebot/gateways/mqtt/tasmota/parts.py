@@ -1,0 +1,70 @@
+"""The parts of a Tasmota device: lamps, relays, shutters, a fan, inputs and sensors. Pure.
+
+Source: hatasmota 0.10.2, ``discovery.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.json_part import JsonPart
+from homebot.gateways.mqtt.tasmota.config import LIGHT, RELAY, TasmotaConfig
+from homebot.gateways.mqtt.tasmota.fan import offer_fan
+from homebot.gateways.mqtt.tasmota.inputs import describe_inputs
+from homebot.gateways.mqtt.tasmota.light import offer_light
+from homebot.gateways.mqtt.tasmota.lines import Lines
+from homebot.gateways.mqtt.tasmota.sensors import Leaf, describe_sensors
+from homebot.gateways.mqtt.tasmota.shutter import count_shutters, offer_shutter
+
+__all__ = ["build_parts"]
+
+
+def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[DescribedPart, ...]:
+    """Describe the parts of a device, each id once.
+
+    The relays of an iFan are its lamp and the speeds of its fan, so that only the first is a part of its own.
+    """
+    lines = Lines(config)
+    parts: dict[str, DescribedPart] = {}
+    for one in (*_outputs(lines), *describe_inputs(lines), *describe_sensors(lines, leaves)):
+        part_id = one.part.id
+        while part_id in parts:
+            part_id += "_2"
+        renamed = one.part.id != part_id
+        parts[part_id] = replace(one, part=one.part.model_copy(update={"id": part_id})) if renamed else one
+    return tuple(parts.values())
+
+
+_LAMPS_OPTION = 30
+"""SetOption30: the user says that lamps hang on the relays."""
+
+
+def _outputs(lines: Lines) -> Iterable[DescribedPart]:
+    config = lines.config
+    for index, output in enumerate(config.outputs):
+        name = config.output_name(index)
+        if config.is_fan and output in (RELAY, LIGHT):
+            if index == 0:
+                yield _relay(lines, index, "light", name)
+        elif output == LIGHT:
+            part = JsonPart(f"light_{index + 1}", "light", name=name, advertised="light")
+            offer_light(part, lines, index)
+            yield part.described()
+        elif output == RELAY:
+            yield _relay(lines, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
+    for index in range(count_shutters(config.outputs)):
+        part = JsonPart(f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
+        offer_shutter(part, lines, index)
+        yield part.described()
+    if config.is_fan:
+        part = JsonPart("fan", "fan", advertised="fan")
+        offer_fan(part, lines)
+        yield part.described()
+
+
+def _relay(lines: Lines, index: int, service_type: str, name: str) -> DescribedPart:
+    part = JsonPart(f"power_{index + 1}", service_type, name=name, advertised="relay")
+    lines.offer_power(part, index)
+    return part.described()

@@ -1,0 +1,109 @@
+"""Shutters with Tasmota firmware. Pure.
+
+Source: tasmota.github.io/docs, Blinds and Shutters; hatasmota 0.10.2, ``shutter.py``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_number, wanted_option
+from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.tasmota.config import SHUTTER, Tilt
+from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
+
+__all__ = ["count_shutters", "offer_shutter"]
+
+
+def count_shutters(outputs: tuple[int, ...]) -> int:
+    """Return how many shutters there are: each has two outputs, one after the other. None where one has no partner."""
+    pairs, index = 0, 0
+    while index < len(outputs):
+        if outputs[index] != SHUTTER:
+            index += 1
+            continue
+        if outputs[index : index + 2] != (SHUTTER, SHUTTER):
+            return 0
+        pairs += 1
+        index += 2
+    return pairs
+
+
+def offer_shutter(part: JsonPart, lines: Lines, index: int) -> None:
+    """Have *part* be the shutter *index*."""
+    config = lines.config
+    options = config.shutter_options[index] if index < len(config.shutter_options) else 0
+    tilt = config.tilts[index] if index < len(config.tilts) else None
+    shutter = _Shutter(lines, index + 1, bool(options & _INVERTED), tilt)
+    part.hears(shutter.read, lines.states[0], *lines.sensors)
+    part.offers("movement", writer=shutter.move)
+    part.offers("position", writer=shutter.set_position)
+    if tilt is not None:
+        part.offers("tilt", writer=shutter.set_tilt)
+    part.listens(*(lines.topic(f"Shutter{name}{index + 1}") for name in (*_TOLD.values(), "Position")))
+    if tilt is not None:
+        part.listens(lines.topic(f"ShutterTilt{index + 1}"))
+    part.asks(*lines.asks_sensors)
+
+
+_INVERTED = 1
+_TOLD = {"open": "Open", "closed": "Close", "stopped": "Stop"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Shutter:
+    """Reads and tells one shutter.
+
+    Attributes:
+        lines: Its topics.
+        number: Which it is, from 1.
+        is_inverted: Whether its positions are turned round.
+        tilt: How its slats turn; None where they do not.
+    """
+
+    lines: Lines
+    number: int
+    is_inverted: bool
+    tilt: Tilt | None
+
+    def read(self, message: JsonMessage) -> Readings:
+        said = told_of_sensors(message).get(f"Shutter{self.number}")
+        if not isinstance(said, dict):
+            return NOTHING
+        found: dict[str, PlainValue] = {}
+        position = finite_number(said.get("Position"))
+        if position is not None and 0 <= position <= 100:
+            position = 100 - position if self.is_inverted else position
+            found["position"] = position
+        direction = said.get("Direction")
+        if isinstance(direction, int) and direction in (-1, 0, 1):
+            found["movement"] = self._movement(-direction if self.is_inverted else direction, position)
+        angle = finite_number(said.get("Tilt"))
+        if self.tilt is not None and angle is not None:
+            percent = (angle - self.tilt.least) * 100 / (self.tilt.most - self.tilt.least)
+            found["tilt"] = min(100.0, max(0.0, percent))
+        return found
+
+    def move(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return self.lines.tell(f"Shutter{_TOLD[wanted_option('movement', value, _TOLD)]}{self.number}")
+
+    def set_position(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        percent = round(wanted_number("position", value, 0, 100, "%"))
+        return self.lines.tell(f"ShutterPosition{self.number}", 100 - percent if self.is_inverted else percent)
+
+    def set_tilt(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        percent = wanted_number("tilt", value, 0, 100, "%")
+        tilt = self.tilt or Tilt(0, 100)
+        return self.lines.tell(
+            f"ShutterTilt{self.number}", round(tilt.least + percent * (tilt.most - tilt.least) / 100)
+        )
+
+    @staticmethod
+    def _movement(direction: int, position: float | None) -> str:
+        if direction:
+            return "opening" if direction > 0 else "closing"
+        if position is None:
+            return "stopped"
+        return "open" if position else "closed"
