@@ -1,16 +1,16 @@
-"""A live query: the devices of a type that are there, and then whatever happens to them."""
+"""A live query: the devices that are there and fit, and then whatever happens to them."""
 
 from __future__ import annotations
 
-from collections import deque
+from collections import OrderedDict, deque
 from typing import Self
 
 import anyio
 import anyio.lowlevel
 
-from homebot.devices.device import DeviceChange
+from homebot.devices.device import DeviceChange, StateChange
 from homebot.devices.followed import FollowedDevices
-from homebot.devices.names import DEVICE_CHANGES, FIND_DEVICES
+from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, FIND_DEVICES
 from homebot.devices.service_starts import service_starts
 from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
 from homebot.errors import ClosedError, ServiceError
@@ -23,6 +23,9 @@ NO_ANSWER = "devices.no_answer"
 
 _TURN = 100
 """Changes given out before other tasks get their turn, should the reader never wait."""
+
+_MAX_STATES = 10_000
+"""Values that may wait for a slow reader; beyond them it takes a new snapshot instead."""
 
 _PAUSE = 0.5
 """Seconds until a directory that fails to answer is asked again."""
@@ -38,13 +41,20 @@ class Follow:
     Args:
         node: Who asks; the query ends with it.
         service_type: For example ``lights``; empty for every device. A device that offers it no longer is removed.
+        query: What else is wanted, as text, for example ``on lights in kitchen``: a device that comes to fit appears,
+            and one that fits no longer is removed. See :mod:`homebot.devices.query`.
+
+    Raises:
+        UsageError: The query is not understood.
     """
 
-    def __init__(self, node: Node, service_type: str = "") -> None:
+    def __init__(self, node: Node, service_type: str = "", query: str = "") -> None:
         self._node = node
+        self._followed = FollowedDevices(service_type, query)
         self._request = FindDevicesRequest(service_type=service_type)
-        self._followed = FollowedDevices(service_type)
         self._changes: Subscription[DeviceChange] | None = None
+        self._states: Subscription[StateChange] | None = None
+        self._new_states: OrderedDict[str, StateChange] = OrderedDict()
         self._ready: deque[DeviceChange] = deque()
         self._is_outdated = True
         self._watch = anyio.CancelScope()
@@ -72,6 +82,8 @@ class Follow:
         self._watch.cancel()
         if self._changes is not None:
             self._changes.close()
+        if self._states is not None:
+            self._states.close()
 
     async def _next(self, changes: Subscription[DeviceChange]) -> DeviceChange:
         while not self._is_closed:
@@ -80,16 +92,34 @@ class Follow:
                 await self._compare()
             elif self._ready:
                 return self._ready.popleft()
-            elif (change := changes.take()) is None:
+            elif (change := changes.take()) is not None:
+                told = self._followed.take(change)
+                if told is not None:
+                    return told
+            elif self._new_states:
+                told = self._followed.take_state(self._new_states.popitem(last=False)[1])
+                if told is not None:
+                    return told
+            else:
                 await changes.mailbox.wait()
-            elif (told := self._followed.take(change)) is not None:
-                return told
         raise ClosedError("the query is closed")
 
     def _begin(self) -> Subscription[DeviceChange]:
         self._changes = changes = self._node.create_subscription(DeviceChange, DEVICE_CHANGES, qos_profile=1)
+        if self._followed.wants_states:
+            self._states = self._node.create_subscription(StateChange, DEVICE_STATES, self._note_state, 1)
         self._node.create_task(self._watch_directory)
         return changes
+
+    def _note_state(self, change: StateChange) -> None:
+        """Only the newest of each counts; it waits until all changes of devices are read that were told before it."""
+        self._new_states[change.stream] = change
+        self._new_states.move_to_end(change.stream)
+        if len(self._new_states) > _MAX_STATES:
+            self._new_states.clear()
+            self._is_outdated = True
+        if self._changes is not None:
+            self._changes.mailbox.wake()
 
     async def _watch_directory(self) -> None:
         """One that was restarted has a new index, and numbers its changes anew."""

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import final
 
-from homebot.devices.device import Device, DeviceChange, Endpoint, Freshness, KeyValue
+from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
+from homebot.devices.query import And, Not, Or, Query, StateIs, facets_of, fits, parse_query, type_is
 
 __all__ = ["FollowedDevices"]
+
+NO_LONGER = "it fits the query no longer"
 
 
 @final
@@ -15,15 +18,25 @@ class FollowedDevices:
     """Turns what the directory says into what one reader hears, who may miss some of it or meet a new directory.
 
     To the reader, each device appears first, is removed last, and may then appear again; between the two come the other
-    changes. A device that stops to offer the wanted service is removed.
+    changes. A device that fits no longer is removed, and one that comes to fit appears.
 
     Args:
-        service_type: The wanted service; empty for any.
+        service_type: The wanted service, in any word for it; empty for any.
+        query: A text query that the devices must fit as well.
+
+    Raises:
+        UsageError: The query is not understood.
+
+    Attributes:
+        wants_states: Whether the query asks for values, so that changes of states matter.
     """
 
-    def __init__(self, service_type: str) -> None:
-        self._service_type = service_type
+    def __init__(self, service_type: str, query: str = "") -> None:
+        terms = ((type_is(service_type),) if service_type else ()) + ((parse_query(query),) if query else ())
+        self._query: Query = terms[0] if len(terms) == 1 else And(terms)
+        self.wants_states = _has_states(self._query)
         self._known: dict[str, Device] = {}
+        self._house: dict[str, tuple[Device, int]] = {}
         self._sequence = 0
 
     def take(self, change: DeviceChange) -> DeviceChange | None:
@@ -32,19 +45,44 @@ class FollowedDevices:
             return None
         device = change.device
         known = self._known.get(device.id)
-        if change.kind == "removed" or not self._wants(device):
+        is_gone = change.kind == "removed"
+        if self.wants_states:
+            self._remember(device, change.sequence, is_gone=is_gone)
+        if is_gone or not self._wants(device):
             if known is None:
                 return None
             del self._known[device.id]
-            return change if change.kind == "removed" else change.model_copy(update={"kind": "removed"})
+            return change if is_gone else change.model_copy(update={"kind": "removed"})
         self._known[device.id] = device
         if known is None:
             return change if change.kind == "appeared" else change.model_copy(update={"kind": "appeared"})
         return change.model_copy(update={"kind": "changed"}) if change.kind == "appeared" else change
 
+    def take_state(self, change: StateChange) -> DeviceChange | None:
+        """Return what the reader hears because a part told another value: that the device fits now, or no longer."""
+        device, sequence = self._house.get(change.device, (None, 0))
+        if device is None or change.sequence <= max(sequence, self._sequence):
+            return None
+        state = change.state
+        others = tuple(one for one in device.states if (one.part, one.capability) != (state.part, state.capability))
+        device = device.model_copy(update={"states": (*others, state)})
+        self._house[device.id] = device, change.sequence
+        fitted, does_fit = device.id in self._known, self._wants(device)
+        if does_fit:
+            self._known[device.id] = device
+        else:
+            self._known.pop(device.id, None)
+        if fitted == does_fit:
+            return None
+        why = f"its {state.capability} is {state.value.plain()} now" if does_fit else NO_LONGER
+        kind: ChangeKind = "appeared" if does_fit else "removed"
+        return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)
+
     def compare(self, devices: tuple[Device, ...], sequence: int) -> Iterator[DeviceChange]:
         """Yield how a snapshot differs from what the reader was told; changes up to *sequence* are old from now on."""
         self._sequence = sequence
+        if self.wants_states:
+            self._house = {device.id: (device, sequence) for device in devices}
         wanted = {device.id: device for device in devices if self._wants(device)}
         known, self._known = self._known, wanted
         for device_id, device in known.items():
@@ -62,8 +100,38 @@ class FollowedDevices:
                 )
 
     def _wants(self, device: Device) -> bool:
-        return not self._service_type or device.service_type == self._service_type
+        return self._query == _ANY or fits(self._query, facets_of(device))
+
+    def _remember(self, device: Device, sequence: int, *, is_gone: bool) -> None:
+        if is_gone:
+            self._house.pop(device.id, None)
+        else:
+            self._house[device.id] = device, sequence
 
 
-def _description(device: Device) -> tuple[str, str, tuple[Endpoint, ...], tuple[KeyValue, ...], Freshness]:
-    return device.name, device.service_type, device.endpoints, device.metadata, device.freshness
+_ANY = And(())
+
+
+def _has_states(query: Query) -> bool:
+    match query:
+        case And(terms) | Or(terms):
+            return any(_has_states(term) for term in terms)
+        case Not(term):
+            return _has_states(term)
+        case _:
+            return isinstance(query, StateIs)
+
+
+def _description(device: Device) -> tuple[object, ...]:
+    return (
+        device.name,
+        device.service_type,
+        device.service_types,
+        device.area,
+        device.endpoints,
+        device.metadata,
+        device.parts,
+        device.freshness,
+        device.reachable.state,
+        device.conflicts,
+    )

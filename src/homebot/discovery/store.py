@@ -171,10 +171,11 @@ class IndexFile:
         self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         connection = sqlite3.connect(self.path, timeout=_BUSY, check_same_thread=False, isolation_level=None)
         try:
+            version = self._version(connection)
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
             _check(connection)
-            self._migrate(connection)
+            self._migrate(connection, version)
             connection.execute("SELECT id, record FROM devices LIMIT 1").fetchall()
             connection.execute("SELECT id, record FROM tombstones LIMIT 1").fetchall()
         except BaseException:
@@ -183,10 +184,13 @@ class IndexFile:
         connection.isolation_level = "DEFERRED"
         self._connection = connection
 
-    def _migrate(self, connection: sqlite3.Connection) -> None:
-        (version,) = connection.execute("PRAGMA user_version").fetchone()
+    def _version(self, connection: sqlite3.Connection) -> int:
+        version = int(connection.execute("PRAGMA user_version").fetchone()[0])
         if version > VERSION:
             raise UsageError(f"the index file {self.path} is of a newer homebot (version {version}, not {VERSION})")
+        return version
+
+    def _migrate(self, connection: sqlite3.Connection, version: int) -> None:
         steps = _SCHEMA if version == 0 else [step for one in range(version, VERSION) for step in _MIGRATIONS[one]]
         connection.execute("BEGIN IMMEDIATE")
         try:

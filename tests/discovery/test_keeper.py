@@ -1,0 +1,109 @@
+"""The directory and its file, over restarts; with a real file, so in real time."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+
+from homebot.devices import Sighting
+from homebot.devices.part import Part
+from homebot.discovery import Directory, DirectorySettings
+from homebot.graph import Graph, Node
+from homebot.testing import FakeGateway
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "index.sqlite"
+
+
+@asynccontextmanager
+async def directory_with(path: Path, graph: Graph | None = None, **settings: object) -> AsyncIterator[Directory]:
+    async with Node(graph or Graph(), "discovery") as node, anyio.create_task_group() as tasks:
+        directory = Directory(node, DirectorySettings.model_validate(settings), path)
+        await tasks.start(directory.serve)
+        yield directory
+        tasks.cancel_scope.cancel()
+
+
+async def test_devices_outlive_a_restart_unconfirmed(path: Path, announce: Announce, part: MakePart) -> None:
+    """What was removed does not come back."""
+    async with directory_with(path) as directory:
+        directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp", confirmed=True))
+        gone = announce("m", part(id="l"), ids=("id:gone",), name="Gone")
+        directory.index.observe(gone)
+        directory.index.observe(gone.model_copy(update={"kind": "removed"}))
+    async with directory_with(path) as directory:
+        assert [(one.id, one.freshness) for one in directory.index.devices()] == [("lamp", "unconfirmed")]
+        assert len(directory.index.tombstones) == 1
+
+
+async def test_the_thesis_layout_outlives_it_as_well(path: Path) -> None:
+    graph = Graph()
+    async with Node(graph, "fake", namespace="/gateway") as node, directory_with(path, graph):
+        FakeGateway(node).sees("lights/lamp")
+        await anyio.sleep(0.01)
+    async with directory_with(path) as directory:
+        assert [one.id for one in directory.index.devices("light")] == ["lights/lamp"]
+
+
+async def test_without_persistence_no_file_is_made(path: Path, announce: Announce, part: MakePart) -> None:
+    async with directory_with(path, persist=False) as directory:
+        directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",)))
+    assert not path.exists()
+
+
+async def test_a_damaged_file_is_told_and_what_is_known_goes_into_a_new_one(
+    path: Path, announce: Announce, part: MakePart
+) -> None:
+    path.write_bytes(b"rubbish" * 1000)
+    with capture_logs() as lines:
+        async with directory_with(path) as directory:
+            directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
+    assert "discovery.index_file_damaged" in [line["event"] for line in lines]
+    assert len(list(path.parent.glob("*.damaged-*"))) >= 1
+    async with directory_with(path) as directory:
+        assert len(directory.index) == 1
+
+
+async def test_records_that_make_no_sense_cost_themselves_alone(path: Path, announce: Announce, part: MakePart) -> None:
+    async with directory_with(path) as directory:
+        directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
+    with sqlite3.connect(path) as file:
+        file.execute("INSERT INTO devices VALUES ('bad', '{}')")
+        file.execute("INSERT INTO tombstones VALUES ('bad', '[1]')")
+    file.close()
+    with capture_logs() as lines:
+        async with directory_with(path) as directory:
+            assert [one.id for one in directory.index.devices()] == ["lamp"]
+    assert "discovery.index_record_rejected" in [line["event"] for line in lines]
+
+
+async def test_a_place_that_cannot_be_written_is_told_and_costs_no_device(
+    path: Path, announce: Announce, part: MakePart
+) -> None:
+    path.write_text("")
+    with capture_logs() as lines:
+        async with directory_with(path / "index.sqlite") as directory:
+            directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
+            assert len(directory.index.devices()) == 1
+    assert "discovery.index_file_not_written" in [line["event"] for line in lines]
+
+
+async def test_a_file_of_a_newer_homebot_is_not_used(path: Path) -> None:
+    with sqlite3.connect(path) as file:
+        file.execute("PRAGMA user_version = 99")
+    file.close()
+    with capture_logs() as lines:
+        async with directory_with(path):
+            pass
+    assert "discovery.index_file_not_used" in [line["event"] for line in lines]

@@ -1,0 +1,218 @@
+"""Signs of life: what they are, how long silence is none, and what becomes of those who went."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices import DeviceChange, Sighting
+from homebot.devices.part import Part
+from homebot.devices.report import REACHABLE, Report
+from homebot.discovery import DeviceIndex
+from homebot.discovery.ids import Tombstone, Tombstones
+from homebot.discovery.rhythm import Rhythm
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
+
+HOUR = 3600.0
+DAY = 24 * HOUR
+
+
+@pytest.fixture
+def index() -> DeviceIndex:
+    return DeviceIndex(forget_after=DAY)
+
+
+def after(index: DeviceIndex, one: Sighting | Report) -> list[str]:
+    if isinstance(one, Sighting):
+        index.observe(one)
+    else:
+        index.report(one)
+    return [change.kind for change in index.take_changes()]
+
+
+def expire(index: DeviceIndex, now: float) -> tuple[DeviceChange, ...]:
+    while index.expire(now):
+        pass
+    return index.take_changes()
+
+
+def freshness(index: DeviceIndex) -> str:
+    (device,) = index.devices()
+    return device.freshness
+
+
+def test_a_sensor_that_reports_every_two_hours_is_not_stale_between_its_reports(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """Once it was heard twice; and it is when it misses three."""
+    sensor = announce("t", part("temperature_sensor", "temperature", id="t"), ids=("id:sensor",))
+    index.observe(sensor)
+    stale = 0
+    for number in range(1, 12):
+        stale += sum(one.kind == "stale" for one in expire(index, number * 2 * HOUR - 1))
+        index.report(tell(sensor, "temperature", float(number), part="t", at=number * 2 * HOUR))
+    assert stale == 2
+    assert expire(index, 22 * HOUR + 6 * HOUR - 1) == ()
+    assert [one.kind for one in expire(index, 22 * HOUR + 6 * HOUR)] == ["stale"]
+
+
+def test_a_kept_message_is_no_sign_of_life(index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell) -> None:
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",))
+    after(index, lamp)
+    assert after(index, tell(lamp, "on_off", True, part="l", retained=True)) == []
+    assert freshness(index) == "unconfirmed"
+    assert after(index, tell(lamp, "on_off", True, part="l")) == ["changed"]
+    assert freshness(index) == "fresh"
+
+
+def test_what_a_gateway_concludes_by_itself_is_no_sign_of_life(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """A value that fades does so without the device."""
+    lamp = announce("l", part("occupancy_sensor", "occupancy", id="l"), ids=("id:pir",))
+    after(index, lamp)
+    assert after(index, tell(lamp, "occupancy", False, part="l", address="")) == []
+    assert freshness(index) == "unconfirmed"
+
+
+def test_a_last_will_says_that_a_device_is_gone_and_is_no_sign_of_life(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",))
+    after(index, lamp)
+    assert after(index, tell(lamp, REACHABLE, True, at=5)) == ["changed"]
+    assert (index.devices()[0].reachable.state, freshness(index)) == ("yes", "fresh")
+
+    assert after(index, tell(lamp, REACHABLE, False, at=9)) == ["changed"]
+    (device,) = index.devices()
+    assert (device.reachable.state, device.reachable.since.sec, device.last_seen.sec) == ("no", 9, 5)
+    assert "offline" in device.reachable.why
+    assert after(index, tell(lamp, REACHABLE, None, at=10)) == ["changed"]
+    assert index.devices()[0].reachable.state == "unknown"
+
+
+def test_a_device_that_said_live_that_it_is_online_may_be_silent_for_a_day(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """Its last will watches over it; one that the broker had kept watches over nothing."""
+    said = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",), name="said")
+    kept = announce("k", part("light", "on_off", id="l"), ids=("id:kept",), name="kept")
+    for one in (said, kept):
+        index.observe(one)
+        index.report(tell(one, REACHABLE, True, at=5, retained=one is kept))
+    index.take_changes()
+    assert [one.device.id for one in expire(index, DAY)] == ["kept"]
+    assert [one.device.id for one in expire(index, DAY + 5)] == ["said"]
+
+
+def test_a_forgotten_ghost_does_not_come_back_by_what_the_broker_kept(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """Its own word brings it back, under its old id."""
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
+    other = announce("m", part("light", "on_off", id="l"), ids=("mac:000000000001",), name="Lamp", at=3 * DAY)
+    after(index, lamp)
+    assert [one.kind for one in expire(index, 3 * DAY)] == ["stale", "removed"]
+
+    assert after(index, lamp.model_copy(update={"seen_at": other.seen_at})) == []
+    assert index.counters.ghosts == 1
+    assert after(index, other) == ["appeared"]
+    alive = lamp.model_copy(update={"confirmed": True, "seen_at": other.seen_at, "expires_at": other.expires_at})
+    index.observe(alive)
+    (change,) = index.take_changes()
+    assert (change.kind, change.device.id) == ("appeared", "lamp")
+    assert change.why.startswith("it is back")
+    assert sorted(one.id for one in index.devices()) == ["lamp", "lamp_0001"]
+
+
+def test_a_removed_device_that_is_announced_under_another_key_is_recognised(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("eui64:00158d0001abcdef",), name="Lamp")
+    after(index, lamp)
+    after(index, lamp.model_copy(update={"kind": "removed"}))
+    again = announce("new", part("light", "on_off", id="l"), ids=("eui64:00158d0001abcdef",), name="Hall lamp")
+    assert after(index, again) == ["appeared"]
+    assert [one.id for one in index.devices()] == ["lamp"]
+
+
+def test_a_device_that_somebody_wants_forgotten_is_gone_until_it_speaks(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
+    after(index, lamp)
+    assert index.forget("lamp", 5.0) == (("mqtt", "homeassistant/l/config"),)
+    assert [one.kind for one in index.take_changes()] == ["removed"]
+    assert after(index, lamp) == []
+    assert after(index, lamp.model_copy(update={"confirmed": True})) == ["appeared"]
+    assert index.forget("nobody", 5.0) is None
+
+
+def test_reports_of_nobody_and_of_unknown_parts_are_counted(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",))
+    index.report(tell(lamp, "on_off", True, part="l"))
+    index.observe(lamp)
+    index.report(tell(lamp, "on_off", True, part="other"))
+    assert (index.counters.strays, index.counters.unknown_parts) == (1, 1)
+
+
+def test_states_are_told_where_somebody_wants_them(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """Each new value once, numbered above the change that went before."""
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",), name="Lamp")
+    index.observe(lamp)
+    index.report(tell(lamp, "on_off", True, part="l", at=1))
+    index.tells_states = True
+    index.report(tell(lamp, "on_off", True, part="l", at=2))
+    index.report(tell(lamp, "on_off", False, part="l", at=3))
+    changes, states = index.take_changes(), index.take_states()
+    assert [(one.device, one.state.value.plain(), one.state.since.sec) for one in states] == [("lamp", False, 3)]
+    assert states[0].sequence == changes[-1].sequence + 1
+
+
+def test_tombstones_are_bounded_and_the_oldest_is_forgotten() -> None:
+    stones = Tombstones(at_most=3)
+    forgotten = [
+        stones.put(Tombstone(str(one), (("g", str(one)),), (f"mac:{one}",), is_ghost=True, at=0.0)) for one in range(5)
+    ]
+    assert [one.id if one else None for one in forgotten] == [None, None, None, "0", "1"]
+    assert [one.id for one in stones] == ["2", "3", "4"]
+    assert stones.find(("g", "0"), ("mac:0",)) is None
+    found = stones.find(("g", "new"), ("mac:3",))
+    assert found is not None
+    assert found.id == "3"
+
+
+def test_one_outage_does_not_make_a_rhythm() -> None:
+    rhythm = Rhythm()
+    now = 0.0
+    for gap in (60.0, 60.0, 10 * DAY, 60.0, 60.0):
+        rhythm.heard(now)
+        now += gap
+    rhythm.heard(now)
+    assert rhythm.patience() == 180.0
+
+
+def test_messages_of_one_moment_are_one_word() -> None:
+    rhythm = Rhythm()
+    for now in (0.0, 0.1, 0.2, 600.0, 600.1):
+        rhythm.heard(now)
+    assert rhythm.gaps == (600.0,)
+
+
+@given(st.lists(st.floats(0, 1e9), max_size=100))
+def test_patience_is_bounded_whatever_was_heard(times: list[float]) -> None:
+    rhythm = Rhythm()
+    for now in times:
+        rhythm.heard(now)
+    assert 0 <= rhythm.patience() <= 7 * DAY
+    assert len(rhythm.gaps) <= 8

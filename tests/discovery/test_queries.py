@@ -1,0 +1,211 @@
+"""Queries: the directory's sets and a look at each device say the same; the best comes first and says why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices import KeyValue, Sighting
+from homebot.devices.part import Capability, Part
+from homebot.devices.query import facets_of, fits, parse_query
+from homebot.devices.report import REACHABLE, Reading, Report
+from homebot.devices.value import Value
+from homebot.discovery import DeviceIndex
+from homebot.discovery.rank import rank, reasons
+from homebot.messages import Time
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
+
+
+@pytest.fixture
+def house(announce: Announce, part: MakePart, tell: Tell) -> DeviceIndex:
+    index = DeviceIndex(forget_after=1000.0)
+    lamp = part("light", "on_off", "level", id="l", writes=("a",))
+    desk = announce("a", lamp, ids=("id:desk",), name="Desk lamp", area="Study", facts={"model": "E27 bulb"})
+    hall = announce("b", part("light", "on_off", id="l", writes=("b",)), ids=("id:hall",), name="Hall", area="Hall")
+    plug = announce(
+        "c",
+        part("plug", "on_off", id="p", writes=("c",)),
+        part("light", "on_off", id="led", writes=("d",), category="config"),
+        part("x_battery", "battery", id="bat", category="diagnostic"),
+        ids=("id:plug",),
+        name="Plug at the desk",
+        area="Study",
+    )
+    window = announce("w", part("contact_sensor", "contact", id="c", tag="window"), ids=("id:w",), name="Fenster Küche")
+    door = announce("x", part("contact_sensor", "contact", id="c", tag="door"), ids=("id:x",), name="Front")
+    blind = announce("y", part("window_covering", "position", id="c", writes=("y",)), ids=("id:y",), name="Blind")
+    for one in (desk, hall, plug, window, door, blind):
+        index.observe(one)
+    for report in (
+        tell(desk, "on_off", True, part="l"),
+        tell(desk, "level", 70.0, part="l"),
+        tell(hall, "on_off", False, part="l"),
+        tell(plug, "on_off", True, part="p"),
+        tell(plug, "battery", 12.0, part="bat"),
+        tell(window, "contact", True, part="c"),
+        tell(door, REACHABLE, False),
+        tell(blind, "position", None, part="c"),
+    ):
+        index.report(report)
+    return index
+
+
+FOUND = {
+    "": {"desk_lamp", "hall", "plug_at_the_desk", "fenster_kuche", "front", "blind"},
+    "light": {"desk_lamp", "hall"},
+    "Lamps": {"desk_lamp", "hall"},
+    "on lights": {"desk_lamp"},
+    "lights not on": {"hall"},
+    "on": {"desk_lamp", "plug_at_the_desk"},
+    "light and dimmable in study": {"desk_lamp"},
+    "level > 50": {"desk_lamp"},
+    "level > 70": set(),
+    "in study": {"desk_lamp", "plug_at_the_desk"},
+    "in study not light": {"plug_at_the_desk"},
+    "window": {"fenster_kuche", "blind"},
+    "open windows": {"fenster_kuche"},
+    "kuche": {"fenster_kuche"},
+    "küche": {"fenster_kuche"},
+    "fenstre": {"fenster_kuche"},
+    "desk": {"desk_lamp", "plug_at_the_desk"},
+    "model=e27": {"desk_lamp"},
+    "with battery": {"plug_at_the_desk"},
+    "battery < 20": {"plug_at_the_desk"},
+    "battery": {"plug_at_the_desk"},
+    "offline": {"front"},
+    "closed": set(),
+    "position = 0 or position != 0": set(),
+    "unconfirmed": {"front"},
+    "fresh": {"desk_lamp", "hall", "plug_at_the_desk", "fenster_kuche", "blind"},
+    "gateway=mqtt type=plug": {"plug_at_the_desk"},
+    "gateway=other": set(),
+    "convention=homeassistant and id=hall": {"hall"},
+    "sensor not door": {"fenster_kuche"},
+    "nosuchthing": set(),
+}
+
+
+@pytest.mark.parametrize(("text", "expected"), FOUND.items(), ids=[text or "all" for text in FOUND])
+def test_a_query_finds_what_it_says(house: DeviceIndex, text: str, expected: set[str]) -> None:
+    """By sets, and by a look at each device."""
+    query = parse_query(text)
+    assert house.find(query) == expected
+    assert {one.id for one in house.devices() if fits(query, facets_of(one))} == expected
+
+
+def test_a_changed_value_is_found_at_once(house: DeviceIndex, announce: Announce, tell: Tell) -> None:
+    on = parse_query("on lights")
+    assert house.find(on) == {"desk_lamp"}
+    house.report(tell(announce("b"), "on_off", True, part="l", at=2))
+    house.report(tell(announce("a"), "on_off", None, part="l", at=2))
+    assert house.find(on) == {"hall"}
+
+
+def test_the_best_comes_first_and_says_why(house: DeviceIndex) -> None:
+    query = parse_query("desk")
+    ranked = rank(query, house.find(query), house.postings)
+    assert [one for _, one in ranked] == ["desk_lamp", "plug_at_the_desk"]
+    assert reasons(query, "desk_lamp", house.postings) == ("its name has desk", "it spoke lately")
+
+    wrong = parse_query("dexk")
+    house.find(wrong)
+    assert reasons(wrong, "desk_lamp", house.postings)[0] == "something of it is spelt like dexk"
+
+
+def test_each_kind_of_reason_is_told(house: DeviceIndex) -> None:
+    query = parse_query("light in study with level level>50 model=e27")
+    house.find(query)
+    assert reasons(query, "desk_lamp", house.postings) == (
+        "it is a light",
+        "it is in study",
+        "it has level",
+        "level is 70",
+        "its model is e27",
+        "it spoke lately",
+    )
+    offline = parse_query("contact")
+    house.find(offline)
+    assert "it is offline" in reasons(offline, "front", house.postings)
+
+
+names = st.sampled_from(["Desk lamp", "Dsk lamp", "Küche", "Kuche 2", "hall", "x"])
+types = st.sampled_from(["light", "plug", "contact_sensor", "window_covering"])
+steps = st.tuples(
+    st.integers(0, 4),
+    st.sampled_from(["announce", "remove", "live", "value", "reach"]),
+    names,
+    types,
+    st.sampled_from(["", "window", "door"]),
+    st.sampled_from([None, True, False, 0.0, 40.0, 80.0]),
+)
+questions = [parse_query(text) for text in FOUND] + [
+    parse_query(text) for text in ("desk lmap", "not (light or plug) in hall", "level<=40 or on", "x hall or kuch")
+]
+
+
+@given(st.lists(steps, max_size=25))
+def test_the_sets_always_say_what_a_look_at_each_device_says(
+    told: list[tuple[int, str, str, str, str, bool | float | None]],
+) -> None:
+    index = DeviceIndex(forget_after=50.0)
+    for at, (number, what, name, service_type, tag, value) in enumerate(told):
+        _do(index, at, number, what, name, service_type, tag, value)
+        if at % 7 == 0:
+            index.find(questions[at % len(questions)])
+    devices = index.devices()
+    for query in questions:
+        assert index.find(query) == {one.id for one in devices if fits(query, facets_of(one))}
+
+
+def _do(
+    index: DeviceIndex,
+    at: int,
+    number: int,
+    what: str,
+    name: str,
+    service_type: str,
+    tag: str,
+    value: bool | float | None,  # noqa: FBT001 - a drawn value
+) -> None:
+    stamp, key = Time.from_seconds(float(at)), f"homeassistant:{number}"
+    if what in {"value", "reach"}:
+        capability = "on_off" if isinstance(value, bool) else "level"
+        part, capability = ("", REACHABLE) if what == "reach" else ("p", capability)
+        reading = Reading(part=part, capability=capability, value=Value.of(value))
+        index.report(
+            Report(gateway="mqtt", key=key, readings=(reading,), address="a", retained=False, received_at=stamp)
+        )
+        return
+    one = Part(
+        id="p",
+        service_type=service_type,
+        tag=tag,
+        capabilities=(Capability(name="on_off", settable=True), Capability(name="level")),
+    )
+    index.observe(
+        Sighting(
+            gateway="mqtt",
+            key=key,
+            kind="removed" if what == "remove" else "updated",
+            why="",
+            name=name,
+            service_type=service_type,
+            address="",
+            command_address="",
+            metadata=(KeyValue(key="model", value=name),),
+            convention="homeassistant",
+            identifiers=(f"id:device-{number // 2}",),
+            area=name,
+            parts=(one,),
+            seen_at=stamp,
+            expires_at=Time.from_seconds(at + 10.0),
+            confirmed=what == "live",
+        )
+    )
+    index.expire(float(at))

@@ -1,0 +1,180 @@
+"""The index file: what is in it comes back, and nothing that is wrong with it is fatal."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices import Sighting
+from homebot.devices.part import Part
+from homebot.discovery import DeviceIndex
+from homebot.discovery.ids import Tombstone
+from homebot.discovery.record import entry_record, read_entry, read_tombstone, tombstone_record
+from homebot.discovery.store import VERSION, IndexFile, Records, index_path
+from homebot.errors import LinkError, UsageError, WireError
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "home" / "index.sqlite"
+
+
+def test_what_is_written_is_read(path: Path) -> None:
+    """In a directory that was not there; ids that went are gone."""
+    file = IndexFile(path)
+    assert file.open(0.0) is None
+    file.write(Records((("a", "1"), ("b", "2")), (("c", "3"),)), ())
+    file.write(Records((("a", "4"),), ()), ("a", "b", "c"))
+    file.close()
+    file.close()
+
+    again = IndexFile(path)
+    assert again.open(0.0) is None
+    assert again.read() == Records((("a", "4"),), ())
+    again.close()
+    assert path.parent.stat().st_mode & 0o077 == 0
+
+
+def test_a_file_of_version_1_is_migrated(path: Path) -> None:
+    """It had no tombstones."""
+    path.parent.mkdir()
+    with sqlite3.connect(path) as old:
+        old.execute("CREATE TABLE devices (id TEXT PRIMARY KEY, record TEXT NOT NULL) WITHOUT ROWID")
+        old.execute("INSERT INTO devices VALUES ('a', 'old')")
+        old.execute("PRAGMA user_version = 1")
+    old.close()
+    file = IndexFile(path)
+    assert file.open(0.0) is None
+    file.write(Records((), (("t", "stone"),)), ())
+    assert file.read() == Records((("a", "old"),), (("t", "stone"),))
+    file.close()
+
+
+def test_a_file_of_a_newer_version_is_left_alone(path: Path) -> None:
+    path.parent.mkdir()
+    with sqlite3.connect(path) as new:
+        new.execute(f"PRAGMA user_version = {VERSION + 1}")
+    new.close()
+    before = path.read_bytes()
+    with pytest.raises(UsageError, match="newer homebot"):
+        IndexFile(path).open(0.0)
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "content", [b"no database at all, but long enough to be one" * 50, b"SQLite format 3\0" + b"\xff" * 5000]
+)
+def test_a_damaged_file_is_set_aside_and_a_new_one_begun(path: Path, content: bytes) -> None:
+    path.parent.mkdir()
+    path.write_bytes(content)
+    file = IndexFile(path)
+    aside = file.open(1234.5)
+    assert aside == path.with_name("index.sqlite.damaged-1234")
+    assert aside.read_bytes() == content
+    assert file.read() == Records()
+    file.close()
+
+    path.write_bytes(content)
+    assert IndexFile(path).open(1234.5) == path.with_name("index.sqlite.damaged-1234-2")
+
+
+def test_a_file_with_other_tables_is_set_aside(path: Path) -> None:
+    path.parent.mkdir()
+    with sqlite3.connect(path) as other:
+        other.execute("CREATE TABLE something (x)")
+        other.execute(f"PRAGMA user_version = {VERSION}")
+    other.close()
+    assert IndexFile(path).open(5.0) is not None
+
+
+def test_a_page_that_went_bad_is_found(path: Path) -> None:
+    file = IndexFile(path)
+    file.open(0.0)
+    file.write(Records(tuple((f"d{one:04}", "x" * 400) for one in range(500))), ())
+    file.close()
+    content = bytearray(path.read_bytes())
+    content[5 * 4096 : 6 * 4096] = b"\x55" * 4096
+    path.write_bytes(content)
+    assert IndexFile(path).open(7.0) is not None
+
+
+def test_a_place_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    with pytest.raises(LinkError, match="cannot be opened"):
+        IndexFile(blocked / "index.sqlite").open(0.0)
+    with pytest.raises(LinkError, match="not open"):
+        IndexFile(tmp_path / "x").read()
+
+
+def test_a_full_disk_costs_nothing_that_was_there(path: Path) -> None:
+    """SQLite's own limit stands in for the disk's."""
+    file = IndexFile(path)
+    file.open(0.0)
+    file.write(Records((("a", "1"),)), ())
+    connection = file._connection
+    assert connection is not None
+    (pages,) = connection.execute("PRAGMA page_count").fetchone()
+    connection.execute(f"PRAGMA max_page_count = {pages}")
+    with pytest.raises(LinkError, match="full"):
+        file.write(Records((("a", "2"), ("b", "x" * 100_000))), ("a",))
+    assert file.read() == Records((("a", "1"),), ())
+    connection.execute("PRAGMA max_page_count = 100000")
+    file.write(Records((("a", "2"),)), ("a",))
+    assert file.read().devices == (("a", "2"),)
+    file.close()
+
+
+def test_the_place_is_the_users(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path))
+    assert index_path("my home/x").parent.parent == tmp_path
+    monkeypatch.delenv("HOMEBOT_DATA")
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    assert index_path("h") == tmp_path / "homebot" / "h" / "index.sqlite"
+    monkeypatch.delenv("XDG_DATA_HOME")
+    assert index_path("h").is_relative_to(Path(os.path.expanduser("~")))  # noqa: PTH111 - what the user's shell says
+
+
+def test_a_device_of_the_file_is_as_it_was_but_unconfirmed(announce: Announce, part: MakePart) -> None:
+    """Its id stays, its states are gone, and it has the time of a new one to be heard."""
+    index = DeviceIndex(forget_after=1000.0)
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp", at=5, confirmed=True)
+    own = announce("z", part("light", "on_off", id="s"), convention="zigbee2mqtt", ids=("mac:aabbccddeeff",), at=6)
+    for one in (lamp, own, announce("l", part(id="l"), ids=("mac:aabbccddeeff",), name="Renamed", at=7)):
+        index.observe(one)
+    entry = index.entry("lamp")
+    assert entry is not None
+    text = entry_record(entry)
+
+    after = DeviceIndex(forget_after=1000.0, first_sequence=100)
+    after.restore(read_entry("lamp", text), now=9000.0)
+    (change,) = after.take_changes()
+    device = change.device
+    assert (change.kind, device.id, device.freshness, device.last_seen.sec) == ("appeared", "lamp", "unconfirmed", 6)
+    assert (device.first_seen.sec, device.expires.sec) == (5, 12602)
+    assert [len(one.routes) for one in device.parts] == [2]
+    assert device.evidence == index.devices()[0].evidence
+    after.observe(announce("l", part(id="l"), ids=("mac:aabbccddeeff",), name="Renamed", at=9001))
+    assert after.take_changes() == ()
+
+
+def test_a_tombstone_of_the_file_is_as_it_was() -> None:
+    stone = Tombstone("lamp", (("mqtt", "k"),), ("mac:1",), is_ghost=True, at=5.0)
+    assert read_tombstone("lamp", tombstone_record(stone)) == stone
+
+
+@given(st.text(max_size=200))
+def test_any_other_text_is_no_record(text: str) -> None:
+    with pytest.raises(WireError):
+        read_entry("x", text)
+    with pytest.raises(WireError):
+        read_tombstone("x", text)
