@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -69,23 +68,23 @@ class FilterTree(Generic[T]):
         if not self._root.children:
             return tuple(exact)
         found = dict(exact)
-        for node in self._matching(topic.split("/")):
+        nodes, is_wild = [self._root], not topic.startswith("$")
+        for level in topic.split("/"):
+            below: list[_Node[T]] = []
+            for node in nodes:
+                children = node.children
+                if is_wild:
+                    if "#" in children:
+                        found.update(children["#"].items)
+                    if "+" in children:
+                        below.append(children["+"])
+                if level in children:
+                    below.append(children[level])
+            if not below:
+                return tuple(found)
+            nodes, is_wild = below, True
+        for node in nodes:
             found.update(node.items)
+            if "#" in node.children:
+                found.update(node.children["#"].items)
         return tuple(found)
-
-    def _matching(self, levels: list[str]) -> Iterator[_Node[T]]:
-        depth = len(levels)
-        nodes = [(self._root, 0)]
-        while nodes:
-            node, index = nodes.pop()
-            children = node.children
-            is_wild = index > 0 or not levels[0].startswith("$")
-            if is_wild and "#" in children:
-                yield children["#"]
-            if index == depth:
-                yield node
-                continue
-            if is_wild and "+" in children:
-                nodes.append((children["+"], index + 1))
-            if levels[index] in children:
-                nodes.append((children[levels[index]], index + 1))

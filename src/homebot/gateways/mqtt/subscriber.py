@@ -69,12 +69,14 @@ class Subscriber:
 
     def ask(self, claim: Claim) -> None:
         """Ask the device for its state once all that is needed now is subscribed to."""
-        for ask in _asks_of(claim):
+        asks = _asks_of(claim)
+        for ask in asks:
             if len(self._asks_later) + len(self._asks) >= MAX_ASKS:
                 self._counters.asks_dropped += 1
                 return
             self._asks_later[ask] = (ask,)
-        self._needed.set()
+        if asks:
+            self._needed.set()
 
     def question(self, question: Question) -> None:
         """Ask a device who it is; a later question with the same key takes the place of an earlier one."""
@@ -158,5 +160,8 @@ _Asks: TypeAlias = tuple[Publication, ...]
 
 
 def _asks_of(claim: Claim) -> _Asks:
-    asks = dict.fromkeys(ask for voice in claim.voices.values() for ask in voice.described.asks)
+    asks: dict[Publication, None] = {}
+    for voice in claim.voices.values():
+        if voice.described.asks:
+            asks.update(dict.fromkeys(voice.described.asks))
     return tuple(asks)[:MAX_ASKS_EACH]
