@@ -104,6 +104,13 @@ def test_sensors_come_before_the_config() -> None:
     assert "DS18B20_Temperature" in ids(one(take(convention, "config", config())))
 
 
+def test_a_config_that_says_nothing_new_gives_the_same_description() -> None:
+    convention = discovery()
+    device = one(take(convention, "config", config()))
+    assert one(take(convention, "config", config())) is device
+    assert one(take(convention, "config", config(dn="Plug"))).name == "Plug"
+
+
 def test_sensors_that_are_removed_leave_the_rest() -> None:
     convention = discovery()
     take(convention, "config", config())

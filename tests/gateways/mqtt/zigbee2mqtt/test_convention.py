@@ -129,7 +129,8 @@ def test_a_device_that_the_bridge_does_not_know_shows_what_it_says() -> None:
 
 def test_a_broken_entry_costs_that_device_alone_and_is_counted() -> None:
     convention = bridge()
-    broken = [{"ieee_address": "0x1"}, "lamp", None, entry(PLUG, "a/+/b"), entry(PLUG, "bridge/x"), entry(PLUG, "")]
+    names = ("a/+/b", "bridge/x", "", "kitchen/lamp/set", "a\x00", "n" * 600)
+    broken = [{"ieee_address": "0x1"}, "lamp", None, *(entry(PLUG, name) for name in names)]
     assert one(heard(convention, *broken, entry())).key == LAMP
     assert convention.rejected == len(broken)
 

@@ -67,7 +67,8 @@ class TasmotaDiscovery:
     """Understands ``config`` and ``sensors`` of each device, in either order.
 
     A device is :class:`Described` when its ``config`` comes, and again when its ``sensors`` do; before the ``config``
-    they wait. Its key is its hardware address. It keeps what both messages said of each device, at most
+    they wait. A ``config`` that says nothing new gives the same description again, whose codecs still know what the
+    device showed last. Its key is its hardware address. It keeps what both messages said of each device, at most
     :data:`MAX_DEVICES`, and at most :data:`MAX_WAITING` that wait.
 
     Args:
@@ -87,6 +88,7 @@ class TasmotaDiscovery:
         self._configs: dict[str, TasmotaConfig] = {}
         self._leaves: dict[str, tuple[Leaf, ...]] = {}
         self._waiting: dict[str, tuple[Leaf, ...]] = {}
+        self._devices: dict[str, Described] = {}
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of both messages."""
@@ -113,8 +115,11 @@ class TasmotaDiscovery:
             if self._configs.pop(mac, None) is None:
                 return ()
             self._leaves.pop(mac, None)
+            del self._devices[mac]
             return (Withdrawn(mac, "its config was removed"),)
         config = read_config(mac, payload)
+        if config == self._configs.get(mac):
+            return (self._devices[mac],)
         if mac not in self._configs and len(self._configs) >= MAX_DEVICES:
             raise WireError(f"{mac} is one device too many; {MAX_DEVICES} is the limit")
         self._configs[mac] = config
@@ -138,9 +143,10 @@ class TasmotaDiscovery:
         return ()
 
     def _described(self, mac: str) -> Described:
+        """Describe a device anew, with codecs that remember nothing."""
         config = self._configs[mac]
         will = WordsOfWill(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
-        return Described(
+        described = Described(
             key=mac,
             convention=self.name,
             identifiers=identifiers([":".join(_PAIRS.findall(mac))]),
@@ -150,6 +156,8 @@ class TasmotaDiscovery:
             facts=config.facts,
             availability=None if config.is_sleeper else Availability((will,)),
         )
+        self._devices[mac] = described
+        return described
 
 
 _TOPIC = re.compile("([0-9A-F]{12})/(config|sensors)")

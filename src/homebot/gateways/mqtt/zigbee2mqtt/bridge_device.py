@@ -60,8 +60,9 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
     name = entry.get("friendly_name")
     if not isinstance(name, str) or not 0 < len(name) <= _MAX_NAME:
         raise WireError(f"friendly_name is {shown(name)}, not a name of at most {_MAX_NAME} characters")
-    if name.split("/")[0] == "bridge":
-        raise WireError(f"friendly_name {shown(name)} is the bridge's own")
+    levels = name.split("/")
+    if levels[0] == "bridge" or levels[-1] in _COMMANDS:
+        raise WireError(f"friendly_name {shown(name)} makes a topic of the bridge's own")
     topic = f"{base}/{name}"
     try:
         validate_topic(topic)
@@ -84,6 +85,7 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
 
 
 _ADDRESS = re.compile("0x[0-9a-f]{16}")
+_COMMANDS = ("get", "set", "availability")
 _MAX_NAME = 512
 _MAX_FACT = 255
 
