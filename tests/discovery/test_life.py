@@ -131,6 +131,21 @@ def test_a_forgotten_ghost_does_not_come_back_by_what_the_broker_kept(
     assert sorted(one.id for one in index.devices()) == ["lamp", "lamp_0001"]
 
 
+def test_a_forgotten_device_is_back_with_its_first_live_word(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """Whether its gateway announces it anew or not; a last will is no word."""
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
+    after(index, lamp)
+    expire(index, 3 * DAY)
+    assert after(index, tell(lamp, REACHABLE, False, at=3 * DAY)) == []
+    assert after(index, tell(lamp, "on_off", True, part="l", at=3 * DAY, retained=True)) == []
+    assert after(index, tell(lamp, "on_off", True, part="l", at=3 * DAY)) == ["appeared"]
+    (device,) = index.devices()
+    assert (device.id, device.freshness, device.expires.sec) == ("lamp", "fresh", 3 * DAY + 3600)
+    assert [one.value.plain() for one in device.states] == [True]
+
+
 def test_a_removed_device_that_is_announced_under_another_key_is_recognised(
     index: DeviceIndex, announce: Announce, part: MakePart
 ) -> None:
@@ -154,6 +169,24 @@ def test_a_device_that_somebody_wants_forgotten_is_gone_until_it_speaks(
     assert index.forget("nobody", 5.0) is None
 
 
+def test_a_report_that_comes_before_its_announcement_waits_for_it(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """For a minute; the two come on two topics."""
+    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",), at=30)
+    index.report(tell(lamp, "on_off", True, part="l", at=25))
+    index.report(tell(lamp, "on_off", False, part="l", at=30))
+    index.observe(lamp)
+    (device,) = index.devices()
+    assert [one.value.plain() for one in device.states] == [False]
+    assert device.freshness == "fresh"
+
+    late = announce("m", part("light", "on_off", id="l"), ids=("id:late",), at=300)
+    index.report(tell(late, "on_off", True, part="l", at=25))
+    index.observe(late)
+    assert index.devices()[1].states == ()
+
+
 def test_reports_of_nobody_and_of_unknown_parts_are_counted(
     index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
 ) -> None:
@@ -161,7 +194,7 @@ def test_reports_of_nobody_and_of_unknown_parts_are_counted(
     index.report(tell(lamp, "on_off", True, part="l"))
     index.observe(lamp)
     index.report(tell(lamp, "on_off", True, part="other"))
-    assert (index.counters.strays, index.counters.unknown_parts) == (1, 1)
+    assert (index.counts()["strays"], index.counts()["unknown_parts"]) == (1, 1)
 
 
 def test_states_are_told_where_somebody_wants_them(

@@ -26,6 +26,7 @@ from homebot.discovery.happenings import Happenings
 from homebot.discovery.ids import Tombstone, Tombstones, new_id
 from homebot.discovery.postings import Postings
 from homebot.discovery.regroup import Regrouped, regroup
+from homebot.discovery.strays import Strays
 from homebot.messages import Time
 
 __all__ = ["MAX_CLAIMS", "MAX_DEVICES", "DeviceIndex", "IndexCounters"]
@@ -54,13 +55,11 @@ class IndexCounters:
     Attributes:
         rejected: Announcements of new devices while the index was full, and those of a device that has too many.
         ghosts: Announcements that the broker had kept, of devices that were forgotten.
-        strays: Reports of devices that nobody announced.
         unknown_parts: Readings of parts that were not announced.
     """
 
     rejected: int = 0
     ghosts: int = 0
-    strays: int = 0
     unknown_parts: int = 0
 
 
@@ -96,6 +95,7 @@ class DeviceIndex:
         self._postings = Postings()
         self._unsorted: dict[str, None] = {}
         self._happenings = Happenings(self._device, first_sequence)
+        self._strays = Strays()
         self._number = 0
 
     def __len__(self) -> int:
@@ -105,6 +105,7 @@ class DeviceIndex:
         """Return what was not taken in, and what was dropped, by name."""
         return {
             **asdict(self.counters),
+            "strays": self._strays.count,
             "identifiers_cut": self._bonds.cut,
             "states_lost": self._happenings.states_lost,
         }
@@ -127,11 +128,16 @@ class DeviceIndex:
             self._refresh(key, claim, sighting)
 
     def report(self, report: Report) -> None:
-        """Take in what a device told; one that nobody announced is left out and counted."""
+        """Take in what a device told; of one that nobody announced yet it waits a moment, and is counted."""
         key = (report.gateway, report.key)
         claim = self._claims.get(key)
         if claim is None:
-            self.counters.strays += 1
+            sighting = self._strays.wake(report)
+            if sighting is not None:
+                self._add(key, sighting)
+            claim = self._claims.get(key)
+        if claim is None:
+            self._strays.put(key, report)
             return
         entry, live, stamp = self._owner[key], not report.retained, report.received_at
         is_life = live and bool(report.address)
@@ -266,6 +272,7 @@ class DeviceIndex:
         stone = self.tombstones.find(key, ())
         if stone is not None and stone.is_ghost and not sighting.confirmed:
             self.counters.ghosts += 1
+            self._strays.bury(key, sighting)
             return
         if len(self._claims) >= _CLAIMS_PER_DEVICE * self._max_devices:
             self.counters.rejected += 1
@@ -292,6 +299,8 @@ class DeviceIndex:
             self._regroup(affected, sighting.why)
             if sighting.confirmed:
                 self._hear(self._owner[key], claim, sighting.seen_at, sighting.why)
+        for report in self._strays.take(key, sighting.seen_at.sec):
+            self.report(report)
 
     def _refresh(self, key: ClaimKey, claim: Claim, sighting: Sighting) -> None:
         before, claim.sighting = claim.sighting, sighting
@@ -365,7 +374,9 @@ class DeviceIndex:
         self._happenings.note_removed(entry, why)
         stone = Tombstone(entry.id, tuple(entry.claims), entry.hardware(), is_ghost, at)
         self._drop(entry)
-        for key in entry.claims:
+        for key, claim in entry.claims.items():
+            if is_ghost:
+                self._strays.bury(key, claim.sighting)
             self._bonds.discard(key)
             del self._claims[key], self._owner[key]
         forgotten = self.tombstones.put(stone)

@@ -1,0 +1,72 @@
+"""What belongs to no device now: reports that came before its announcement, and how forgotten ones announce. Pure."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import final
+
+from homebot.devices import Sighting
+from homebot.devices.report import REACHABLE, Report
+from homebot.discovery.claim import ClaimKey
+from homebot.messages import Time
+
+__all__ = ["Strays"]
+
+_MAX_KEYS = 1000
+_MAX_BURIED = 10_000
+_MAX_ADDRESSES = 16
+_PATIENCE = 60
+"""Seconds for which a report is kept for its device: the two come on two topics, and either may be first."""
+
+
+@final
+class Strays:
+    """Keeps the newest reports of devices that nobody announced yet, of the last thousand, and what was forgotten.
+
+    Attributes:
+        count: How many came.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._buried: OrderedDict[ClaimKey, Sighting] = OrderedDict()
+        self._reports: OrderedDict[ClaimKey, dict[str, Report]] = OrderedDict()
+
+    def put(self, key: ClaimKey, report: Report) -> None:
+        """Keep *report*; the newest of each address."""
+        self.count += 1
+        found = self._reports.setdefault(key, {})
+        self._reports.move_to_end(key)
+        found.pop(report.address, None)
+        found[report.address] = report
+        if len(found) > _MAX_ADDRESSES:
+            del found[next(iter(found))]
+        if len(self._reports) > _MAX_KEYS:
+            self._reports.popitem(last=False)
+
+    def bury(self, key: ClaimKey, sighting: Sighting) -> None:
+        """Keep how a device that was forgotten is announced; the newest, of the last ten thousand."""
+        self._buried[key] = sighting
+        self._buried.move_to_end(key)
+        if len(self._buried) > _MAX_BURIED:
+            self._buried.popitem(last=False)
+
+    def wake(self, report: Report) -> Sighting | None:
+        """Return the announcement of a device that was forgotten and is alive, as *report* shows; else None."""
+        is_life = any(reading.capability != REACHABLE or reading.value.flag for reading in report.readings)
+        if report.retained or not report.address or not is_life:
+            return None
+        sighting = self._buried.pop((report.gateway, report.key), None)
+        if sighting is None:
+            return None
+        lasts = sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds()
+        expires_at = Time.from_seconds(report.received_at.to_seconds() + lasts)
+        update = {"seen_at": report.received_at, "expires_at": expires_at, "confirmed": True, "why": "it spoke again"}
+        return sighting.model_copy(update=update)
+
+    def take(self, key: ClaimKey, now: int) -> tuple[Report, ...]:
+        """Return the reports of the device that is announced at *now*, oldest first, and forget them."""
+        found = self._reports.pop(key, None)
+        if found is None:
+            return ()
+        return tuple(one for one in found.values() if abs(now - one.received_at.sec) <= _PATIENCE)
