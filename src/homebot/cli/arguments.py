@@ -6,24 +6,28 @@ import argparse
 import math
 import os
 from typing import Protocol
+from urllib.parse import urlsplit
 
 from homebot.cli.flow import parse_flow
 from homebot.errors import WireError
 
 __all__ = [
     "Commands",
+    "add_broker_option",
     "add_command",
     "add_global_options",
     "add_noun",
     "add_plain_command",
     "address",
     "app",
+    "broker_url",
     "message",
     "positive",
     "type_or_message",
     "whole",
 ]
 
+DEFAULT_BROKER = "mqtt://localhost:1883"
 DEFAULT_DOOR = "127.0.0.1:9090"
 
 
@@ -69,6 +73,31 @@ def add_command(commands: Commands, name: str, summary: str, examples: str, func
 def add_global_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that may stand before any command that talks through the door, and after it as well."""
     _add_door_options(parser, os.environ.get("HOMEBOT_DOOR") or DEFAULT_DOOR, None)
+
+
+def add_broker_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that says which broker Thing Descriptions name."""
+    parser.add_argument(
+        "--broker",
+        metavar="URL",
+        type=broker_url,
+        default=DEFAULT_BROKER,
+        help=f"broker that Thing Descriptions name (default: {DEFAULT_BROKER})",
+    )
+
+
+def broker_url(text: str) -> str:
+    """Return the address of a broker, without user and password: descriptions are shown to others."""
+    try:
+        split = urlsplit(text)
+        is_broker = split.scheme in {"mqtt", "mqtts"} and bool(split.hostname) and split.port != 0
+    except ValueError:
+        is_broker = False
+    if not is_broker or "@" in text:
+        raise argparse.ArgumentTypeError(
+            f"a broker is mqtt://HOST[:PORT] or mqtts://HOST[:PORT], got {_hidden(text)!r}"
+        )
+    return text.rstrip("/")
 
 
 def address(text: str) -> tuple[str, int]:
@@ -121,6 +150,11 @@ def whole(text: str) -> int:
     if not text.isascii() or not text.isdigit() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"a whole number from 1 on is expected, got {text!r}")
     return int(text)
+
+
+def _hidden(text: str) -> str:
+    """Without what may be a password."""
+    return f"…@{text.rpartition('@')[2]}" if "@" in text else text
 
 
 def _add_door_options(parser: argparse.ArgumentParser, address_default: str, file_default: str | None) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.cli.arguments import Commands, add_command
+from homebot.cli.arguments import Commands, add_broker_option, add_command
 
 __all__ = ["add_parser"]
 
@@ -10,6 +10,7 @@ _EXAMPLES = """\
   homebot devices
   homebot devices --type lights
   homebot devices --json
+  homebot devices --td things/
 
 SAYS is what a device last told of itself. STATE is `fresh` where it spoke itself, `unconfirmed` where only a message
 that the broker had kept or the index file speaks for it, `stale` where it has been silent for too long, `unreachable`
@@ -23,4 +24,6 @@ def add_parser(commands: Commands) -> None:
         commands, "devices", "list the devices in the house", _EXAMPLES, "homebot.cli.commands.devices:list_devices"
     )
     parser.add_argument("--type", metavar="T", default="", help="only those that offer this, for example lights")
+    parser.add_argument("--td", metavar="DIR", help="write a W3C Thing Description of each into this directory")
+    add_broker_option(parser)
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")

@@ -14,13 +14,13 @@ from collections.abc import Callable, Sequence
 from io import TextIOWrapper
 
 import homebot
-from homebot.cli import broker, config, devices, doctor, find, forget, node, run, service, show, topic
+from homebot.cli import broker, config, devices, doctor, find, forget, import_thing, node, run, service, show, topic
 from homebot.cli.arguments import add_global_options
 from homebot.errors import HomebotError
 
 __all__ = ["main", "make_parser"]
 
-COMMANDS = (run, config, devices, find, show, doctor, forget, topic, service, node, broker)
+COMMANDS = (run, config, devices, find, show, doctor, forget, import_thing, topic, service, node, broker)
 
 _EPILOG = """\
 examples:

@@ -9,9 +9,11 @@ import pytest
 
 from homebot.clock import Clock, ManualClock
 from homebot.devices import (
+    DEVICE_CHANGES,
     FIND_DEVICES,
     QUERY_DEVICES,
     Device,
+    DeviceChange,
     DevicePart,
     Endpoint,
     Fact,
@@ -222,6 +224,7 @@ class StillHouse:
         node = Node(graph, "still")
         states = node.create_publisher(GatewayState, GatewayNames("mqtt").state, qos_profile_latched)
         states.publish(GatewayState(state="active", reason="", acts=self.acts))
+        self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         node.create_subscription(RawCommand, GatewayNames("mqtt").out, self._publish, 10)
         node.create_service(FindDevices, FIND_DEVICES, self._find)
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)
@@ -274,6 +277,10 @@ class StillHouse:
 
     def _publish(self, command: RawCommand) -> None:
         self.published.append((command.address, command.payload, command.retain))
+        if command.address == "homebot/things/urn-dev-lamp/td" and command.payload:
+            endpoint = Endpoint(gateway="mqtt", key="thing:urn-dev-lamp", address="", command_address="")
+            device = window().model_copy(update={"id": "desk-lamp", "endpoints": (endpoint,)})
+            self._changes.publish(DeviceChange(kind="appeared", device=device, sequence=2, why="it was announced"))
 
 
 @pytest.fixture

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from homebot.cli import main
+from homebot.cli.commands.import_thing import topic_level
+from homebot.devices.thing import CONTEXT, read_thing
+from homebot.errors import UsageError
 
 if TYPE_CHECKING:
     from tests.cli.conftest import Homebot
@@ -41,6 +44,7 @@ def check(name: str, printed: str) -> None:
         ("show", ["show", "kitchen-lamp"], 0),
         ("show_by_name", ["show", "ATTIC"], 0),
         ("show_without_parts", ["show", "windows/bath"], 0),
+        ("show_td", ["show", "kitchen-lamp", "--td", "--broker", "mqtt://192.168.1.10:1883"], 0),
         ("doctor", ["doctor"], 1),
         ("doctor_counts", ["doctor", "--counts"], 1),
     ],
@@ -104,6 +108,91 @@ def test_forget_with_purge_empties_the_announcements(still: StillHouse, still_ho
 def test_forget_that_fails_says_why(still_homebot: Homebot, capsys: Text) -> None:
     assert main(["--door", still_homebot.door, "forget", "attic"]) == 1
     assert capsys.readouterr().err == "homebot: it went a moment ago\n"
+
+
+def test_devices_are_written_as_thing_descriptions(still_homebot: Homebot, capsys: Text, tmp_path: Path) -> None:
+    """One file each, named after the id, in a directory that is made."""
+    directory = tmp_path / "new" / "things"
+    assert main(["--door", still_homebot.door, "devices", "--td", str(directory)]) == 0
+    files = [Path(line) for line in capsys.readouterr().out.splitlines()]
+    assert [file.name for file in files] == ["attic.td.json", "kitchen_x2dlamp.td.json", "windows_x2fbath.td.json"]
+    assert [read_thing(json.loads(file.read_text())).title for file in files] == ["Attic", "Kitchen lamp", "bath [31m"]
+    (directory / "taken").touch()
+    assert main(["--door", still_homebot.door, "devices", "--td", str(directory / "taken")]) == 1
+    assert "taken: cannot be written: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("broker", ["http://b", "mqtt://", "mqtt://u:secret@b", "mqtt://b:x"])
+def test_a_description_names_no_password(capsys: Text, broker: str) -> None:
+    """Nor a broker that is none."""
+    with pytest.raises(SystemExit):
+        main(["show", "x", "--td", "--broker", broker])
+    err = capsys.readouterr().err
+    assert "a broker is mqtt://HOST[:PORT] or mqtts://HOST[:PORT], got" in err
+    assert "secret" not in err
+
+
+def description(**more: object) -> str:
+    form = {"href": "mqtt://b", "mqv:topic": "lamp/on"}
+    thing = {
+        "@context": CONTEXT,
+        "id": "urn:dev:lamp",
+        "title": "Desk lamp",
+        "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
+        "security": "nosec_sc",
+        "properties": {"on": {"type": "boolean", "forms": [form]}},
+    }
+    return json.dumps(thing | more)
+
+
+def test_a_thing_description_is_imported(
+    still: StillHouse, still_homebot: Homebot, capsys: Text, tmp_path: Path
+) -> None:
+    """It goes to the broker, retained, and the device that came of it is named."""
+    file = tmp_path / "lamp.td.json"
+    file.write_text(description())
+    assert main(["--door", still_homebot.door, "import", str(file)]) == 0
+    check("import", capsys.readouterr().out)
+    ((topic, payload, retain),) = still.published
+    assert (topic, json.loads(payload), retain) == ("homebot/things/urn-dev-lamp/td", json.loads(description()), True)
+
+
+def test_an_import_that_makes_no_device_says_so(still_homebot: Homebot, capsys: Text, tmp_path: Path) -> None:
+    file = tmp_path / "lamp.td.json"
+    file.write_text(description())
+    assert main(["--door", still_homebot.door, "import", str(file), "--name", "other lamp", "--timeout", "0.1"]) == 1
+    out = capsys.readouterr().out
+    assert out.startswith("published on homebot/things/other-lamp/td, but no device appeared within 0.1 s; ")
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        ("{", "is no JSON"),
+        ("[" * 100_000, "nested deeper than 64 levels"),
+        (" " * 600_000, "is longer than 2"),
+        (description(title=5), "title: a text is wanted, got 5"),
+    ],
+)
+def test_a_description_that_is_none_is_refused_before_anything_is_done(
+    still: StillHouse, still_homebot: Homebot, capsys: Text, tmp_path: Path, content: str, problem: str
+) -> None:
+    file = tmp_path / "lamp.td.json"
+    file.write_text(content)
+    assert main(["--door", still_homebot.door, "import", str(file)]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith(f"homebot: {file}: ")
+    assert problem in err
+    assert len(err) < 500
+    assert main(["--door", still_homebot.door, "import", str(tmp_path / "missing")]) == 1
+    assert "missing: cannot be read: No such file or directory" in capsys.readouterr().err
+    assert still.published == []
+
+
+def test_topics_are_named_by_what_is_left_of_an_id() -> None:
+    assert topic_level("urn:dev:ops:32473 Lamp/ä#+") == "urn-dev-ops-32473-Lamp"
+    with pytest.raises(UsageError, match="give --name"):
+        topic_level("///")
 
 
 def test_purge_does_nothing_by_halves(still: StillHouse, homebot_with: object, capsys: Text) -> None:

@@ -10,6 +10,7 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import all_devices, house_time
 from homebot.cli.moments import ago
 from homebot.cli.table import to_table, without_empty
+from homebot.cli.thing_files import write_things
 from homebot.cli.through_door import through_door
 from homebot.cli.values import main_parts, says, types
 from homebot.devices import Device
@@ -21,11 +22,14 @@ _HEAD = ("DEVICE", "TYPE", "AREA", "SAYS", "GATEWAY", "ADDRESS", "STATE", "LAST 
 
 
 def list_devices(options: argparse.Namespace) -> int:
-    """Print the devices as a table, or as a JSON list."""
+    """Print the devices as a table or as a JSON list, or write their Thing Descriptions."""
+    found: list[Device] = []
 
     async def run(door: DoorClient) -> int:
         devices = await all_devices(door, options.type)
-        if options.json:
+        if options.td:
+            found.extend(devices)
+        elif options.json:
             print(json.dumps([device_json(one) for one in devices], indent=2))
         elif not devices:
             print(f"no device offers {options.type} now" if options.type else "no device was discovered yet")
@@ -34,7 +38,10 @@ def list_devices(options: argparse.Namespace) -> int:
             print(to_table(*without_empty({"AREA", "SAYS"}, _HEAD, [_row(one, now) for one in devices])))
         return 0
 
-    return through_door(options, run)
+    code = through_door(options, run)
+    for file in write_things(found, options.td, options.broker) if options.td else ():
+        print(file)
+    return code
 
 
 def _row(device: Device, now: float) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import house_time, named_device, reasons_for
 from homebot.cli.moments import ago
 from homebot.cli.table import to_lines
+from homebot.cli.thing_files import thing_text
 from homebot.cli.through_door import through_door
 from homebot.cli.values import in_words, span
 from homebot.devices import Device, DevicePart, State
@@ -27,7 +28,9 @@ def show(options: argparse.Namespace) -> int:
 
     async def run(door: DoorClient) -> int:
         device = await named_device(door, options.device)
-        if options.json:
+        if options.td:
+            print(thing_text(device, options.broker))
+        elif options.json:
             print(json.dumps(device_json(device), indent=2))
         else:
             reasons = await reasons_for(door, device)

@@ -17,7 +17,7 @@ __all__ = ["GROUP", "Understood", "announce", "check_tables", "default_conventio
 
 GROUP = "homebot.mqtt_conventions"
 
-_ALL = ("thesis", "homeassistant", "zigbee2mqtt", "tasmota", "shelly", "homie")
+_ALL = ("thesis", "homeassistant", "zigbee2mqtt", "tasmota", "shelly", "homie", "thing")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,92 @@
+"""``homebot import``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+from pathlib import Path
+
+import anyio
+
+from homebot.cli.door_client import DoorClient
+from homebot.cli.inventory import all_devices
+from homebot.cli.outbox import Outbox
+from homebot.cli.through_door import through_door
+from homebot.devices import DEVICE_CHANGES, Device, DeviceChange
+from homebot.devices.thing import Thing, read_thing
+from homebot.errors import ConfigError, UsageError, WireError
+from homebot.gateways.mqtt.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
+from homebot.messages.json import message_from_json
+
+__all__ = ["import_thing", "topic_level"]
+
+_PREFIX = "homebot/things"
+
+
+def import_thing(options: argparse.Namespace) -> int:
+    """Check a Thing Description, put it on the broker, and wait until it is a device."""
+    text, thing = _read(options.file)
+    name = topic_level(options.name or thing.id or thing.title)
+    topic = f"{_PREFIX}/{name}/td"
+
+    async def run(door: DoorClient) -> int:
+        outbox = Outbox(door)
+        await outbox.check(options.gateway)
+        await door.subscribe(DEVICE_CHANGES)
+        await outbox.publish(options.gateway, topic, text, retain=True)
+        with anyio.move_on_after(options.timeout):
+            device = await _appeared(door, options.gateway, f"thing:{name}")
+            print(f"imported {device.id}, announced on {topic}")
+            return 0
+        print(
+            f"published on {topic}, but no device appeared within {options.timeout:g} s; "
+            f"does gateway {options.gateway} understand the convention `thing`?"
+        )
+        return 1
+
+    return through_door(options, run)
+
+
+def topic_level(text: str) -> str:
+    """Return *text* as one level of a topic: letters, digits, ``_``, ``.`` and ``-``, at most 100 characters.
+
+    Raises:
+        UsageError: Nothing of it is left.
+    """
+    level = re.sub(r"[^A-Za-z0-9_.-]+", "-", text).strip("-")[:100]
+    if not level:
+        raise UsageError(f"no topic can be named after {text[:60]!a}; give --name")
+    return level
+
+
+def _read(file: str) -> tuple[str, Thing]:
+    try:
+        with Path(file).open("rb") as opened:
+            payload = opened.read(MAX_ANNOUNCEMENT_BYTES + 1)
+    except OSError as exc:
+        raise ConfigError(file, "", f"cannot be read: {exc.strerror}") from exc
+    try:
+        value = parse_json(payload, MAX_ANNOUNCEMENT_BYTES)
+        thing = read_thing(value)
+    except WireError as exc:
+        raise ConfigError(file, "", str(exc)) from exc
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":")), thing
+
+
+async def _appeared(door: DoorClient, gateway: str, key: str) -> Device:
+    for device in await all_devices(door):
+        if _is_of(device, gateway, key):
+            return device
+    while True:
+        delivery = await door.next()
+        if delivery.topic == DEVICE_CHANGES:
+            change = message_from_json(DeviceChange, delivery.message)
+            if change.kind != "removed" and _is_of(change.device, gateway, key):
+                return change.device
+
+
+def _is_of(device: Device, gateway: str, key: str) -> bool:
+    ways = [(one.gateway, one.key) for one in device.endpoints]
+    ways += [(route.gateway, route.key) for part in device.parts for route in part.routes]
+    return (gateway, key) in ways

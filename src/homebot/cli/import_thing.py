@@ -1,0 +1,34 @@
+"""The arguments of ``homebot import``."""
+
+from __future__ import annotations
+
+from homebot.cli.arguments import Commands, add_command, positive
+
+__all__ = ["add_parser"]
+
+_EXAMPLES = """\
+  homebot import desk_lamp.td.json
+  homebot import desk_lamp.td.json --name desk-lamp
+
+The description is put, retained, on the broker's topic homebot/things/NAME/td, and the gateway makes a device of it;
+it is there until `homebot forget DEVICE --purge`. What it says about MQTT with JSON or plain text can be read and told.
+"""
+
+
+def add_parser(commands: Commands) -> None:
+    """Add ``import``."""
+    parser = add_command(
+        commands,
+        "import",
+        "make a device of a W3C Thing Description",
+        _EXAMPLES,
+        "homebot.cli.commands.import_thing:import_thing",
+    )
+    parser.add_argument("file", metavar="FILE", help="Thing Description 1.1, as JSON")
+    parser.add_argument(
+        "--name", metavar="NAME", default="", help="name of the topic's level (default: of its id or title)"
+    )
+    parser.add_argument("--gateway", metavar="G", default="mqtt", help="gateway of its broker (default: mqtt)")
+    parser.add_argument(
+        "--timeout", metavar="S", type=positive, default=5.0, help="seconds to wait for it (default: 5)"
+    )

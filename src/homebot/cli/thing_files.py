@@ -1,0 +1,45 @@
+"""Devices as files that hold Thing Descriptions."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+
+from homebot.devices import Device
+from homebot.devices.thing import to_thing
+from homebot.errors import ConfigError
+from homebot.names import escape_token
+
+__all__ = ["thing_text", "write_things"]
+
+_LONGEST = 200
+
+
+def thing_text(device: Device, broker: str) -> str:
+    """Return the Thing Description of *device*, whose gateways use the broker at that address."""
+    gateways = {one.gateway for one in device.endpoints}
+    gateways |= {route.gateway for part in device.parts for route in part.routes}
+    return json.dumps(to_thing(device, dict.fromkeys(gateways, broker)), indent=2, ensure_ascii=False)
+
+
+def write_things(devices: Iterable[Device], directory: str, broker: str) -> list[Path]:
+    """Write a file for each device into *directory*, which is made where it is missing; return the files.
+
+    A file is named after the device's id, as topics of the graph are: ``lights/lamp`` is ``lights_x2flamp.td.json``.
+
+    Raises:
+        ConfigError: They cannot be written.
+    """
+    written: list[Path] = []
+    try:
+        Path(directory).mkdir(parents=True, exist_ok=True)
+        for device in devices:
+            name = escape_token(device.id)
+            name = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}_{len(written)}"
+            file = Path(directory) / f"{name}.td.json"
+            file.write_text(f"{thing_text(device, broker)}\n", encoding="utf-8")
+            written.append(file)
+    except OSError as exc:
+        raise ConfigError("--td", directory, f"cannot be written: {exc.strerror}") from exc
+    return written

@@ -1,0 +1,56 @@
+"""Numbers of things in the vocabulary's units, and back. Pure."""
+
+from __future__ import annotations
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.thing.thing import Affordance
+from homebot.devices.thing.units import unit_of
+
+__all__ = ["canonical", "on_the_wire"]
+
+_SHARES = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
+"""What goes from nothing to all, whatever the thing calls the two ends."""
+
+_PERCENT = 100.0
+_MIRED = 1_000_000.0
+
+
+def canonical(capability: str, affordance: Affordance, number: float) -> float | None:
+    """Return *number*, as the thing spells it, in the vocabulary's unit; None where it means nothing."""
+    if "capability" in affordance.extension:  # homebot's own words are canonical already
+        return number
+    if (ends := _ends(capability, affordance)) is not None:
+        low, high = ends
+        return min(max((number - low) / (high - low) * _PERCENT, 0.0), _PERCENT)
+    if capability == "color_temperature" and unit_of(affordance.schema) == "mired":
+        return round(_MIRED / number) if number > 0 else None
+    if _is_fahrenheit(capability, affordance):
+        return (number - 32) * 5 / 9
+    return number
+
+
+def on_the_wire(capability: str, affordance: Affordance, number: float) -> float:
+    """Return *number*, which is in the vocabulary's unit, as the thing spells it."""
+    if "capability" in affordance.extension:
+        return number
+    found = number
+    if (ends := _ends(capability, affordance)) is not None:
+        low, high = ends
+        found = low + number / _PERCENT * (high - low)
+    elif capability == "color_temperature" and unit_of(affordance.schema) == "mired":
+        found = _MIRED / number
+    elif _is_fahrenheit(capability, affordance):
+        found = number * 9 / 5 + 32
+    return float(round(found)) if affordance.schema.type == "integer" else round(found, 6)
+
+
+def _ends(capability: str, affordance: Affordance) -> tuple[float, float] | None:
+    low, high = affordance.schema.minimum, affordance.schema.maximum
+    if low is None or high is None or low >= high:
+        return None
+    is_share = capability in _SHARES or (high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT))
+    return (low, high) if is_share else None
+
+
+def _is_fahrenheit(capability: str, affordance: Affordance) -> bool:
+    return CAPABILITIES[capability].unit == "°C" and unit_of(affordance.schema) == "°F"

@@ -1,0 +1,115 @@
+"""A W3C Thing Description, checked: what a thing offers, and where.
+
+Source: W3C Recommendation "Web of Things (WoT) Thing Description 1.1", section 5; the terms ``mqv:`` are those of the
+editor's draft "Web of Things (WoT) MQTT Binding".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+__all__ = ["Affordance", "AffordanceKind", "DataSchema", "DataType", "Form", "Thing"]
+
+AffordanceKind: TypeAlias = Literal["property", "action", "event"]
+DataType: TypeAlias = Literal["boolean", "integer", "number", "string", "object", "array", "null", ""]
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """One way to use an affordance.
+
+    Attributes:
+        ops: What it does, for example ``writeproperty``; at least one.
+        scheme: Of its address, for example ``mqtt``; empty where only a relative one was given.
+        topic: To publish on; empty where there is none.
+        filter: To subscribe to; empty where there is none.
+        qos: 0 to 2.
+        retain: Whether the broker shall keep, or keeps, what is published.
+        content_type: How payloads are spelt; ``application/json`` where nothing was said.
+    """
+
+    ops: tuple[str, ...]
+    scheme: str
+    topic: str = ""
+    filter: str = ""
+    qos: int = 0
+    retain: bool = False
+    content_type: str = "application/json"
+
+    @property
+    def is_mqtt(self) -> bool:
+        """Whether it is about MQTT."""
+        return self.scheme in {"mqtt", "mqtts", "ws+mqtt"} or bool(self.topic or self.filter)
+
+
+@dataclass(frozen=True, slots=True)
+class DataSchema:
+    """What values may be.
+
+    Attributes:
+        type: Of the values; empty where nothing was said.
+        unit: As it was spelt; empty where there is none.
+        minimum: The smallest number, if any.
+        maximum: The largest number, if any.
+        enum: The only values, if they are listed; those that are neither texts, numbers nor booleans are left out.
+    """
+
+    type: DataType = ""
+    unit: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    enum: tuple[str | float | bool, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Affordance:
+    """Something that can be read, told or heard.
+
+    Attributes:
+        name: Unique among its kind in the thing.
+        kind: Which of the three it is.
+        title: What people call it; empty where nobody said.
+        types: Its semantic types, without prefix.
+        schema: What its values may be: of an action those that it takes, of an event those that come with it.
+        read_only: Whether it cannot be told.
+        write_only: Whether it cannot be read.
+        forms: The ways to use it, at least one.
+        extension: What homebot itself wrote of it, by the name after ``homebot:``; texts alone.
+    """
+
+    name: str
+    kind: AffordanceKind
+    title: str
+    types: tuple[str, ...]
+    schema: DataSchema
+    read_only: bool
+    write_only: bool
+    forms: tuple[Form, ...]
+    extension: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """A thing.
+
+    Attributes:
+        id: Its URI; empty where it has none.
+        title: What people call it.
+        types: Its semantic types, without prefix.
+        description: What it is, in words.
+        affordances: Properties, then actions, then events, each in their order.
+        facts: Further facts, by name.
+        area: Where it is; empty where nobody said.
+        identifiers: Who it is; see :func:`homebot.devices.identity.identifiers`.
+    """
+
+    id: str
+    title: str
+    types: tuple[str, ...]
+    description: str
+    affordances: tuple[Affordance, ...]
+    facts: Mapping[str, str] = field(default_factory=dict)
+    area: str = ""
+    identifiers: tuple[str, ...] = ()

@@ -1,0 +1,191 @@
+"""What semantic types of things and properties mean in the vocabulary, and the other way round. Pure.
+
+Source: the schemas of WebThings, https://webthings.io/schemas, whose names most Thing Descriptions with semantics use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+__all__ = ["CAPABILITY_TYPES", "DEVICE_TYPE_NAMES", "LONE_TYPES", "NAMES", "OWNED", "THING_TYPES", "UNITS", "WEBTHINGS"]
+
+WEBTHINGS: Final = "https://webthings.io/schemas"
+
+THING_TYPES: Mapping[str, str] = MappingProxyType(
+    {
+        "Light": "light",
+        "ColorControl": "light",
+        "LightSwitch": "light",
+        "SmartPlug": "plug",
+        "Lock": "door_lock",
+        "Thermostat": "thermostat",
+        "DoorSensor": "contact_sensor",
+        "MotionSensor": "occupancy_sensor",
+        "TemperatureSensor": "temperature_sensor",
+        "HumiditySensor": "humidity_sensor",
+        "BarometricPressureSensor": "pressure_sensor",
+        "AirQualitySensor": "air_quality_sensor",
+        "LeakSensor": "water_leak_detector",
+        "SmokeSensor": "smoke_co_alarm",
+        "EnergyMonitor": "electrical_meter",
+        "PushButton": "generic_switch",
+        "Alarm": "siren",
+        "Camera": "camera",
+        "VideoCamera": "camera",
+        "WindowCovering": "window_covering",
+        "OnOffSwitch": "switch",
+        "MultiLevelSwitch": "switch",
+        "BinarySwitch": "switch",
+    }
+)
+"""The device type for each semantic type of a thing; of several the first in this order counts."""
+
+DEVICE_TYPE_NAMES: Mapping[str, str] = MappingProxyType(
+    {device: name for name, device in reversed(tuple(THING_TYPES.items()))}
+    | {"switch": "OnOffSwitch", "light": "Light"}
+)
+
+CAPABILITY_TYPES: Mapping[str, str] = MappingProxyType(
+    {
+        "on_off": "OnOffProperty",
+        "level": "BrightnessProperty",
+        "color": "ColorProperty",
+        "color_temperature": "ColorTemperatureProperty",
+        "position": "LevelProperty",
+        "contact": "OpenProperty",
+        "occupancy": "MotionProperty",
+        "lock": "LockedProperty",
+        "temperature": "TemperatureProperty",
+        "heating_setpoint": "TargetTemperatureProperty",
+        "thermostat_mode": "ThermostatModeProperty",
+        "thermostat_action": "HeatingCoolingProperty",
+        "humidity": "HumidityProperty",
+        "pressure": "BarometricPressureProperty",
+        "power": "InstantaneousPowerProperty",
+        "voltage": "VoltageProperty",
+        "current": "CurrentProperty",
+        "frequency": "FrequencyProperty",
+        "smoke": "SmokeProperty",
+        "water_leak": "LeakProperty",
+        "push": "PushedProperty",
+    }
+)
+"""The semantic type of a property for each capability that has one."""
+
+OWNED: Mapping[str, frozenset[str]] = MappingProxyType(
+    {
+        "light": frozenset({"on_off", "level", "color", "color_temperature", "effect"}),
+        "plug": frozenset({"on_off", "level"}),
+        "switch": frozenset({"on_off", "level"}),
+        "door_lock": frozenset({"lock"}),
+        "window_covering": frozenset({"position", "tilt", "movement"}),
+        "closure": frozenset({"position", "movement"}),
+        "thermostat": frozenset(
+            {
+                "local_temperature",
+                "heating_setpoint",
+                "cooling_setpoint",
+                "thermostat_mode",
+                "thermostat_action",
+                "preset_mode",
+            }
+        ),
+        "fan": frozenset({"on_off", "fan_speed", "fan_mode", "oscillation", "direction"}),
+        "siren": frozenset({"on_off", "volume", "siren_tone"}),
+        "electrical_meter": frozenset({"power", "energy", "voltage", "current", "frequency"}),
+        "robotic_vacuum_cleaner": frozenset({"vacuum", "fan_speed"}),
+        "water_valve": frozenset({"valve", "position"}),
+    }
+)
+"""Which capabilities make up one part of a type; any other is a part by itself."""
+
+LONE_TYPES: Mapping[str, str] = MappingProxyType(
+    {
+        "on_off": "switch",
+        "level": "switch",
+        "position": "window_covering",
+        "movement": "window_covering",
+        "lock": "door_lock",
+        "valve": "water_valve",
+        "vacuum": "robotic_vacuum_cleaner",
+        "fan_speed": "fan",
+        "heating_setpoint": "thermostat",
+        "contact": "contact_sensor",
+        "occupancy": "occupancy_sensor",
+        "temperature": "temperature_sensor",
+        "humidity": "humidity_sensor",
+        "illuminance": "light_sensor",
+        "pressure": "pressure_sensor",
+        "flow": "flow_sensor",
+        "soil_moisture": "soil_sensor",
+        "carbon_dioxide": "air_quality_sensor",
+        "air_quality_index": "air_quality_sensor",
+        "smoke": "smoke_co_alarm",
+        "carbon_monoxide_alarm": "smoke_co_alarm",
+        "water_leak": "water_leak_detector",
+        "rain": "rain_sensor",
+        "freeze": "water_freeze_detector",
+        "power": "electrical_meter",
+        "energy": "electrical_meter",
+        "voltage": "electrical_meter",
+        "current": "electrical_meter",
+        "battery": "x_battery",
+        "press": "generic_switch",
+        "push": "generic_switch",
+        "scene": "x_scene",
+        "measurement": "x_sensor",
+        "state": "x_binary_sensor",
+    }
+)
+"""What a part is that has this capability and nothing to say what it is."""
+
+NAMES: Mapping[str, str] = MappingProxyType(
+    {
+        "on": "on_off",
+        "onoff": "on_off",
+        "power_state": "on_off",
+        "switch": "on_off",
+        "brightness": "level",
+        "dimmer": "level",
+        "colour": "color",
+        "colour_temperature": "color_temperature",
+        "motion": "occupancy",
+        "open": "contact",
+        "locked": "lock",
+        "leak": "water_leak",
+        "co2": "carbon_dioxide",
+        "target_temperature": "heating_setpoint",
+        "illumination": "illuminance",
+        "lux": "illuminance",
+        "instantaneous_power": "power",
+        "battery_level": "battery",
+    }
+)
+"""Names of properties that mean a capability of another name."""
+
+UNITS: Mapping[str, str] = MappingProxyType(
+    {
+        "percent": "%",
+        "percentage": "%",
+        "celsius": "°C",
+        "degree celsius": "°C",
+        "degree_celsius": "°C",
+        "c": "°C",
+        "fahrenheit": "°F",
+        "degree fahrenheit": "°F",
+        "degree_fahrenheit": "°F",
+        "kelvin": "K",
+        "mired": "mired",
+        "watt": "W",
+        "volt": "V",
+        "ampere": "A",
+        "hertz": "Hz",
+        "lux": "lx",
+        "hectopascal": "hPa",
+        "kilowatthour": "kWh",
+        "kilowatt-hour": "kWh",
+    }
+)
+"""Units that are spelt out."""
