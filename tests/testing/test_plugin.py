@@ -49,6 +49,14 @@ def test_it_works_with_the_plugin_of_anyio(pytester: pytest.Pytester) -> None:
     run(pytester, "@pytest.mark.anyio\n", "-p", "no:asyncio").assert_outcomes(passed=2)
 
 
+def test_it_works_without_any_of_them(pytester: pytest.Pytester) -> None:
+    run(pytester, "", "-p", "no:asyncio", "-p", "no:anyio").assert_outcomes(passed=2)
+
+
+def test_it_works_where_pytest_asyncio_leaves_a_test_alone(pytester: pytest.Pytester) -> None:
+    run(pytester, "").assert_outcomes(passed=2)
+
+
 def test_it_works_under_xdist(pytester: pytest.Pytester) -> None:
     run(pytester, "@pytest.mark.asyncio\n", "-n", "2").assert_outcomes(passed=2)
 

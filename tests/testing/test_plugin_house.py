@@ -263,6 +263,34 @@ async def test_on_its_loop(house): pass
     )
 
 
+def test_a_test_that_two_plug_ins_want_is_told_so(pytester: pytest.Pytester) -> None:
+    pytester.makeconftest("import pytest\n\n@pytest.fixture\ndef anyio_backend():\n    return 'asyncio'\n")
+    pytester.makepyfile(START + "\n@pytest.mark.anyio\nasync def test_it(house): pass\n")
+    result = run(pytester, "--asyncio-mode=auto")
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["`house` has one loop, and two plug-ins want this test: pytest-asyncio*"])
+
+
+def test_a_class_alone_is_marked_with_args(pytester: pytest.Pytester) -> None:
+    """What ``mark(Class)`` means to pytest is that the class is marked."""
+    pytester.makepyfile(
+        START
+        + """
+from homebot.apps import App
+
+ran = []
+
+class Mine(App):
+    async def run(self): ran.append(self)
+
+@pytest.mark.house.with_args(Mine)
+async def test_it(house):
+    assert len(ran) == 1
+"""
+    )
+    run(pytester).assert_outcomes(passed=1)
+
+
 def test_a_failed_test_shows_what_happened(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         START

@@ -20,7 +20,7 @@ __all__ = ["anyio_loop", "homebot", "homebot_config", "house", "own_loop", "virt
 
 _HOUSES = pytest.StashKey["list[tuple[str, TestHouse]]"]()
 
-_OF_REAL_TIME = {"homebot_config": "homebot", "_mqtt_broker_loop": "mqtt_broker"}
+_OF_REAL_TIME = {"homebot_config": "homebot", loops.BROKERS: "mqtt_broker"}
 """What only our fixtures use, and their names, which others may use too."""
 
 HouseT = TypeVar("HouseT", bound="TestHouse")
@@ -90,11 +90,11 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
     """Run a test with a fixture of ours that nobody else runs."""
-    runner = loops.own_runner(pyfuncitem)
-    if runner is None:
-        return None
-    names = pyfuncitem._fixtureinfo.argnames  # noqa: SLF001 - what pytest itself passes, and no public way to it
-    runner.run(pyfuncitem.obj(**{name: pyfuncitem.funcargs[name] for name in names}))
+    with loops.own_runner(pyfuncitem) as runner:
+        if runner is None:
+            return None
+        names = pyfuncitem._fixtureinfo.argnames  # noqa: SLF001 - what pytest itself passes, and no public way to it
+        runner.run(pyfuncitem.obj(**{name: pyfuncitem.funcargs[name] for name in names}))
     return True
 
 

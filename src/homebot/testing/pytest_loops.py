@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import inspect
 from collections.abc import Collection, Coroutine, Iterator
+from contextlib import contextmanager
 from contextvars import Context
 from typing import NoReturn, TypeVar
 
@@ -29,6 +30,9 @@ ResultT = TypeVar("ResultT")
 
 VIRTUAL_TIME = "_homebot_virtual_time"
 """The fixture that marks a test as one in virtual time: names such as ``house`` others may use too."""
+
+BROKERS = "_mqtt_broker_loop"
+"""The fixture that marks a test as one with an MQTT broker."""
 
 PYTEST_ASYNCIO = "asyncio"
 """The name of pytest-asyncio among the plug-ins."""
@@ -71,6 +75,11 @@ def loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEve
     if not _is_coroutine(test):
         _fail(f"`{fixture}` is for tests that can wait: write `async def {test.originalname}(…):`")
     if _runs_on_pytest_asyncio(test):
+        if "anyio_backend" in request.fixturenames:
+            _fail(
+                f"`{fixture}` has one loop, and two plug-ins want this test: pytest-asyncio in its mode `auto`, and "
+                "anyio's by a mark or fixture; take the test from one of them"
+            )
         return _loop_from(request, f"_homebot_{_loop_scope(test)}_loop")
     if "anyio_backend" not in request.fixturenames:
         return _loop_from(request, "_homebot_own_loop")
@@ -97,9 +106,15 @@ def virtual_loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.Abs
     return loop
 
 
-def own_runner(test: pytest.Item) -> asyncio.Runner | None:
-    """Return what runs *test* where nobody else does and a fixture of ours wants a loop."""
-    return test.stash.get(_RUNNER, None)
+@contextmanager
+def own_runner(test: pytest.Item) -> Iterator[asyncio.Runner | None]:
+    """Give what runs *test* where nobody else does and a fixture of ours wants a loop."""
+    runner = test.stash.get(_RUNNER, None)
+    if runner is None and _is_left_with_a_broker(test):
+        with asyncio.Runner() as runner:
+            yield runner
+    else:
+        yield runner
 
 
 def use_virtual_loop(metafunc: pytest.Metafunc) -> None:
@@ -193,6 +208,12 @@ def _runs_on_pytest_asyncio(test: pytest.Item) -> bool:
     from pytest_asyncio import is_async_test  # noqa: PLC0415 - it is there, but need not be elsewhere
 
     return is_async_test(test)
+
+
+def _is_left_with_a_broker(test: pytest.Item) -> bool:
+    fixtures = getattr(test, "fixturenames", ())
+    is_plain = BROKERS in fixtures and inspect.iscoroutinefunction(getattr(test, "obj", None))
+    return is_plain and "anyio_backend" not in fixtures and not _runs_on_pytest_asyncio(test)
 
 
 def _loop_scope(test: pytest.Item) -> str:
