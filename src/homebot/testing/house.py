@@ -21,6 +21,7 @@ from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 from homebot.testing.background import in_background
 from homebot.testing.house_config import house_config, mqtt_gateway_of
+from homebot.testing.plain_logs import plain_logs
 
 if TYPE_CHECKING:
     from homebot.testing.event_log import EventLog
@@ -156,18 +157,19 @@ async def house_of(
         UsageError: The configuration cannot be used.
     """
     given = config if config is None or isinstance(config, Config) else parse_config(config, "config")
-    async with Broker() as broker:
-        made = house_config(apps, root, broker.url, given)
-        gateway = mqtt_gateway_of(made)
-        own = MqttOptions.from_url(broker.url)
-        options = own if gateway is None else replace(gateway.options(), client_id=own.client_id)
-        async with (
-            Runtime(made) as runtime,
-            MqttConnection(options, AiomqttClient, status_topic=None) as field,
-        ):
-            heard = root if gateway is None else gateway.root or "+"
-            await field.subscribe(Subscription(f"{heard}/+/+/in", qos=1))
-            await field.wait_connected()
-            house = TestHouse(runtime, field, options, AiomqttClient)
-            async with in_background(house.listen):
-                yield house
+    with plain_logs():
+        async with Broker() as broker:
+            made = house_config(apps, root, broker.url, given)
+            gateway = mqtt_gateway_of(made)
+            own = MqttOptions.from_url(broker.url)
+            options = own if gateway is None else replace(gateway.options(), client_id=own.client_id)
+            async with (
+                Runtime(made) as runtime,
+                MqttConnection(options, AiomqttClient, status_topic=None) as field,
+            ):
+                heard = root if gateway is None else gateway.root or "+"
+                await field.subscribe(Subscription(f"{heard}/+/+/in", qos=1))
+                await field.wait_connected()
+                house = TestHouse(runtime, field, options, AiomqttClient)
+                async with in_background(house.listen):
+                    yield house

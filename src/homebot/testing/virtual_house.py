@@ -23,6 +23,7 @@ from homebot.testing.background import in_background
 from homebot.testing.house import TestHouse
 from homebot.testing.house_config import house_config
 from homebot.testing.moment import as_moment, next_moment
+from homebot.testing.plain_logs import plain_logs
 from homebot.testing.virtual_time import VirtualTimeLoop
 from homebot.units import parse_duration
 
@@ -137,6 +138,7 @@ async def virtual_house_of(
     clock = LoopClock(as_moment(start).timestamp())
     random = Random(seed)  # noqa: S311 - a simulation has no secrets
     async with AsyncExitStack() as stack:
+        stack.enter_context(plain_logs())
         broker = await stack.enter_async_context(MemoryBroker(clock=clock, random=random))
         config = house_config(apps, root, EMBEDDED)
         runtime = Runtime(config, with_door=False, clock=clock, broker=broker, random=random)
