@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import socket
 import threading
 
 import anyio
+import anyio.lowlevel
 import pytest
 
 from homebot.errors import UsageError
@@ -112,3 +114,35 @@ def test_waiting_for_what_cannot_come_is_an_error(monkeypatch: pytest.MonkeyPatc
         pytest.raises(UsageError, match="nothing is ready and no timer is set"),
     ):
         runner.run(anyio.sleep_forever())
+
+
+def test_a_program_that_is_always_busy_ends_with_the_name_of_what_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def never_waits() -> None:
+        while True:
+            await anyio.lowlevel.checkpoint()
+
+    async def program() -> None:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(never_waits, name="the hot one")
+            await anyio.sleep(1)
+
+    monkeypatch.setattr(virtual_time, "HOT_AFTER", 0.05)
+    monkeypatch.setattr(virtual_time, "HOT_TURNS", 1_000)
+    told = rf"time stands still: .*; now: the hot one in .*never_waits, {re.escape(__file__)}:\d+$"
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner, pytest.raises(UsageError, match=told):
+        runner.run(program())
+
+
+def test_a_busy_program_that_comes_to_rest_each_time_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def program(loop: VirtualTimeLoop) -> float:
+        for _ in range(100):
+            for _ in range(100):
+                await asyncio.sleep(0)
+            await loop.settled()
+        return loop.time()
+
+    monkeypatch.setattr(virtual_time, "HOT_AFTER", 0.0)
+    monkeypatch.setattr(virtual_time, "HOT_TURNS", 1_000)
+    loop = VirtualTimeLoop()
+    with asyncio.Runner(loop_factory=lambda: loop) as runner:
+        assert runner.run(program(loop)) == 0.0

@@ -9,10 +9,15 @@ from __future__ import annotations
 import asyncio
 import math
 import selectors
+import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextvars import Context
+from pathlib import Path
+from types import CoroutineType, FrameType
 from typing import TypeVarTuple
+
+import anyio
 
 from homebot.errors import UsageError
 
@@ -22,18 +27,22 @@ Ts = TypeVarTuple("Ts")
 
 RESOLUTION = 1e-6  # seconds; timers closer than this fire together. Far above the steps of a float at 30 years
 SELDOM = 50  # turns of a busy loop after which files are looked at all the same
+HOT_AFTER = 30.0  # real seconds and
+HOT_TURNS = 500_000  # turns, both in one moment, in which no program that ever waits can still be busy
 STUCK_AFTER = 5.0  # real seconds in which a thread or a signal may still wake a loop that has no timer
+_LIBRARIES = tuple(str(Path(str(each.__file__)).parent) for each in (asyncio, anyio))
 
 
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
     """An event loop in virtual time, which starts at 0.
 
     Made for ``asyncio.Runner(loop_factory=VirtualTimeLoop)`` and its likes. A program that waits for what cannot come,
-    with nothing ready and no timer set, ends with :class:`homebot.errors.UsageError` after 5 real seconds.
+    with nothing ready and no timer set, ends with :class:`homebot.errors.UsageError` after 5 real seconds; one that is
+    always busy, so that no time can pass, after 30 and half a million turns. The error says which tasks are busy.
     """
 
     def __init__(self) -> None:
-        self._jumping = _JumpingSelector()
+        self._jumping = _JumpingSelector(self._busy)
         super().__init__(self._jumping)
         self._clock_resolution = RESOLUTION  # asyncio's own is lost in the float after 97 days: no timer would be due
 
@@ -59,16 +68,39 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
             return asyncio.TimerHandle(when, callback, args, self, context)
         return super().call_at(when, callback, *args, context=context)
 
+    def _busy(self) -> str:
+        """The tasks that run in this turn, and where they are."""
+        handles: Iterable[asyncio.Handle] = getattr(self, "_ready", ())  # asyncio's own, and no public way to it
+        owners = (getattr(getattr(handle, "_callback", None), "__self__", None) for handle in handles)
+        places = {f"{task.get_name()} in {_place(task)}" for task in owners if isinstance(task, asyncio.Task)}
+        return ", ".join(sorted(places)) or "no task"
+
+
+def _place(task: asyncio.Task[object]) -> str:
+    """Where *task* waits: in the innermost of its coroutines that is not part of asyncio or anyio."""
+    waits: object = task.get_coro()
+    frames: list[FrameType] = []
+    while isinstance(waits, CoroutineType):
+        frames += [waits.cr_frame] if waits.cr_frame else []
+        waits = waits.cr_await
+    own = [frame for frame in frames if not frame.f_code.co_filename.startswith(_LIBRARIES)]
+    for frame in (own or frames)[-1:]:
+        return f"{frame.f_code.co_qualname}, {frame.f_code.co_filename}:{frame.f_lineno}"
+    return "its end"
+
 
 class _JumpingSelector(selectors.DefaultSelector):
     """Passes time instead of waiting."""
 
     now = 0.0
 
-    def __init__(self) -> None:
+    def __init__(self, busy: Callable[[], str]) -> None:
         super().__init__()
         self.waiters: deque[asyncio.Future[None]] = deque()
+        self._busy = busy
         self._unasked = 0
+        self._turns = 0
+        self._busy_since = time.monotonic()
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
         if timeout is None and not self.waiters:
@@ -79,7 +111,9 @@ class _JumpingSelector(selectors.DefaultSelector):
         self._unasked = 0
         ready = super().select(0)
         if timeout == 0 or ready:
+            self._end_if_hot()
             return ready
+        self._turns = 0
         if self.waiters:
             self._wake_waiters()
         elif timeout is not None:
@@ -91,6 +125,14 @@ class _JumpingSelector(selectors.DefaultSelector):
             waiter = self.waiters.popleft()
             if not waiter.done():
                 waiter.set_result(None)
+
+    def _end_if_hot(self) -> None:
+        """Count another :data:`SELDOM` turns in which no time passed."""
+        if self._turns == 0:
+            self._busy_since = time.monotonic()
+        self._turns += SELDOM
+        if self._turns >= HOT_TURNS and time.monotonic() - self._busy_since >= HOT_AFTER:
+            raise UsageError(f"time stands still: something is always busy and never waits; now: {self._busy()}")
 
     def _select_or_give_up(self) -> list[tuple[selectors.SelectorKey, int]]:
         ready = super().select(STUCK_AFTER)
