@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
+from homebot.gateways.mqtt.bounded import Bounded
 from homebot.gateways.mqtt.description import Availability, Described, Heard, Publication, Withdrawn
 from homebot.gateways.mqtt.payload import clean_text, parse_object, shown
-from homebot.gateways.mqtt.shelly.bounded import Bounded
 from homebot.gateways.mqtt.shelly.gen1_models import Gen1Model, find_model
 from homebot.gateways.mqtt.shelly.gen1_parts import build_parts, is_known_topic
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place

@@ -16,9 +16,9 @@ from types import MappingProxyType
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
 from homebot.errors import WireError
+from homebot.gateways.mqtt.bounded import Bounded
 from homebot.gateways.mqtt.description import Availability, Described, DescribedPart, Heard, Question, Withdrawn
 from homebot.gateways.mqtt.payload import clean_text, parse_object, shown
-from homebot.gateways.mqtt.shelly.bounded import Bounded
 from homebot.gateways.mqtt.shelly.gen2_component import Fields, Gen2Place
 from homebot.gateways.mqtt.shelly.gen2_parts import build_parts
 from homebot.gateways.mqtt.shelly.online import OnlineTopic

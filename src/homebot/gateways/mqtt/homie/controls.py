@@ -1,0 +1,160 @@
+"""Covers, locks, valves, thermostats, fans and vacuum cleaners. Pure.
+
+Source: hc-smarthome v2, shutter, garage-door, lock, valve and thermostat.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
+from homebot.gateways.mqtt.homie.model import HomieProperty
+from homebot.gateways.mqtt.homie.told import add_flag, add_percent, add_temperature, add_words, percent_written
+from homebot.gateways.mqtt.homie.values import publication, read_plain
+from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart
+
+__all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_vacuum", "add_valve"]
+
+Props = Mapping[str, HomieProperty]
+
+_OPENINGS = ("open", "closed", "opening", "closing", "stopped")
+_HEARD = {"open": "open", "close": "closed", "closed": "closed", "stop": "stopped", "up": "open", "down": "closed"}
+_MOVES = {"open": ("open", "up"), "closed": ("close", "closed", "down"), "stopped": ("stop", "stopped")}
+_LOCKS = {True: "locked", False: "unlocked"}
+_LOCK_WORDS = {"locked": ("lock", "locked"), "unlocked": ("unlock", "unlocked"), "open": ("open",)}
+_VALVES = {True: "open", False: "closed"}
+_CLEANING = {
+    "docked": "docked",
+    "idle": "idle",
+    "returning": "returning",
+    "cleaning": "cleaning",
+    "paused": "paused",
+    "error": "error",
+    "moving": "cleaning",
+    "manual_control": "cleaning",
+}
+_CLEANER_ORDERS = {"cleaning": "START", "paused": "PAUSE", "idle": "STOP", "returning": "HOME"}
+
+
+def add_cover(part: TabledPart, props: Props) -> None:
+    """Let *part* be a cover. One without orders in words is moved by its position."""
+    position, state, order = props.get("position"), props.get("movement"), props.get("move")
+    for capability in ("position", "tilt"):
+        if capability in props:
+            add_percent(part, capability, props[capability])
+
+    def read(prop: HomieProperty, payload: bytes) -> Readings:
+        value = read_plain(prop, payload)
+        word = value.casefold() if isinstance(value, str) else ""
+        word = _HEARD.get(word, word)
+        return {"movement": word} if word in _OPENINGS else NOTHING
+
+    def move(prop: HomieProperty, orders: Mapping[str, str], value: PlainValue, _: float) -> tuple[Publication, ...]:
+        return (publication(prop, orders[wanted_option("movement", value, orders)]),)
+
+    def go(prop: HomieProperty, value: PlainValue, _: float) -> tuple[Publication, ...]:
+        percent = {"open": 100.0, "closed": 0.0}
+        return (percent_written(prop, "position", percent[wanted_option("movement", value, percent)]),)
+
+    if state is not None:
+        part.reads(state.topic, partial(read, state))
+    orders = _words(order, _MOVES)
+    writer = None
+    if order is not None and orders:
+        part.listens(f"{order.topic}/set")
+        writer = partial(move, order, orders)
+    elif position is not None and position.is_settable:
+        writer = partial(go, position)
+    if state is not None or writer is not None:
+        part.offers("movement", readable=state is not None, writer=writer, options=_OPENINGS)
+
+
+def add_lock(part: TabledPart, props: Props) -> None:
+    """Let *part* be a lock: locked where its state is true."""
+    state, order = props.get("lock"), props.get("lock_action")
+    orders = _words(order, _LOCK_WORDS)
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(state, payload) if state is not None else None
+        return {"lock": _LOCKS[value]} if isinstance(value, bool) else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        if state is not None and state.is_settable and value != "open":
+            wanted = wanted_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in orders else ())))
+            return (publication(state, "true" if wanted == "locked" else "false"),)
+        word = orders[wanted_option("lock", value, orders)]
+        return () if order is None else (publication(order, word),)
+
+    if state is not None:
+        part.reads(state.topic, read)
+    for prop in (state, order):
+        if prop is not None and prop.is_settable:
+            part.listens(f"{prop.topic}/set")
+    is_settable = bool(orders) or (state is not None and state.is_settable)
+    part.offers("lock", readable=state is not None, writer=write if is_settable else None)
+
+
+def add_valve(part: TabledPart, props: Props) -> None:
+    """Let *part* be a valve: open where its state is true."""
+    state = props["valve"]
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(state, payload)
+        return {"valve": _VALVES[value]} if isinstance(value, bool) else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (publication(state, "true" if wanted_option("valve", value, ("open", "closed")) == "open" else "false"),)
+
+    part.reads(state.topic, read)
+    if state.is_settable:
+        part.listens(f"{state.topic}/set")
+    part.offers("valve", writer=write if state.is_settable else None, options=("open", "closed"))
+
+
+def add_thermostat(part: TabledPart, props: Props) -> None:
+    """Let *part* be a thermostat."""
+    for capability in ("heating_setpoint", "cooling_setpoint", "local_temperature"):
+        if capability in props:
+            add_temperature(part, capability, props[capability])
+    for capability in ("thermostat_mode", "fan_mode"):
+        if capability in props:
+            add_words(part, capability, props[capability])
+
+
+def add_fan(part: TabledPart, props: Props) -> None:
+    """Let *part* be a fan."""
+    if "on_off" in props:
+        add_flag(part, props["on_off"])
+    if "fan_mode" in props:
+        add_words(part, "fan_mode", props["fan_mode"])
+
+
+def add_vacuum(part: TabledPart, state: HomieProperty, order: HomieProperty) -> None:
+    """Let *part* be a vacuum cleaner, as Valetudo announces it."""
+    orders = {name: word for name, word in _CLEANER_ORDERS.items() if word in order.options}
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(state, payload)
+        return {"vacuum": _CLEANING[value]} if isinstance(value, str) and value in _CLEANING else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (publication(order, orders[wanted_option("vacuum", value, orders)]),)
+
+    part.reads(state.topic, read)
+    part.listens(f"{order.topic}/set")
+    part.offers("vacuum", writer=write)
+
+
+def _words(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+    """The word of *prop* for each thing that it may be told."""
+    if prop is None:
+        return {}
+    by_word = {option.casefold(): option for option in prop.options}
+    return {
+        meaning: by_word[word]
+        for meaning, words in spellings.items()
+        if (word := next((one for one in words if one in by_word), ""))
+    }

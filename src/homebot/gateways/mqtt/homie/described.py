@@ -1,0 +1,33 @@
+"""A Homie device as the gateway takes it. Pure."""
+
+from __future__ import annotations
+
+from homebot.devices.identity import identifiers
+from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.homie.model import HomieDevice
+from homebot.gateways.mqtt.homie.parts import build_parts
+from homebot.gateways.mqtt.homie.state import availability_of
+
+__all__ = ["describe"]
+
+
+def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> Described | None:
+    """Return the description of *device*; None where it offers nothing itself, as a bridge does.
+
+    Who it is, is its id in its domain: a hardware address counts where the id ends with one. The ``$mac`` of version 4
+    is that of the computer that speaks for it, and perhaps for many.
+    """
+    parts = build_parts(device)
+    if not parts:
+        return None
+    return Described(
+        key=device.topic,
+        convention="homie",
+        identifiers=identifiers((f"{domain}/{device.id}",)),
+        name=device.name,
+        parts=parts,
+        topic=f"{device.topic}/$state",
+        facts={**device.facts, **({"type": device.type} if device.type else {})},
+        availability=availability_of(device.topic, device.root),
+        is_sighting=is_alive,
+    )

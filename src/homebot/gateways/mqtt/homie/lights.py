@@ -1,0 +1,131 @@
+"""Lamps: on and off, brightness and colour, perhaps in nodes of their own. Pure.
+
+Setting the brightness or the colour also switches the lamp on, because Homie leaves that to who asks.
+
+Source: homie5-device-profiles, Light; hc-smarthome v2, switch, level and color.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_numbers
+from homebot.gateways.mqtt.homie.model import HomieProperty
+from homebot.gateways.mqtt.homie.told import add_flag, percent_of, percent_written
+from homebot.gateways.mqtt.homie.values import publication, read_color, read_plain, spell_color, spell_plain
+from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart
+
+__all__ = ["LIGHT_ROLES", "add_light"]
+
+LIGHT_ROLES = ("on_off", "level", "color", "color_temperature")
+"""What a lamp may have, each once."""
+
+_HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
+_KELVIN = (1000.0, 40_000.0)
+
+
+def add_light(part: TabledPart, props: Mapping[str, HomieProperty]) -> None:
+    """Let *part* be a lamp made of *props*, which are by role."""
+    lamp = _Lamp(props.get("on_off"))
+    level, color, white = (props.get(role) for role in ("level", "color", "color_temperature"))
+    if lamp.switch is not None:
+        add_flag(part, lamp.switch)
+    if level is not None:
+        _add_level(part, lamp, level)
+    if color is not None:
+        _add_color(part, lamp, color, has_level=level is not None)
+    if white is not None:
+        _add_white(part, lamp, white)
+
+
+@dataclass(frozen=True, slots=True)
+class _Lamp:
+    switch: HomieProperty | None
+
+    def switched(self, *, on: bool) -> tuple[Publication, ...]:
+        if self.switch is None or not self.switch.is_settable:
+            return ()
+        return (publication(self.switch, "true" if on else "false"),)
+
+
+def _add_level(part: TabledPart, lamp: _Lamp, level: HomieProperty) -> None:
+    is_switch = lamp.switch is None
+
+    def read(payload: bytes) -> Readings:
+        percent = percent_of(level, payload)
+        if percent is None:
+            return NOTHING
+        return {"level": percent, "on_off": percent > 0} if is_switch else {"level": percent}
+
+    def dim(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        percent = wanted_number("level", value, 0, 100, "%")
+        if percent == 0 and (off := lamp.switched(on=False)):
+            return off
+        return (percent_written(level, "level", percent), *lamp.switched(on=True))
+
+    def switch(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (percent_written(level, "level", 100.0 if wanted_flag("on_off", value) else 0.0),)
+
+    part.reads(level.topic, read)
+    part.offers("level", readable=level.is_retained, writer=dim if level.is_settable else None)
+    if level.is_settable:
+        part.listens(f"{level.topic}/set")
+    if is_switch:
+        part.offers("on_off", readable=level.is_retained, writer=switch if level.is_settable else None)
+
+
+def _add_color(part: TabledPart, lamp: _Lamp, color: HomieProperty, *, has_level: bool) -> None:
+    def read(payload: bytes) -> Readings:
+        told = read_color(color, payload)
+        if told is None:
+            return NOTHING
+        hue, saturation, brightness = told
+        if has_level or brightness is None:
+            return {"color": (hue, saturation)}
+        return {"color": (hue, saturation), "level": brightness}
+
+    def paint(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        hue, saturation = wanted_numbers("color", value, _HUE_SATURATION)
+        return (publication(color, spell_color(color, hue, saturation)), *lamp.switched(on=True))
+
+    part.reads(color.topic, read)
+    part.offers("color", readable=color.is_retained, writer=paint if color.is_settable else None)
+    if not has_level and set(color.options) & {"hsv", "rgb"}:
+        part.offers("level")
+    if color.is_settable:
+        part.listens(f"{color.topic}/set")
+
+
+def _add_white(part: TabledPart, lamp: _Lamp, white: HomieProperty) -> None:
+    is_kelvin = white.unit.strip() == "K" or (white.range.most is not None and white.range.most > 1000)
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(white, payload)
+        if not isinstance(value, float) or value <= 0:
+            return NOTHING
+        return {"color_temperature": value if is_kelvin else float(round(1_000_000 / value))}
+
+    def warm(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        kelvin = wanted_number("color_temperature", value, *_KELVIN, "K")
+        told = round(kelvin if is_kelvin else 1_000_000 / kelvin)
+        return (publication(white, spell_plain(white, "color_temperature", float(told))), *lamp.switched(on=True))
+
+    part.reads(white.topic, read)
+    part.offers(
+        "color_temperature",
+        readable=white.is_retained,
+        writer=warm if white.is_settable else None,
+        bounds=_white_bounds(white, is_kelvin=is_kelvin),
+    )
+    if white.is_settable:
+        part.listens(f"{white.topic}/set")
+
+
+def _white_bounds(white: HomieProperty, *, is_kelvin: bool) -> tuple[float, ...]:
+    least, most = white.range.least, white.range.most
+    if least is None or most is None or not 0 < least < most:
+        return ()
+    return (least, most) if is_kelvin else (float(round(1_000_000 / most)), float(round(1_000_000 / least)))

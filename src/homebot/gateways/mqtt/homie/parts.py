@@ -1,0 +1,216 @@
+"""What a Homie device consists of. Pure.
+
+Each node's controls are one part, each value that it only tells another, and each further value that can be set a
+setting. The switch, the brightness and the colour of a lamp are one part, although they are nodes of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+from homebot.devices.part import Category
+from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.homie.controls import (
+    add_cover,
+    add_fan,
+    add_lock,
+    add_thermostat,
+    add_vacuum,
+    add_valve,
+)
+from homebot.gateways.mqtt.homie.kinds import KINDS, declared_class, words_in
+from homebot.gateways.mqtt.homie.lights import LIGHT_ROLES, add_light
+from homebot.gateways.mqtt.homie.model import HomieDevice, HomieNode, HomieProperty
+from homebot.gateways.mqtt.homie.quantities import SENSOR_TYPES
+from homebot.gateways.mqtt.homie.roles import CONTROLS, NodeRoles, Role, find_roles
+from homebot.gateways.mqtt.homie.told import add_flag, add_plain, add_press, add_temperature
+from homebot.gateways.mqtt.tabled_part import TabledPart
+
+__all__ = ["build_parts"]
+
+
+def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
+    """Return the parts of *device*."""
+    around = words_in(device.type, device.id, device.name)
+    nodes = tuple(find_roles(node, around) for node in device.nodes)
+    parts = [*_vacuums(nodes)]
+    lamp = _lamp(device, nodes)
+    if lamp:
+        parts.append(_light(lamp))
+    for node in nodes:
+        if node not in lamp:
+            parts.extend(_controls(device, node))
+        parts.extend(_meters(node))
+        parts.extend(_singles(node))
+    return tuple(part.described() for part in parts)
+
+
+_ELECTRICAL = frozenset({"power", "energy", "voltage", "current", "frequency"})
+_DIAGNOSTIC = frozenset({"battery", "battery_low", "signal_strength"})
+_SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float": "number", "enum": "option"}
+_OUTLETS = frozenset({"outlet", "plug", "socket"})
+_LAMP_WORDS = frozenset({"light", "lamp", "bulb", "luminaire", "lighting"})
+_Add = Callable[[TabledPart, Mapping[str, HomieProperty]], None]
+_ADDERS: Mapping[str, _Add] = {
+    "window_covering": add_cover,
+    "closure": add_cover,
+    "door_lock": add_lock,
+    "water_valve": add_valve,
+    "thermostat": add_thermostat,
+    "fan": add_fan,
+    "light": add_light,
+    "switch": lambda part, props: add_flag(part, props["on_off"]),
+    "plug": lambda part, props: add_flag(part, props["on_off"]),
+}
+
+
+def _vacuums(nodes: tuple[NodeRoles, ...]) -> Iterator[TabledPart]:
+    props = [(node, role.prop) for node in nodes for role in node.roles if role.prop.datatype == "enum"]
+    states = [prop for _, prop in props if not prop.is_settable and {"docked", "cleaning"} <= set(prop.options)]
+    orders = [(node, prop) for node, prop in props if prop.is_settable and {"START", "HOME"} <= set(prop.options)]
+    if states and orders:
+        node, order = orders[0]
+        part = _part(node.node, "robotic_vacuum_cleaner", guessed=True)
+        add_vacuum(part, states[0], order)
+        yield part
+
+
+def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles, ...]:
+    """The nodes that together are one lamp; none where there is none, or more than one."""
+    found = tuple(
+        node
+        for node in nodes
+        if any(role.name in LIGHT_ROLES for role in node.roles) and node.kind in {"", "switch", *_lights()}
+    )
+    counts = [sum(1 for node in found if node.prop(role) is not None) for role in LIGHT_ROLES]
+    if any(count > 1 for count in counts):
+        return ()
+    is_lamp = declared_class(device.type) == "light" or any(counts[1:])
+    is_lamp = is_lamp or any(node.kind == "light" and node.is_guess for node in found)
+    return found if is_lamp else ()
+
+
+def _lights() -> frozenset[str]:
+    return frozenset(name for name, kind in KINDS.items() if kind.service_type == "light")
+
+
+def _light(nodes: tuple[NodeRoles, ...]) -> TabledPart:
+    props = {role: prop for role in LIGHT_ROLES for node in nodes if (prop := node.prop(role)) is not None}
+    part = _part(nodes[0].node, "light", guessed=any(node.is_guess for node in nodes))
+    add_light(part, props)
+    return part
+
+
+def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[TabledPart]:
+    props = {role.name: role.prop for role in node.roles if role.name in CONTROLS}
+    service_type = _service_type(device, node, props)
+    if not service_type:
+        return
+    tag = KINDS[node.kind].tag if node.kind else ""
+    part = _part(node.node, service_type, tag=tag, guessed=node.is_guess)
+    _ADDERS[service_type](part, props)
+    if part.can:
+        yield part
+
+
+def _service_type(device: HomieDevice, node: NodeRoles, props: Mapping[str, HomieProperty]) -> str:
+    """What the controls of *node* are; empty where it has none, or only some that mean nothing alone."""
+    kind = KINDS[node.kind].service_type if node.kind else ""
+    if props.keys() & _NEEDED.get(kind, frozenset()):
+        is_outlet = declared_class(device.type) in _OUTLETS or _OUTLETS & words_in(node.node.type, node.node.id)
+        return "plug" if kind == "switch" and is_outlet else kind
+    for service_type in ("light", "window_covering", "switch"):
+        if props.keys() & _NEEDED[service_type]:
+            words = words_in(node.node.type, node.node.id, device.type)
+            return "plug" if service_type == "switch" and words & _OUTLETS else service_type
+    return ""
+
+
+_NEEDED: Mapping[str, frozenset[str]] = {
+    "light": frozenset({"level", "color", "color_temperature"}),
+    "window_covering": frozenset({"position", "tilt", "movement", "move"}),
+    "closure": frozenset({"position", "movement", "move"}),
+    "door_lock": frozenset({"lock", "lock_action"}),
+    "water_valve": frozenset({"valve"}),
+    "thermostat": frozenset({"heating_setpoint", "cooling_setpoint", "thermostat_mode"}),
+    "fan": frozenset({"fan_mode", "on_off"}),
+    "switch": frozenset({"on_off"}),
+}
+
+
+def _meters(node: NodeRoles) -> Iterator[TabledPart]:
+    roles = {role.name: role for role in reversed(node.roles) if role.name in _ELECTRICAL}
+    if not roles:
+        return
+    part = _part(node.node, "electrical_meter", suffix="$meter", guessed=any(role.is_guess for role in roles.values()))
+    for role in reversed(roles.values()):
+        add_plain(part, role.name, role.prop)
+    yield part
+
+
+def _singles(node: NodeRoles) -> Iterator[TabledPart]:
+    """What is left of a node: sensors and settings, each a part."""
+    has_thermostat = any(role.name in _NEEDED["thermostat"] for role in node.roles)
+    metered: set[str] = set()
+    for role in node.roles:
+        if role.name in _ELECTRICAL and role.name not in metered:
+            metered.add(role.name)
+        elif role.name == "local_temperature":
+            if not has_thermostat:
+                yield _sensor(node.node, Role("temperature", role.prop, role.is_guess))
+        elif role.name and role.name not in CONTROLS:
+            yield _sensor(node.node, role)
+        elif not role.name and not _is_relative(role.prop):
+            yield _setting(node.node, role.prop)
+
+
+def _is_relative(prop: HomieProperty) -> bool:
+    """Whether it only takes orders that depend on what was before: commands are absolute."""
+    return prop.datatype == "enum" and not prop.is_retained and set(prop.options) <= _RELATIVE
+
+
+_RELATIVE = frozenset({"toggle", "brighter", "darker", "step-up", "step-down", "trigger"})
+
+
+def _sensor(node: HomieNode, role: Role) -> TabledPart:
+    category: Category = "diagnostic" if role.name in _DIAGNOSTIC else ""
+    service_type = SENSOR_TYPES.get(role.name, "x_sensor")
+    part = _part(node, service_type, suffix=role.prop.id, name=role.prop.name, category=category, guessed=role.is_guess)
+    if role.name == "press":
+        add_press(part, role.prop)
+    elif role.name == "temperature":
+        add_temperature(part, role.name, role.prop)
+    else:
+        add_plain(part, role.name, role.prop)
+    return part
+
+
+def _setting(node: HomieNode, prop: HomieProperty) -> TabledPart:
+    part = _part(node, "x_setting", suffix=prop.id, name=prop.name, category="config")
+    add_plain(part, _SETTINGS.get(prop.datatype, "text"), prop)
+    return part
+
+
+def _part(
+    node: HomieNode,
+    service_type: str,
+    *,
+    suffix: str = "",
+    name: str = "",
+    tag: str = "",
+    category: Category = "",
+    guessed: bool = False,
+) -> TabledPart:
+    return TabledPart(
+        "/".join(_filled((node.id, suffix))),
+        service_type,
+        name=" ".join(dict.fromkeys(_filled((node.name, name)))),
+        advertised=node.type,
+        tag=tag,
+        category=category,
+        guessed=guessed,
+    )
+
+
+def _filled(texts: Iterable[str]) -> tuple[str, ...]:
+    return tuple(text for text in texts if text)

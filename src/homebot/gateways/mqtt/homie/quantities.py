@@ -1,0 +1,154 @@
+"""What a number measures, by its unit and by the words around it. Tables, pure.
+
+Source: Homie convention 5, Units; Homie 4.0, Property Attributes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+__all__ = ["CONDITIONS", "SENSOR_TYPES", "condition_of", "factor_of", "quantity_of"]
+
+_BY_UNIT: Mapping[str, str] = MappingProxyType(
+    {
+        "°C": "temperature",
+        "°F": "temperature",
+        "C": "temperature",
+        "F": "temperature",
+        "W": "power",
+        "kW": "power",
+        "kWh": "energy",
+        "Wh": "energy",
+        "V": "voltage",
+        "mV": "voltage",
+        "A": "current",
+        "mA": "current",
+        "Hz": "frequency",
+        "lx": "illuminance",
+        "hPa": "pressure",
+        "mbar": "pressure",
+        "Pa": "pressure",
+        "kPa": "pressure",
+        "bar": "pressure",
+        "psi": "pressure",
+        "dBm": "signal_strength",
+        "m³/h": "flow",
+    }
+)
+
+_BY_WORD: tuple[tuple[str, str, frozenset[str]], ...] = (
+    ("battery", "battery", frozenset({"", "%"})),
+    ("humidity", "humidity", frozenset({"", "%"})),
+    ("moisture", "soil_moisture", frozenset({"%"})),
+    ("temperature", "temperature", frozenset({""})),
+    ("illuminance", "illuminance", frozenset({""})),
+    ("lux", "illuminance", frozenset({""})),
+    ("pressure", "pressure", frozenset({""})),
+    ("co2", "carbon_dioxide", frozenset({"", "ppm"})),
+    ("dioxide", "carbon_dioxide", frozenset({"", "ppm"})),
+    ("monoxide", "carbon_monoxide", frozenset({"", "ppm"})),
+    ("co", "carbon_monoxide", frozenset({"ppm"})),
+    ("pm25", "pm25", frozenset({"", "µg/m³"})),
+    ("pm10", "pm10", frozenset({"", "µg/m³"})),
+    ("voc", "volatile_organic_compounds", frozenset({"µg/m³"})),
+    ("rssi", "signal_strength", frozenset({""})),
+)
+
+_SHORT = 4
+"""A longer word also counts where another begins with it, as ``battery`` in ``batterystate``."""
+
+_FACTORS: Mapping[str, float] = MappingProxyType(
+    {
+        "kW": 1000.0,
+        "Wh": 0.001,
+        "mV": 0.001,
+        "mA": 0.001,
+        "Pa": 0.01,
+        "kPa": 10.0,
+        "bar": 1000.0,
+        "psi": 68.9475729,
+    }
+)
+
+CONDITIONS: Mapping[str, str] = MappingProxyType(
+    {
+        "motion": "occupancy",
+        "occupancy": "occupancy",
+        "presence": "occupancy",
+        "contact": "contact",
+        "door": "contact",
+        "window": "contact",
+        "open": "contact",
+        "water": "water_leak",
+        "leak": "water_leak",
+        "flood": "water_leak",
+        "smoke": "smoke",
+        "co": "carbon_monoxide_alarm",
+        "gas": "gas",
+        "vibration": "vibration",
+        "tamper": "tamper",
+        "sabotage": "tamper",
+        "rain": "rain",
+    }
+)
+"""What a truth tells, by a word."""
+
+SENSOR_TYPES: Mapping[str, str] = MappingProxyType(
+    {
+        "temperature": "temperature_sensor",
+        "humidity": "humidity_sensor",
+        "illuminance": "light_sensor",
+        "pressure": "pressure_sensor",
+        "flow": "flow_sensor",
+        "soil_moisture": "soil_sensor",
+        "carbon_dioxide": "air_quality_sensor",
+        "carbon_monoxide": "air_quality_sensor",
+        "pm25": "air_quality_sensor",
+        "pm10": "air_quality_sensor",
+        "volatile_organic_compounds": "air_quality_sensor",
+        "power": "electrical_meter",
+        "energy": "electrical_meter",
+        "voltage": "electrical_meter",
+        "current": "electrical_meter",
+        "frequency": "electrical_meter",
+        "battery": "x_battery",
+        "battery_low": "x_battery",
+        "occupancy": "occupancy_sensor",
+        "contact": "contact_sensor",
+        "water_leak": "water_leak_detector",
+        "smoke": "smoke_co_alarm",
+        "carbon_monoxide_alarm": "smoke_co_alarm",
+        "gas": "smoke_co_alarm",
+        "rain": "rain_sensor",
+        "vibration": "x_binary_sensor",
+        "tamper": "x_binary_sensor",
+        "state": "x_binary_sensor",
+        "signal_strength": "x_sensor",
+        "measurement": "x_sensor",
+        "value": "x_sensor",
+        "press": "generic_switch",
+    }
+)
+"""The service type of a part that only tells one capability."""
+
+
+def quantity_of(unit: str, words: frozenset[str]) -> tuple[str, bool]:
+    """Return the capability of a number with *unit* near *words*, and whether that is a guess."""
+    unit = unit.strip()
+    if unit in _BY_UNIT:
+        return _BY_UNIT[unit], False
+    for word, capability, units in _BY_WORD:
+        if unit in units and any(one.startswith(word) if len(word) > _SHORT else one == word for one in words):
+            return capability, True
+    return "measurement", False
+
+
+def condition_of(words: frozenset[str]) -> str:
+    """Return the capability of a truth near *words*; ``state`` where they tell nothing."""
+    return next((capability for word, capability in CONDITIONS.items() if word in words), "state")
+
+
+def factor_of(unit: str) -> float:
+    """Return what a number with *unit* is multiplied with, to have the vocabulary's unit. Not for temperatures."""
+    return _FACTORS.get(unit.strip(), 1.0)

@@ -1,0 +1,205 @@
+"""What each property of a node does: as its kind declares, or as its shape suggests. Pure.
+
+Source: hc-smarthome v2; where nothing is declared, the words and forms that Homie devices commonly use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from homebot.gateways.mqtt.homie.kinds import KINDS, declared_kind, guessed_kind, words_in
+from homebot.gateways.mqtt.homie.model import HomieNode, HomieProperty
+from homebot.gateways.mqtt.homie.quantities import condition_of, quantity_of
+
+__all__ = ["CONTROLS", "NodeRoles", "Role", "find_roles"]
+
+CONTROLS = frozenset(
+    {"on_off", "level", "color", "color_temperature", "position", "tilt", "movement", "move", "lock", "lock_action"}
+    | {"valve", "heating_setpoint", "cooling_setpoint", "thermostat_mode", "fan_mode", "local_temperature"}
+)
+"""Roles of what a part is controlled by; every other role is a capability that it only tells."""
+
+
+@dataclass(frozen=True, slots=True)
+class Role:
+    """What a property does.
+
+    Attributes:
+        name: One of :data:`CONTROLS`, or the capability that it tells; empty for a setting.
+        prop: The property.
+        is_guess: Whether its shape suggested it.
+    """
+
+    name: str
+    prop: HomieProperty
+    is_guess: bool
+
+
+@dataclass(frozen=True, slots=True)
+class NodeRoles:
+    """What a node's properties do.
+
+    Attributes:
+        node: The node.
+        kind: Its kind; empty where there is no hint.
+        is_guess: Whether the kind was guessed.
+        roles: Of its properties.
+    """
+
+    node: HomieNode
+    kind: str
+    is_guess: bool
+    roles: tuple[Role, ...]
+
+    def prop(self, name: str) -> HomieProperty | None:
+        """Return the first property with the role *name*."""
+        return next((role.prop for role in self.roles if role.name == name), None)
+
+
+def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
+    """Return what the properties of *node* do.
+
+    Args:
+        node: The node.
+        around: The words of its device.
+    """
+    declared = declared_kind(node.type)
+    kind = declared or guessed_kind(node, around)
+    taken: set[str] = set()
+    roles: list[Role] = []
+    for prop in node.properties:
+        role = _declared(node, prop, declared) if declared else _suggested(node, prop, kind)
+        if role.name in CONTROLS and role.name in taken:
+            role = _told(node, prop, "")
+        taken.add(role.name)
+        roles.append(role)
+    return NodeRoles(node, kind, not declared, tuple(roles))
+
+
+_SWITCHING = frozenset({"power", "on", "onoff", "state", "switch", "relay", "value"})
+_LEVELS = frozenset({"brightness", "dim", "dimmer", "level", "intensity"})
+_SETPOINTS = frozenset({"setpoint", "heatsetpoint", "coolsetpoint", "target", "set", "temperature"})
+_MODES = frozenset({"mode", "system-mode", "systemmode", "hvac-mode"})
+_OPENINGS = frozenset({"open", "closed", "opening", "closing", "stopped", "close", "up", "stop"})
+_WHITES = frozenset({"K", "MK⁻¹", "mired", "mireds"})
+_Fit = Callable[[HomieProperty], bool]
+
+
+def _is_number(prop: HomieProperty) -> bool:
+    return prop.is_number
+
+
+def _is_truth(prop: HomieProperty) -> bool:
+    return prop.datatype == "boolean"
+
+
+def _is_order(prop: HomieProperty) -> bool:
+    return prop.datatype == "enum" and prop.is_settable
+
+
+def _is_choice(prop: HomieProperty) -> bool:
+    return prop.datatype == "enum"
+
+
+def _is_opening(prop: HomieProperty) -> bool:
+    return prop.datatype == "enum" and {one.casefold() for one in prop.options} <= _OPENINGS
+
+
+_FITS: Mapping[str, _Fit] = {
+    "on_off": _is_truth,
+    "level": _is_number,
+    "color": lambda prop: prop.datatype == "color",
+    "color_temperature": _is_number,
+    "position": _is_number,
+    "tilt": _is_number,
+    "movement": _is_opening,
+    "move": _is_order,
+    "lock": _is_truth,
+    "lock_action": _is_order,
+    "valve": _is_truth,
+    "heating_setpoint": _is_number,
+    "cooling_setpoint": _is_number,
+    "local_temperature": lambda prop: prop.is_number and not prop.is_settable,
+    "thermostat_mode": _is_choice,
+    "fan_mode": _is_choice,
+    "battery": _is_number,
+    "battery_low": _is_truth,
+    "press": lambda prop: prop.datatype in {"enum", "string"},
+}
+
+
+def _declared(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
+    name = KINDS[kind].roles.get(prop.id, "")
+    if name and _FITS[name](prop):
+        return Role(name, prop, is_guess=False)
+    if KINDS[kind].condition and prop.datatype == "boolean" and not prop.is_settable:
+        first = next(one for one in node.properties if one.datatype == "boolean" and not one.is_settable)
+        if first is prop:
+            return Role(KINDS[kind].condition, prop, is_guess=False)
+    return _told(node, prop, kind)
+
+
+def _suggested(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
+    words = words_in(prop.id, prop.name)
+    name = _ordered(node, prop, kind, words) if prop.is_settable else _watched(prop, kind, words)
+    return Role(name, prop, is_guess=True) if name else _told(node, prop, kind)
+
+
+def _ordered(node: HomieNode, prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
+    if prop.datatype == "color":
+        return "color"
+    if prop.is_number:
+        return _ordered_number(prop, kind, words)
+    if prop.datatype == "boolean":
+        if kind in {"lock", "valve"}:
+            return kind
+        return "on_off" if words & _SWITCHING or prop.id == node.id else ""
+    return _ordered_word(prop, kind, words) if prop.datatype == "enum" else ""
+
+
+def _ordered_number(prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
+    if kind == "thermostat" and words & _SETPOINTS:
+        return "cooling_setpoint" if any(word.startswith("cool") for word in words) else "heating_setpoint"
+    if "position" in words or kind == "shutter":
+        return "tilt" if words & {"tilt", "slat"} else "position"
+    if prop.unit in _WHITES and kind in {"light", ""}:
+        return "color_temperature"
+    if words & _LEVELS and prop.range.most in {1.0, 100.0, 254.0, 255.0}:
+        return "level"
+    return ""
+
+
+def _ordered_word(prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
+    options = {one.casefold() for one in prop.options}
+    if kind == "fan" or (kind == "thermostat" and words & {"fan", "fanmode"}):
+        return "fan_mode"
+    if kind == "thermostat" and prop.id in _MODES:
+        return "thermostat_mode"
+    if kind in {"shutter", "garage-door"} and options & {"open", "up"}:
+        return "move"
+    return "lock_action" if kind == "lock" and options & {"lock", "unlock"} else ""
+
+
+def _watched(prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
+    if kind == "thermostat" and prop.is_number and "temperature" in words:
+        return "local_temperature"
+    if kind in {"shutter", "garage-door"} and _is_opening(prop):
+        return "movement"
+    if kind == "lock" and prop.datatype == "boolean":
+        return "lock"
+    return "press" if prop.datatype == "boolean" and words & {"button", "doorbell"} else ""
+
+
+def _told(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
+    """The role of a property that controls nothing by itself."""
+    if prop.is_settable:
+        return Role("", prop, is_guess=False)
+    words = words_in(prop.id, prop.name, node.id, node.name, kind)
+    if prop.is_number:
+        name, is_guess = quantity_of(prop.unit, words)
+        return Role(name, prop, is_guess)
+    if prop.datatype == "boolean":
+        name = condition_of(words)
+        return Role(name, prop, is_guess=name != "state")
+    return Role("value" if prop.is_retained else "press", prop, is_guess=False)

@@ -1,0 +1,182 @@
+"""Single properties as capabilities: how each is read, and how it is told. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number
+from homebot.gateways.mqtt.homie.model import HomieProperty
+from homebot.gateways.mqtt.homie.quantities import factor_of
+from homebot.gateways.mqtt.homie.values import publication, read_plain, spell_plain
+from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, Writer
+
+__all__ = [
+    "add_flag",
+    "add_percent",
+    "add_plain",
+    "add_press",
+    "add_temperature",
+    "add_words",
+    "percent_of",
+    "percent_written",
+]
+
+_FAHRENHEIT = frozenset({"F", "°F"})
+_PERCENT = 100.0
+
+
+def add_plain(part: TabledPart, capability: str, prop: HomieProperty) -> None:
+    """Let *prop* be *capability* as it is, in the vocabulary's unit."""
+    factor = factor_of(prop.unit) if capability not in {"number", "measurement"} else 1.0
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(prop, payload)
+        if value is None:
+            return NOTHING
+        return {capability: value * factor if isinstance(value, float) else value}
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (publication(prop, spell_plain(prop, capability, value)),)
+
+    _hear(part, prop, read)
+    part.offers(
+        capability,
+        readable=prop.is_retained or not prop.is_settable,
+        writer=_writer(part, prop, write),
+        unit=prop.unit if capability in {"number", "measurement"} else "",
+        bounds=_bounds(prop) if capability == "number" else (),
+        options=prop.options if prop.datatype == "enum" else (),
+    )
+
+
+def add_press(part: TabledPart, prop: HomieProperty) -> None:
+    """Let *prop* tell presses: the words of an enum, or a truth."""
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(prop, payload)
+        if isinstance(value, bool):
+            return {"press": "single"} if value else NOTHING
+        return {"press": value} if isinstance(value, str) else NOTHING
+
+    part.reads_events(prop.topic, read)
+    part.offers("press", options=("single",) if prop.datatype == "boolean" else prop.options)
+
+
+def add_flag(part: TabledPart, prop: HomieProperty) -> None:
+    """Let *prop* be whether the part is on."""
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(prop, payload)
+        return {"on_off": value} if isinstance(value, bool) else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (publication(prop, "true" if wanted_flag("on_off", value) else "false"),)
+
+    _hear(part, prop, read)
+    part.offers("on_off", readable=prop.is_retained, writer=_writer(part, prop, write))
+
+
+def add_percent(part: TabledPart, capability: str, prop: HomieProperty) -> None:
+    """Let *prop* be *capability* in percent of its range."""
+
+    def read(payload: bytes) -> Readings:
+        percent = percent_of(prop, payload)
+        return NOTHING if percent is None else {capability: percent}
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (percent_written(prop, capability, wanted_number(capability, value, 0, _PERCENT, "%")),)
+
+    _hear(part, prop, read)
+    part.offers(capability, readable=prop.is_retained, writer=_writer(part, prop, write))
+
+
+def add_temperature(part: TabledPart, capability: str, prop: HomieProperty) -> None:
+    """Let *prop* be *capability* in degrees Celsius."""
+    is_fahrenheit = prop.unit.strip() in _FAHRENHEIT
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(prop, payload)
+        if not isinstance(value, float):
+            return NOTHING
+        return {capability: _celsius(value) if is_fahrenheit else value}
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        celsius = wanted_number(capability, value, -273.15, 1e6, "°C")
+        told = round(celsius * 1.8 + 32, 3) if is_fahrenheit else celsius
+        return (publication(prop, spell_plain(prop, capability, told)),)
+
+    bounds = tuple(_celsius(one) if is_fahrenheit else one for one in _bounds(prop))
+    _hear(part, prop, read)
+    part.offers(capability, writer=_writer(part, prop, write), bounds=bounds if prop.is_settable else ())
+
+
+def add_words(part: TabledPart, capability: str, prop: HomieProperty) -> None:
+    """Let the words of *prop* be *capability*, in small letters."""
+    words = {option.casefold(): option for option in prop.options}
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(prop, payload)
+        return {capability: value.casefold()} if isinstance(value, str) else NOTHING
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        if not isinstance(value, str) or value not in words:
+            raise RefusedError(f"{capability} {shown(value)}", f"it takes {', '.join(list(words)[:20])}")
+        return (publication(prop, words[value]),)
+
+    _hear(part, prop, read)
+    part.offers(capability, readable=prop.is_retained, writer=_writer(part, prop, write), options=tuple(words))
+
+
+def percent_of(prop: HomieProperty, payload: bytes) -> float | None:
+    """Return what *payload* tells of *prop* in percent of its range."""
+    value = read_plain(prop, payload)
+    if not isinstance(value, float):
+        return None
+    least, most = _ends(prop)
+    percent = round((value - least) * _PERCENT / (most - least), 6)
+    return percent if 0 <= percent <= _PERCENT else None
+
+
+def percent_written(prop: HomieProperty, capability: str, percent: float) -> Publication:
+    """Return what tells *prop* to be *percent* of its range; below its smallest value, that."""
+    least, most = _ends(prop)
+    value = least + (most - least) * percent / _PERCENT
+    if prop.range.least is not None:
+        value = max(value, prop.range.least)
+    return publication(prop, spell_plain(prop, capability, value))
+
+
+def _ends(prop: HomieProperty) -> tuple[float, float]:
+    """What stands for 0 % and 100 %. A range from 1 leaves out the 0, which means off."""
+    least = prop.range.least or 0.0
+    most = _PERCENT if prop.range.most is None else prop.range.most
+    if least == 1.0 and most > 1.0:
+        least = 0.0
+    return (least, most) if most > least else (0.0, _PERCENT)
+
+
+def _celsius(fahrenheit: float) -> float:
+    return round((fahrenheit - 32) / 1.8, 3)
+
+
+def _bounds(prop: HomieProperty) -> tuple[float, ...]:
+    least, most = prop.range.least, prop.range.most
+    return (least, most) if least is not None and most is not None else ()
+
+
+def _hear(part: TabledPart, prop: HomieProperty, read: Callable[[bytes], Readings]) -> None:
+    if prop.is_retained:
+        part.reads(prop.topic, read)
+    elif not prop.is_settable:
+        part.reads_events(prop.topic, read)
+
+
+def _writer(part: TabledPart, prop: HomieProperty, write: Writer) -> Writer | None:
+    if not prop.is_settable:
+        return None
+    part.listens(f"{prop.topic}/set")
+    return write

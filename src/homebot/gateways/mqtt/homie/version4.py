@@ -1,0 +1,258 @@
+"""Devices of Homie 4 and 3, put together from single retained topics. Pure.
+
+A device is complete when every node it announces has its properties, every property its datatype, and its state is
+known and not ``init``.
+
+Source: Homie 4.0 and 3.0.1, Device, Node and Property Attributes; arrays: 3.0.1, Arrays.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.bounded import Bounded
+from homebot.gateways.mqtt.description import Heard, Withdrawn
+from homebot.gateways.mqtt.homie.described import describe
+from homebot.gateways.mqtt.homie.formats import COLOR_FORMS, DATATYPES, Range, parse_options, parse_range
+from homebot.gateways.mqtt.homie.model import MAX_PROPERTIES, HomieDevice, HomieNode, HomieProperty
+from homebot.gateways.mqtt.homie.state import STATES
+from homebot.gateways.mqtt.payload import clean_text, shown
+from homebot.gateways.mqtt.tabled_part import text_in
+
+__all__ = ["FILTERS", "Version4"]
+
+FILTERS = (
+    *(f"{{domain}}/+/+/+/{one}" for one in ("$name", "$format", "$unit", "$settable", "$retained", "$datatype")),
+    *(f"{{domain}}/+/+/{one}" for one in ("$name", "$type", "$array", "$properties")),
+    *(f"{{domain}}/+/{one}" for one in ("$name", "$mac", "$fw/name", "$fw/version", "$implementation", "$nodes")),
+    "{domain}/+/$homie",
+    "{domain}/+/$state",
+)
+"""What is retained comes in this order, so that all of a device is there when its state is."""
+
+_MAX_DEVICES = 2000
+_MAX_CHARACTERS = 16_000_000
+_MAX_ATTRIBUTES = 6 * MAX_PROPERTIES
+_LONGEST = 4000
+_MAX_ARRAY = 100
+_ID = re.compile(r"[A-Za-z0-9_-]{1,100}")
+_LISTED = re.compile(r"[A-Za-z0-9_-]{1,100}(?:\[\])?")
+_ARRAY = re.compile(r"([0-9]{1,5})-([0-9]{1,5})")
+_VERSION = re.compile(r"[34]\.[0-9.]{1,20}")
+_FACTS = {"$mac": "host_mac", "$fw/name": "firmware", "$fw/version": "sw_version", "$implementation": "model"}
+
+
+@dataclass(slots=True)
+class _Device:
+    attributes: dict[str, str] = field(default_factory=dict)
+    size: int = 0
+    datatypes: int = 0
+    is_changed: bool = True
+    is_described: bool = False
+
+
+class Version4:
+    """Knows the devices of versions 3 and 4.
+
+    There is room for 2,000, and for 16 million characters of all of them: of more devices, the one that was heard
+    first and never became complete is forgotten; of more characters, the newest are not taken.
+
+    Attributes:
+        ignored: Properties that were illegal, so far.
+    """
+
+    def __init__(self) -> None:
+        self.ignored = 0
+        self._devices: Bounded[_Device] = Bounded(_MAX_DEVICES, self._release)
+        self._size = 0
+        self._refused = 0
+
+    @property
+    def dropped(self) -> int:
+        """How many devices and attributes were forgotten or not taken for want of room."""
+        return self._devices.dropped + self._refused
+
+    def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[Heard, ...]:
+        """Take an attribute of a device.
+
+        Args:
+            domain: The device's domain.
+            device_id: The device.
+            attribute: Its topic below the device's.
+            payload: Its value.
+
+        Raises:
+            WireError: It is illegal.
+        """
+        text = text_in(payload) if len(payload) <= _LONGEST else None
+        if not _ID.fullmatch(device_id) or text is None:
+            raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
+        name = f"{domain}/{device_id}"
+        device = self._devices.get(name)
+        if not text and attribute in {"$state", "$homie"}:
+            return self._removed(name, device)
+        _check(attribute, text)
+        if device is None:
+            device = _Device()
+            if not self._devices.add(name, device):
+                return ()
+        if not self._keep(device, attribute, text) or not _may_be_complete(device, attribute):
+            return ()
+        return self._heard(device, domain, device_id)
+
+    def _keep(self, device: _Device, attribute: str, text: str) -> bool:
+        known = device.attributes.get(attribute)
+        if known == text:
+            return attribute == "$state"
+        grown = len(text) + len(attribute) - (0 if known is None else len(known) + len(attribute))
+        if self._size + grown > _MAX_CHARACTERS or (known is None and len(device.attributes) >= _MAX_ATTRIBUTES):
+            self._refused += 1
+            return False
+        if known is None and attribute.endswith("/$datatype"):
+            device.datatypes += 1
+        device.attributes[attribute] = text
+        device.size += grown
+        self._size += grown
+        device.is_changed = device.is_changed or attribute != "$state"
+        return True
+
+    def _heard(self, device: _Device, domain: str, device_id: str) -> tuple[Heard, ...]:
+        state = device.attributes.get("$state", "")
+        if not device.is_changed or state in {"", "init"} or "$homie" not in device.attributes:
+            return ()
+        assembly = _Assembly(f"{domain}/{device_id}", device.attributes)
+        nodes = assembly.nodes()
+        if nodes is None:
+            return ()
+        device.is_changed = False
+        self.ignored += assembly.ignored
+        whole = HomieDevice(
+            id=device_id,
+            name=clean_text(device.attributes.get("$name", "")) or device_id,
+            type="",
+            topic=f"{domain}/{device_id}",
+            nodes=nodes,
+            facts={
+                fact: told
+                for attribute, fact in _FACTS.items()
+                if (told := clean_text(device.attributes.get(attribute, "")))
+            },
+        )
+        described = describe(whole, domain, is_alive=bool(STATES[state]))
+        if described is None:
+            was_described, device.is_described = device.is_described, False
+            return (Withdrawn(whole.topic, "it offers nothing any more"),) if was_described else ()
+        self._devices.keep(whole.topic)
+        device.is_described = True
+        return (described,)
+
+    def _removed(self, name: str, device: _Device | None) -> tuple[Heard, ...]:
+        if device is None:
+            return ()
+        self._devices.remove(name)
+        self._release(device)
+        return (Withdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
+
+    def _release(self, device: _Device) -> None:
+        self._size -= device.size
+
+
+def _check(attribute: str, text: str) -> None:
+    if attribute == "$state" and text not in STATES:
+        raise WireError(f"$state is {shown(text)}")
+    if attribute == "$homie" and not _VERSION.fullmatch(text):
+        raise WireError(f"$homie is {shown(text)}, not 3 or 4")
+
+
+def _may_be_complete(device: _Device, attribute: str) -> bool:
+    """Whether it is worth looking: not for every attribute of a device that is only beginning."""
+    return (
+        attribute == "$state"
+        or device.is_described
+        or (device.datatypes > 0 and "$state" in device.attributes and attribute.endswith(_LAST))
+    )
+
+
+_LAST = ("$datatype", "$properties", "$nodes", "$homie", "$array")
+
+
+class _Assembly:
+    def __init__(self, topic: str, attributes: dict[str, str]) -> None:
+        self.ignored = 0
+        self._topic = topic
+        self._attributes = attributes
+        self._count = 0
+
+    def nodes(self) -> tuple[HomieNode, ...] | None:
+        """The nodes; None while something announced is missing."""
+        found: list[HomieNode] = []
+        listed = _listed(self._attributes.get("$nodes"))
+        for name in listed or ():
+            node_id = name.removesuffix("[]")
+            elements = self._elements(node_id) if name.endswith("[]") else (node_id,)
+            properties = _listed(self._attributes.get(f"{node_id}/$properties"))
+            if elements is None or properties is None:
+                return None
+            for element in elements:
+                node = self._node(node_id, element, properties)
+                if node is None:
+                    return None
+                found.append(node)
+        return None if listed is None else tuple(found)
+
+    def _elements(self, node_id: str) -> tuple[str, ...] | None:
+        match = _ARRAY.fullmatch(self._attributes.get(f"{node_id}/$array", ""))
+        if match is None:
+            return None
+        first, last = int(match[1]), int(match[2])
+        return tuple(f"{node_id}_{index}" for index in range(first, min(last, first + _MAX_ARRAY - 1) + 1))
+
+    def _node(self, node_id: str, element: str, listed: tuple[str, ...]) -> HomieNode | None:
+        properties: list[HomieProperty] = []
+        for prop_id in listed:
+            if f"{node_id}/{prop_id}/$datatype" not in self._attributes:
+                return None
+            try:
+                properties.append(self._property(node_id, element, prop_id))
+            except WireError:
+                self.ignored += 1
+        own = self._attributes.get(f"{element}/$name")
+        return HomieNode(
+            id=element,
+            name=clean_text(own if own is not None else self._attributes.get(f"{node_id}/$name", "")),
+            type=clean_text(self._attributes.get(f"{node_id}/$type", "")),
+            properties=tuple(properties),
+        )
+
+    def _property(self, node_id: str, element: str, prop_id: str) -> HomieProperty:
+        def told(attribute: str) -> str:
+            return self._attributes.get(f"{node_id}/{prop_id}/{attribute}", "")
+
+        self._count += 1
+        datatype, spelled = told("$datatype"), told("$format")
+        if datatype not in DATATYPES or self._count > MAX_PROPERTIES:
+            raise WireError(f"datatype is {shown(datatype)}, or there are more than {MAX_PROPERTIES}")
+        options = parse_options(spelled) if datatype in {"enum", "color"} else ()
+        if datatype == "color" and not set(options) <= set(COLOR_FORMS):
+            raise WireError(f"format {shown(spelled)} has no form of a colour")
+        return HomieProperty(
+            id=prop_id,
+            name=clean_text(told("$name")),
+            datatype=datatype,
+            topic=f"{self._topic}/{element}/{prop_id}",
+            unit=clean_text(told("$unit"), 20),
+            range=parse_range(spelled) if datatype in {"integer", "float"} else Range(),
+            options=options,
+            is_settable=told("$settable") == "true",
+            is_retained=told("$retained") != "false",
+            names_form=False,
+        )
+
+
+def _listed(text: str | None) -> tuple[str, ...] | None:
+    """The ids of a list; None where it is missing. What is no id is passed over."""
+    if text is None:
+        return None
+    return tuple(dict.fromkeys(one for one in text.split(",") if _LISTED.fullmatch(one)))
