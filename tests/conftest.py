@@ -49,6 +49,14 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _the_users_data_is_not_touched(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Also where a test starts homebot as a program."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("HOMEBOT_DATA", str(tmp_path_factory.mktemp("data")))
+        yield
+
+
 @pytest.fixture(autouse=True)
 def _logs_are_plain() -> None:
     """As in production: structlog's default draws tracebacks with rich, which reads files while the loop waits."""

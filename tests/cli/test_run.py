@@ -52,6 +52,18 @@ def test_a_broker_of_your_own_is_no_simulated_house() -> None:
     assert not has_house("--mqtt", "mqtt://broker")
 
 
+def test_devices_are_remembered_unless_they_are_simulated_or_nobody_wants_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path / "data"))
+    Path("homebot.toml").write_text('[home]\nname = "villa"\n[gateways.mqtt]\n[door]\nport = 0\n')
+    file = tmp_path / "data" / "villa" / "index.sqlite"
+    assert main(["run", "--for", "0.01", "--ephemeral"]) == 0
+    assert not file.exists()
+    assert main(["run", "--for", "0.01"]) == 0
+    assert file.exists()
+
+
 def test_a_house_of_your_own_comes_in_the_place_of_the_thesis_house() -> None:
     Path("villa.toml").write_text('rooms.hall = {}\ndevices.lamp = { kind = "lamp", room = "hall" }\n')
     house = house_of("--house", "villa.toml")

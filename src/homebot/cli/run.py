@@ -18,6 +18,7 @@ _EXAMPLES = """\
   homebot run --config homebot.toml               everything from a file
 
 Without --config a homebot.toml in the working directory is used. Ctrl-C stops everything in order.
+Devices are remembered below HOMEBOT_DATA, or the user's directory for data; those of a simulated house are not.
 """
 
 
@@ -61,4 +62,5 @@ def add_parser(commands: Commands) -> None:
     parser.add_argument(
         "--log-format", choices=("console", "json"), default="console", help="lines for people or for programs"
     )
+    parser.add_argument("--ephemeral", action="store_true", help="remember no devices over a restart")
     parser.add_argument("--for", dest="seconds", metavar="SECONDS", type=positive, help="stop after this time")

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import AsyncExitStack, contextmanager
 from dataclasses import replace
+from pathlib import Path
 from random import Random
 from typing import Self
 
@@ -59,6 +60,7 @@ class Runtime:
         clock: The time to go by; by default that of the running loop.
         broker: Stands in for the embedded broker. All MQTT goes through it, in memory; it is the caller's to run.
         random: Source of all that is left to chance; a seeded one makes every run the same.
+        index_file: Where the directory remembers devices over a restart; None for nowhere.
 
     Attributes:
         graph: The graph everything meets on.
@@ -79,6 +81,7 @@ class Runtime:
         clock: Clock | None = None,
         broker: MemoryBroker | None = None,
         random: Random | None = None,
+        index_file: Path | None = None,
     ) -> None:
         self._plan = make_plan(config)
         if house is not None and not any(_wants_broker(gateway) for gateway in self._plan.gateways):
@@ -87,6 +90,7 @@ class Runtime:
         self._with_door = with_door
         self._broker = broker
         self._random = random
+        self._index_file = index_file
         self._clock = clock or LoopClock()
         self._stack = AsyncExitStack()
         self.graph = Graph(self._clock)
@@ -190,7 +194,7 @@ class Runtime:
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
-            await Directory(node, self._plan.discovery).serve(task_status=task_status)
+            await Directory(node, self._plan.discovery, self._index_file).serve(task_status=task_status)
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosapi") as node:

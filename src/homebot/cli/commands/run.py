@@ -9,6 +9,7 @@ from pathlib import Path
 
 from homebot.cli.until_told import on_an_event_loop, until_told
 from homebot.config import Config, load_config, parse_config
+from homebot.discovery.store import index_path
 from homebot.house import World, thesis_world
 from homebot.house.description import load_world
 from homebot.log import configure_logging
@@ -26,7 +27,11 @@ def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 when a part was given up on the way."""
     config, house = configuration(options)
     configure_logging(options.log_format)
-    return on_an_event_loop(_run(config, house, seconds=options.seconds))
+    # A simulated house begins each time as it is described, so there is nothing to remember.
+    is_kept = house is None and not options.ephemeral
+    return on_an_event_loop(
+        _run(config, house, seconds=options.seconds, index_file=index_path(config.home.name) if is_kept else None)
+    )
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
@@ -92,7 +97,7 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
     apps[name] = {"class": wanted}
 
 
-async def _run(config: Config, house: World | None, *, seconds: float | None) -> int:
-    runtime = Runtime(config, house=house)
+async def _run(config: Config, house: World | None, *, seconds: float | None, index_file: Path | None) -> int:
+    runtime = Runtime(config, house=house, index_file=index_file)
     await until_told(runtime, seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0
