@@ -5,7 +5,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Fade, Publication
-from homebot.gateways.mqtt.json_part import JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.json_part import JsonMessage, JsonPart, Readings, finite_number, with_own_ids
 
 ASK = Publication("t/get", b"")
 
@@ -51,6 +51,11 @@ def test_a_part_has_what_was_collected() -> None:
 def test_a_part_that_can_do_nothing_says_so() -> None:
     assert JsonPart("", "x_unknown").is_empty
     assert not part().is_empty
+
+
+def test_parts_with_one_id_are_numbered_and_cut() -> None:
+    parts = [JsonPart(part_id, "light").described() for part_id in ("a", "a", "a_2", "a", "b")]
+    assert [one.part.id for one in with_own_ids(parts, 4)] == ["a", "a_2", "a_2_2", "a_3"]
 
 
 def test_a_message_is_read_by_all_and_a_kept_event_is_none() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import lru_cache
+from itertools import islice
 from types import MappingProxyType
 from typing import TypeAlias
 
@@ -13,7 +15,17 @@ from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart, Fade, Publication
 from homebot.gateways.mqtt.payload import MAX_STATE_BYTES, parse_json, shown
 
-__all__ = ["NOTHING", "JsonCodec", "JsonMessage", "JsonPart", "Reader", "Readings", "Writer", "finite_number"]
+__all__ = [
+    "NOTHING",
+    "JsonCodec",
+    "JsonMessage",
+    "JsonPart",
+    "Reader",
+    "Readings",
+    "Writer",
+    "finite_number",
+    "with_own_ids",
+]
 
 JsonMessage: TypeAlias = Mapping[str, object]
 """One message: a JSON object. Nobody changes it, because all parts that read it share it."""
@@ -161,6 +173,20 @@ class JsonPart:
             writes=tuple(self._writes),
         )
         return DescribedPart(part, codec, asks=tuple(self._asks), fades=self._fades)
+
+
+def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPart, ...]:
+    """Return the first *most* of *parts*; one whose id another has already gets a number behind it."""
+    found: dict[str, DescribedPart] = {}
+    counts: dict[str, int] = {}
+    for one in islice(parts, most):
+        part_id = one.part.id
+        while part_id in found:
+            counts[one.part.id] = counts.get(one.part.id, 1) + 1
+            part_id = f"{one.part.id}_{counts[one.part.id]}"
+        is_own = part_id == one.part.id
+        found[part_id] = one if is_own else replace(one, part=one.part.model_copy(update={"id": part_id}))
+    return tuple(found.values())
 
 
 def finite_number(value: object) -> float | None:

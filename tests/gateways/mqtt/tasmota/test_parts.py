@@ -292,6 +292,7 @@ def test_what_is_no_sensor_is_left_out() -> None:
 
 
 def test_sensors_are_bounded() -> None:
+    assert built({"A" * 101: {"b": 1}, "A": {"b" * 101: 1}}) == {}
     assert len(built({"A": {f"n{number}": number for number in range(10_000)}})) == MOST_SENSORS
 
 

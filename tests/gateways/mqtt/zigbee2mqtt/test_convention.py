@@ -9,7 +9,7 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.description import Described, Heard, Withdrawn
 from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.gateways.mqtt.zigbee2mqtt.availability import StateWord
-from homebot.gateways.mqtt.zigbee2mqtt.convention import MAX_DEVICES
+from homebot.gateways.mqtt.zigbee2mqtt.convention import MAX_DEVICES, _read
 
 LAMP = "0x00158d0001abcdef"
 PLUG = "0x00158d0001abcde0"
@@ -115,7 +115,7 @@ def test_a_list_that_is_removed_withdraws_its_devices_but_not_for_good() -> None
 def test_a_device_that_is_disabled_is_withdrawn_and_comes_back() -> None:
     convention = bridge()
     heard(convention, entry())
-    assert heard(convention, entry(disabled=True)) == (Withdrawn(LAMP, "it was disabled in Zigbee2MQTT"),)
+    assert heard(convention, entry(disabled=True)) == (Withdrawn(LAMP, "it was disabled, or its name was taken"),)
     assert one(heard(convention, entry())).key == LAMP
 
 
@@ -142,6 +142,20 @@ def test_a_device_whose_entry_is_broken_now_stays_as_it_was() -> None:
     assert isinstance(lamp, Described)
     assert isinstance(plug, Described)
     assert (lamp.key, lamp.name) == (LAMP, "kitchen/lamp")
+
+
+def test_a_name_is_not_kept_for_who_is_broken_now_and_another_has_it() -> None:
+    convention = bridge()
+    heard(convention, entry())
+    gone, plug = heard(convention, entry(PLUG), entry(name="#"))
+    assert gone == Withdrawn(LAMP, "it was disabled, or its name was taken")
+    assert isinstance(plug, Described)
+    assert plug.key == PLUG
+
+
+def test_devices_are_left_out_where_those_before_have_all_the_parts() -> None:
+    with pytest.raises(WireError, match="which is the limit"):
+        _read("zigbee2mqtt", entry(), set(), is_known=False, room=0)
 
 
 def test_who_claims_the_name_or_the_address_of_another_is_left_out() -> None:

@@ -356,8 +356,8 @@ def test_a_transition_must_fit_the_radio() -> None:
 
 
 def test_parts_with_the_same_id_are_told_apart() -> None:
-    parts = built(feature("numeric", "x", 1), feature("numeric", "x", 1))
-    assert [one.part.id for one in parts] == ["x", "x_2"]
+    parts = built(*[feature("numeric", "x", 1)] * 3)
+    assert [one.part.id for one in parts] == ["x", "x_2", "x_3"]
 
 
 def test_what_neither_says_nor_takes_anything_is_left_out() -> None:

@@ -21,7 +21,7 @@ from homebot.gateways.mqtt.tasmota.sensors import Leaf, read_leaves
 
 __all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaDiscovery", "TasmotaSettings", "WordsOfWill"]
 
-MAX_DEVICES = 10_000
+MAX_DEVICES = 5_000
 """Most devices; the announcement of one more is refused."""
 
 MAX_WAITING = 1_000

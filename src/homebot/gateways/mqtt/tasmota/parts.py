@@ -6,10 +6,10 @@ Source: hatasmota 0.10.2, ``discovery.py``.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from itertools import chain
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.json_part import JsonPart
+from homebot.gateways.mqtt.json_part import JsonPart, with_own_ids
 from homebot.gateways.mqtt.tasmota.config import LIGHT, RELAY, TasmotaConfig
 from homebot.gateways.mqtt.tasmota.fan import offer_fan
 from homebot.gateways.mqtt.tasmota.inputs import describe_inputs
@@ -27,15 +27,11 @@ def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[Describe
     The relays of an iFan are its lamp and the speeds of its fan, so that only the first is a part of its own.
     """
     lines = Lines(config)
-    parts: dict[str, DescribedPart] = {}
-    for one in (*_outputs(lines), *describe_inputs(lines), *describe_sensors(lines, leaves)):
-        part_id = one.part.id
-        while part_id in parts:
-            part_id += "_2"
-        renamed = one.part.id != part_id
-        parts[part_id] = replace(one, part=one.part.model_copy(update={"id": part_id})) if renamed else one
-    return tuple(parts.values())
+    described = chain(_outputs(lines), describe_inputs(lines), describe_sensors(lines, leaves))
+    return with_own_ids(described, _MOST_PARTS)
 
+
+_MOST_PARTS = 500
 
 _LAMPS_OPTION = 30
 """SetOption30: the user says that lamps hang on the relays."""

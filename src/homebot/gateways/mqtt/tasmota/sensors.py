@@ -40,7 +40,10 @@ class Leaf:
 
 
 def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
-    """Return the leaves of the ``sensors`` message; empty where it has none, or is of another version."""
+    """Return the leaves of the ``sensors`` message; empty where it has none, or is of another version.
+
+    Those with names that no sensor has, longer than 100 characters, are left out.
+    """
     sensors = message.get("sn")
     if message.get("ver") != 1 or not isinstance(sensors, dict):
         return ()
@@ -48,6 +51,8 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
     for path, value in _leaves(sensors):
         if len(leaves) == MOST_SENSORS:
             break
+        if any(len(step) > _MAX_KEY for step in path if isinstance(step, str)):
+            continue
         leaves.append(Leaf(path, quantity_of(path, sensors), finite_number(value) is not None))
     return tuple(leaves)
 
@@ -74,6 +79,7 @@ def describe_sensors(lines: Lines, leaves: Iterable[Leaf]) -> Iterable[Described
 _IGNORED = frozenset({"Time", "PN532", "RDM6300"})
 """No sensors, or readers of tags that say nothing between tags."""
 
+_MAX_KEY = 100
 _MAX_ID = 255
 _MAX_VALUE = 255
 

@@ -18,13 +18,16 @@ from homebot.gateways.mqtt.zigbee2mqtt.availability import AvailabilityRule, rea
 from homebot.gateways.mqtt.zigbee2mqtt.bridge_device import BridgeDevice, ieee_address, read_bridge_device
 from homebot.gateways.mqtt.zigbee2mqtt.parts import build_parts
 
-__all__ = ["MAX_BRIDGE_BYTES", "MAX_DEVICES", "Zigbee2Mqtt", "Zigbee2MqttSettings"]
+__all__ = ["MAX_BRIDGE_BYTES", "MAX_DEVICES", "MAX_PARTS", "Zigbee2Mqtt", "Zigbee2MqttSettings"]
 
 MAX_BRIDGE_BYTES = 32 * 1024 * 1024
 """Longest list of devices; one device takes about 4 kB, and some remotes and thermostats ten times that."""
 
 MAX_DEVICES = 5_000
 """Most devices of one bridge; the largest known networks have some hundreds."""
+
+MAX_PARTS = 50_000
+"""Most parts of all devices of one bridge; a usual device has ten. Devices beyond are left out, and counted."""
 
 _Base = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
 _DEFAULT_BASE = "zigbee2mqtt"
@@ -105,21 +108,26 @@ class Zigbee2Mqtt:
     def _known(self, base: str, topic: str, entries: list[object]) -> dict[str, _Known]:
         """Describe the entries. What was known of a device stays where its entry is broken now."""
         found: dict[str, _Known] = {}
-        names: set[str] = set()
+        topics: set[str] = set()
         problems = []
+        room = MAX_PARTS
         via = _bridge_name(entries)
         for entry in entries:
             ieee = ieee_address(entry)
             try:
-                device = _read(base, entry, names, is_known=ieee in found)
+                device = _read(base, entry, topics, is_known=ieee in found, room=room)
             except WireError as error:
                 problems.append(error)
-                if ieee not in found and ieee in self._devices[base]:
-                    found[ieee] = self._devices[base][ieee]
-                continue
-            if not device.is_coordinator and not device.is_disabled:
-                names.add(device.name)
+                old = self._devices[base].get(ieee)
+                if ieee in found or old is None or old.topic in topics:
+                    continue
+                found[ieee] = old
+            else:
+                if device.is_coordinator or device.is_disabled:
+                    continue
                 found[ieee] = _Known(device.topic, self._describe(base, topic, device, via))
+            topics.add(found[ieee].topic)
+            room -= len(found[ieee].described.parts)
         if problems and not found:
             raise problems[0]
         self.rejected += len(problems)
@@ -160,13 +168,15 @@ class _Known:
     described: Described
 
 
-def _read(base: str, entry: object, names: set[str], *, is_known: bool) -> BridgeDevice:
+def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: int) -> BridgeDevice:
     if not isinstance(entry, dict) or not ieee_address(entry):
         address = entry.get("ieee_address") if isinstance(entry, dict) else entry
         raise WireError(f"ieee_address is {shown(address)}, not 0x and 16 digits")
     device = read_bridge_device(base, entry)
-    if is_known or device.name in names:
+    if is_known or device.topic in topics:
         raise WireError(f"{device.ieee} or its friendly_name {shown(device.name)} is there twice")
+    if room <= 0:
+        raise WireError(f"{device.ieee}: the devices before it have {MAX_PARTS} parts, which is the limit")
     return device
 
 
@@ -180,5 +190,5 @@ def _bridge_name(entries: list[object]) -> str:
 
 def _withdrawn(one: _Known, is_listed: bool) -> Withdrawn:  # noqa: FBT001 - only called above
     if is_listed:
-        return Withdrawn(one.described.key, "it was disabled in Zigbee2MQTT")
+        return Withdrawn(one.described.key, "it was disabled, or its name was taken")
     return Withdrawn(one.described.key, "it left its bridge", is_final=True)

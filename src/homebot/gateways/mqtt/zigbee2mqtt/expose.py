@@ -121,9 +121,9 @@ def _read(entry: object, depth: int) -> Expose | None:
     values = entry.get("values")
     return Expose(
         type=kind,
-        name=name or key,
+        name=clean_text(name or key),
         key="" if is_specific else key,
-        endpoint=_text(entry.get("endpoint")),
+        endpoint=clean_text(_text(entry.get("endpoint"))),
         label=clean_text(_text(entry.get("label")) or name or key, _MAX_TEXT),
         category=_category(entry),
         access=access & 7 if isinstance(access, int) else 0,
@@ -152,7 +152,7 @@ def _values(values: list[object]) -> tuple[Scalar, ...]:
 
 def _scalar(value: object) -> Scalar | None:
     if isinstance(value, str):
-        return value if len(value) <= _MAX_TEXT else None
+        return value if len(value) <= _MAX_TEXT and value.isprintable() else None
     if isinstance(value, bool):
         return value
     if isinstance(value, (int, float)) and finite_number(value) is not None:

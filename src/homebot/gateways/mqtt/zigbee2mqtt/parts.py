@@ -6,11 +6,9 @@ Source: zigbee2mqtt.io, Usage > Exposes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
-from itertools import islice
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
+from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, with_own_ids
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.zigbee2mqtt.bridge_device import BridgeDevice
 from homebot.gateways.mqtt.zigbee2mqtt.climate import (
@@ -36,13 +34,7 @@ def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
     """Describe the parts of a device, each id once. One that the bridge does not know shows what it says as it is."""
     lines = Lines(device.topic, device.is_awake)
     exposes = read_exposes(device.exposes)
-    parts: dict[str, DescribedPart] = {}
-    for one in islice(_described(device, lines, exposes), _MOST_PARTS):
-        part_id = one.part.id
-        while part_id in parts:
-            part_id += "_2"
-        parts[part_id] = one if part_id == one.part.id else _renamed(one, part_id)
-    return tuple(parts.values()) or (_unknown(lines),)
+    return with_own_ids(_described(device, lines, exposes), _MOST_PARTS) or (_unknown(lines),)
 
 
 _FEATURES: Mapping[str, frozenset[str]] = {
@@ -167,7 +159,3 @@ def _read_raw(message: JsonMessage) -> Readings:
 
 _MOST_RAW = 20
 _MAX_RAW = 255
-
-
-def _renamed(part: DescribedPart, part_id: str) -> DescribedPart:
-    return replace(part, part=part.part.model_copy(update={"id": part_id}))
