@@ -167,6 +167,23 @@ async def test_a_device_that_is_taken_back_is_gone_ten_seconds_later(make_house:
         assert house.told() == []
 
 
+async def test_what_is_announced_through_the_gateway_itself_is_heard(make_house: MakeHouse) -> None:
+    """An imported device, and one whose announcement was purged; the broker does not bring back what we publish."""
+    async with make_house() as house:
+        out = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
+        out.publish(RawCommand(address="hello/lamp1", payload="{}", retain=True))
+        await anyio.sleep(0.01)
+        assert [(one.kind, one.key) for one in house.sighted()] == [("appeared", LAMP)]
+        await house.say("lamp1/state", "on_off=on")
+        assert house.told() == [(LAMP, {"lamp.on_off": True}, False)]
+        house.sighted()
+        out.publish(RawCommand(address="lamp1/state", payload="on_off=off"))
+        out.publish(RawCommand(address="hello/lamp1", payload="", retain=True))
+        await anyio.sleep(11)
+        assert [(one.kind, one.key) for one in house.sighted()] == [("removed", LAMP)]
+        assert house.told() == []
+
+
 async def test_a_device_that_is_renamed_is_never_gone(make_house: MakeHouse) -> None:
     """Taken back, and announced again within ten seconds."""
     async with make_house() as house:

@@ -6,6 +6,8 @@ do what takes time or must wait: subscribing, asking, and ending what ends by it
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import anyio
 
 from homebot.devices import RawMessage
@@ -137,6 +139,13 @@ class DescribedDevices:
                 word = self._raw(route.voices[0], message.topic, message.payload, retained=message.retain)
                 for listener in listeners:
                     await self._listeners.deliver(listener, word, patient=message.qos > 0)
+
+    async def overhear(self, message: MqttMessage) -> None:
+        """Take a message that we published ourselves, where it announces a device: no broker brings it back to us."""
+        route = self.route(message.topic)
+        if route is not None and route.conventions:
+            self.tick()
+            await self.hear(message, replace(route, witnesses=(), voices=()), raw=False)
 
     def known(self, address: str) -> tuple[str, str] | None:
         """Return key and name of the device that speaks on *address*, a topic or a words address.

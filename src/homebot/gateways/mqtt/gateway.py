@@ -321,9 +321,9 @@ class MqttGateway(Gateway):
         validate_topic(command.address)
         if not self.acts:
             raise RefusedError("the command", ONLY_OBSERVES)
-        await self._connection.publish(
-            command.address, command.payload.encode(), qos=command.qos, retain=command.retain
-        )
+        payload = command.payload.encode()
+        await self._connection.publish(command.address, payload, qos=command.qos, retain=command.retain)
+        await self._described.overhear(MqttMessage(command.address, payload, command.qos, retain=False))
 
 
 def _topic_level(text: str) -> str:
