@@ -71,6 +71,7 @@ def test_a_description_is_a_device() -> None:
         "id:x",
         "id:urn:dev:mac:00158d0001abcdef",
     )
+    assert heard.is_sighting
     assert heard.facts == {"model": "X1", "description": "On the desk"}
     (lamp,) = heard.parts
     assert (lamp.part.service_type, lamp.part.reads, lamp.part.writes) == ("light", ("lamp/on",), ("lamp/on/set",))

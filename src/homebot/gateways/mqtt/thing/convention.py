@@ -106,6 +106,7 @@ class ThingDescriptions:
             topic=topic,
             area=clean_text(thing.area),
             facts=facts,
+            is_sighting=True,  # who describes a thing now has just seen it; a forgotten one comes back so
         )
 
 
