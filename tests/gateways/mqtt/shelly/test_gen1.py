@@ -61,6 +61,13 @@ def test_an_announcement_describes_a_plug(say: Say) -> None:
     assert all(not one.asks for one in device.parts[1:])
 
 
+def test_the_same_announcement_on_its_second_topic_says_nothing_new(say: Say) -> None:
+    described(say("shellies/announce", PLUG))
+    assert say("shellies/shellyplug-s-122881/announce", PLUG) == ()
+    assert described(say("shellies/announce", PLUG)).topic == "shellies/announce"
+    assert described(say("shellies/shellyplug-s-122881/announce", {**PLUG, "fw_ver": "2"})).facts["sw_version"] == "2"
+
+
 def test_a_plug_is_switched_and_measured(say: Say, part: Find) -> None:
     heard = say("shellies/announce", PLUG)
     base = "shellies/shellyplug-s-122881"
@@ -149,7 +156,7 @@ def test_a_new_name_takes_the_place_of_the_old_one(say: Say) -> None:
     assert isinstance(there, Described)
     assert there.key == "shellies/kitchen"
     assert there.identifiers == ("mac:a8032a122881",)
-    assert described(say("shellies/announce", PLUG)).key == "shellies/kitchen"
+    assert described(say("shellies/announce", {**PLUG, "fw_ver": "2"})).key == "shellies/kitchen"
 
 
 def test_what_wakes_only_to_tell_has_no_availability(say: Say) -> None:

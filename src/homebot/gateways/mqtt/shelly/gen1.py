@@ -1,7 +1,8 @@
 """Shelly's first generation: who announces itself, and what is heard below ``shellies/``. Pure.
 
-A device's model and mode say what it consists of; what it is heard to publish besides is added. One that does not
-announce itself is known once it says that it is online and has published something known.
+A device's model and mode say what it consists of; what it is heard to publish besides is added. It announces itself
+on two topics at once, of which one counts where both say the same. One that does not announce itself is known once it
+says that it is online and has published something known.
 
 Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0.
 """
@@ -109,6 +110,7 @@ class Gen1:
         if device is None:
             return ()
         gone = self._renamed(mac, device.place.name)
+        before = _said(device)
         model_name, mode = told.get("model"), told.get("mode")
         device.model_name = clean_text(model_name, 40) if isinstance(model_name, str) else ""
         device.model = find_model(device.model_name, device_id)
@@ -116,7 +118,10 @@ class Gen1:
         device.mac = mac
         device.version = _text(told.get("fw_ver"))
         device.address = _text(told.get("ip"))
-        device.is_announced = True
+        if not device.is_announced:
+            device.is_announced, device.topic = True, topic
+        elif not gone and topic != device.topic and _said(device) == before:
+            return ()
         return gone + self._described(device, topic)
 
     def _online(self, topic: str, name: str, payload: bytes) -> tuple[Heard, ...]:
@@ -165,7 +170,7 @@ class Gen1:
         if not parts:
             return ()
         self._devices.keep(place.name)
-        device.topic = device.topic if device.is_announced and device.topic else topic
+        device.topic = device.topic or topic
         sleeps = device.model is not None and device.model.sleeps
         declared = (device.mac, place.name if _HARDWARE_ID.fullmatch(place.name) else "")
         return (
@@ -194,6 +199,10 @@ def _known(device: _Device) -> frozenset[str]:
         wrong = others - set(map(_kind, mode)) - {"input", "input_event"}
         return model.topics | mode | {suffix for suffix in device.suffixes if _kind(suffix) not in wrong}
     return model.topics | device.suffixes
+
+
+def _said(device: _Device) -> tuple[str, ...]:
+    return device.model_name, device.mode, device.mac, device.version, device.address
 
 
 def _kind(suffix: str) -> str:

@@ -15,7 +15,8 @@ from homebot.gateways.mqtt.shelly.gen1_inputs import build_input
 from homebot.gateways.mqtt.shelly.gen1_lights import build_light
 from homebot.gateways.mqtt.shelly.gen1_models import Gen1Model
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
-from homebot.gateways.mqtt.shelly.gen1_sensors import SENSORS, build_meter, build_motion, build_sensor, build_valve
+from homebot.gateways.mqtt.shelly.gen1_sensors import SENSORS, build_meter, build_sensor
+from homebot.gateways.mqtt.shelly.gen1_status import build_motion, build_valve
 from homebot.gateways.mqtt.tabled_part import TabledPart
 
 __all__ = ["MAX_CHANNELS", "build_parts", "is_known_topic"]

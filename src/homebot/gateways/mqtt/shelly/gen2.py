@@ -19,6 +19,7 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.bounded import Bounded
 from homebot.gateways.mqtt.description import Availability, Described, DescribedPart, Heard, Question, Withdrawn
 from homebot.gateways.mqtt.payload import clean_text, parse_object, shown
+from homebot.gateways.mqtt.shelly.gen2_answers import fields_in, is_prefix, kind_of, sleeps, tells_change, text_of
 from homebot.gateways.mqtt.shelly.gen2_component import Fields, Gen2Place
 from homebot.gateways.mqtt.shelly.gen2_parts import build_parts
 from homebot.gateways.mqtt.shelly.online import OnlineTopic
@@ -32,10 +33,8 @@ MAX_ANSWER_BYTES = 128 * 1024
 
 _MAX_DEVICES = 3000
 _MAX_KEPT_BYTES = 32 * 1024 * 1024
-_LONGEST_PREFIX = 200
 _QUESTIONS = ("Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus")
 _NOTHING: Fields = MappingProxyType({})
-_CHANGES = frozenset({"component_added", "component_removed", "config_changed"})
 _PLUGS = ("plug", "pstrip", "powerstrip", "outdoors")
 
 
@@ -128,10 +127,10 @@ class Gen2:
         if not isinstance(params, dict):
             return ()
         if device.described is not None:
-            return (self._question(device),) if method == "NotifyEvent" and _tells_change(params) else ()
+            return (self._question(device),) if method == "NotifyEvent" and tells_change(params) else ()
         asked = self._asked(device)
         if method == "NotifyFullStatus" and self._keep(device, "status", params, len(payload)):
-            return self._described(device, f"{prefix}/events/rpc", _text(frame.get("src"))) + asked
+            return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + asked
         return asked
 
     def _answered(self, prefix: str, payload: bytes) -> tuple[Heard, ...]:
@@ -142,14 +141,14 @@ class Gen2:
         if not isinstance(source, str):
             raise WireError(f"an answer has the src {shown(source)}")
         device = self._device(prefix or source)
-        kind = _kind(result)
+        kind = kind_of(result)
         if device is None or not kind or not self._keep(device, kind, result, len(payload)):
             return ()
-        return self._described(device, f"{device.prefix}/rpc", _text(source))
+        return self._described(device, f"{device.prefix}/rpc", text_of(source))
 
     def _device(self, prefix: str) -> _Device | None:
         device = self._devices.get(prefix)
-        if device is None and _is_prefix(prefix):
+        if device is None and is_prefix(prefix):
             device = _Device(prefix)
             if not self._devices.add(prefix, device):
                 return None
@@ -181,11 +180,11 @@ class Gen2:
         return True
 
     def _described(self, device: _Device, topic: str, device_id: str) -> tuple[Heard, ...]:
-        mac = _text(device.info.get("mac")) or _text(_fields(device.status, "sys").get("mac"))
+        mac = text_of(device.info.get("mac")) or text_of(fields_in(device.status, "sys").get("mac"))
         if not device.status or not mac:
             return ()
-        device_id = _text(device.info.get("id")) or device_id
-        models = f"{device_id} {_text(device.info.get('app'))}".casefold()
+        device_id = text_of(device.info.get("id")) or device_id
+        models = f"{device_id} {text_of(device.info.get('app'))}".casefold()
         place = Gen2Place(
             device.prefix,
             self._client,
@@ -204,7 +203,7 @@ class Gen2:
             parts=parts,
             topic=topic if device.described is None else device.described.topic,
             facts=_facts(device),
-            availability=None if _sleeps(device.status) else Availability((OnlineTopic(f"{device.prefix}/online"),)),
+            availability=None if sleeps(device.status) else Availability((OnlineTopic(f"{device.prefix}/online"),)),
             is_sighting=True,
         )
         if device.described is not None and _looks(device.described) == _looks(described):
@@ -219,64 +218,23 @@ class Gen2:
         return (Withdrawn(device.prefix, "no component of it is left"),)
 
 
-def _is_prefix(prefix: str) -> bool:
-    return 0 < len(prefix) <= _LONGEST_PREFIX and prefix.isprintable() and not set(prefix) & set("+#$")
-
-
-def _kind(result: Fields) -> str:
-    """Which question *result* answers; empty for another, such as a command."""
-    if "mac" in result and "id" in result:
-        return "info"
-    system = _fields(result, "sys")
-    if "device" in system:
-        return "config"
-    is_status = "mac" in system or "uptime" in system or any(":" in key for key in result)
-    return "status" if is_status else ""
-
-
-def _tells_change(params: Fields) -> bool:
-    events = params.get("events")
-    listed = events[:32] if isinstance(events, list) else ()
-    return any(isinstance(one, dict) and one.get("event") in _CHANGES for one in listed if _is_named(one))
-
-
-def _is_named(event: object) -> bool:
-    return isinstance(event, dict) and isinstance(event.get("event"), str)
-
-
 def _looks(described: Described) -> tuple[tuple[Part, ...], str, Mapping[str, str], tuple[str, ...]]:
     parts: tuple[DescribedPart, ...] = described.parts
     return tuple(one.part for one in parts), described.name, described.facts, described.identifiers
 
 
 def _name(device: _Device) -> str:
-    own = _text(device.info.get("name"))
-    return own or _text(_fields(_fields(device.config, "sys"), "device").get("name")) or clean_text(device.prefix)
+    own = text_of(device.info.get("name"))
+    return own or text_of(fields_in(fields_in(device.config, "sys"), "device").get("name")) or clean_text(device.prefix)
 
 
 def _facts(device: _Device) -> dict[str, str]:
     generation = number_in(device.info.get("gen"))
     facts = {
         "manufacturer": "Shelly",
-        "model": _text(device.info.get("model")),
-        "model_id": _text(device.info.get("app")),
-        "sw_version": _text(device.info.get("ver")),
+        "model": text_of(device.info.get("model")),
+        "model_id": text_of(device.info.get("app")),
+        "sw_version": text_of(device.info.get("ver")),
         "generation": "" if generation is None else f"{generation:g}",
     }
     return {name: value for name, value in facts.items() if value}
-
-
-def _sleeps(status: Fields) -> bool:
-    period = number_in(_fields(status, "sys").get("wakeup_period"))
-    external = _fields(_fields(status, "devicepower:0"), "external")
-    runs_on_battery = "devicepower:0" in status and external.get("present") is not True
-    return runs_on_battery or (period is not None and period > 0)
-
-
-def _fields(fields: Fields, name: str) -> Fields:
-    inner = fields.get(name)
-    return inner if isinstance(inner, dict) else _NOTHING
-
-
-def _text(value: object) -> str:
-    return clean_text(value) if isinstance(value, str) else ""

@@ -14,12 +14,11 @@ from homebot.gateways.mqtt.shelly.gen2_controls import (
     build_thermostat,
 )
 from homebot.gateways.mqtt.shelly.gen2_lights import LIGHTS, build_light
+from homebot.gateways.mqtt.shelly.gen2_meters import build_meters, build_own_temperature
 from homebot.gateways.mqtt.shelly.gen2_sensors import (
     SENSORS,
     build_bluetooth_sensor,
     build_input,
-    build_meters,
-    build_own_temperature,
     build_power,
     build_sensor,
 )

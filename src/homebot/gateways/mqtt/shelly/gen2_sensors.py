@@ -1,7 +1,7 @@
 """What Shelly's second generation measures and watches. Pure.
 
 Source: Shelly Gen2+ API, components Temperature, Humidity, Illuminance, DevicePower, Smoke, Flood, Presence, Voltmeter,
-Input, PM1, EM, EM1, EMData, EM1Data and BTHomeSensor; BTHome v2 object ids.
+Input and BTHomeSensor; BTHome v2 object ids.
 """
 
 from __future__ import annotations
@@ -19,8 +19,6 @@ __all__ = [
     "SENSORS",
     "build_bluetooth_sensor",
     "build_input",
-    "build_meters",
-    "build_own_temperature",
     "build_power",
     "build_sensor",
 ]
@@ -54,18 +52,6 @@ SENSORS: Mapping[str, _Sensor] = MappingProxyType(
 )
 """The components that are one sensor each."""
 
-_ENERGY = 1 / 1000
-"""Shelly counts watt-hours."""
-
-_ELECTRICAL = (
-    ("apower", "power"),
-    ("act_power", "power"),
-    ("voltage", "voltage"),
-    ("current", "current"),
-    ("freq", "frequency"),
-)
-_PHASES = ("a", "b", "c")
-_TOTALS = (("total_act_power", "power"), ("total_current", "current"))
 _PRESSES = {
     "single_push": "single",
     "double_push": "double",
@@ -136,43 +122,6 @@ def build_input(component: Component) -> tuple[TabledPart, ...]:
     return (part,)
 
 
-def build_meters(component: Component) -> tuple[TabledPart, ...]:
-    """Describe what a component measures of the electricity through it; nothing where it does not."""
-    if component.kind == "em":
-        return _build_phases(component)
-    is_meter = component.kind in {"pm1", "em1"}
-    if not is_meter and "apower" not in component.status:
-        return ()
-    part = component.part("" if is_meter else "meter", "electrical_meter")
-    for field, capability in _ELECTRICAL:
-        if field in component.status:
-            component.tells(part, measured(field, capability))
-            part.offers(capability)
-    if isinstance(component.status.get("aenergy"), dict):
-        component.tells(part, _told_energy)
-        part.offers("energy")
-    if component.kind == "em1":
-        component.tells(part, measured("total_act_energy", "energy", _ENERGY), f"em1data:{component.index}")
-        part.offers("energy")
-    return (part,)
-
-
-def build_own_temperature(component: Component) -> tuple[TabledPart, ...]:
-    """Describe how warm the device itself is, where the component tells."""
-    if not isinstance(component.status.get("temperature"), dict):
-        return ()
-    inner = measured("tC", "temperature")
-
-    def told(status: Fields) -> Readings:
-        temperature = status.get("temperature")
-        return inner(temperature) if isinstance(temperature, dict) else NOTHING
-
-    part = component.part("temperature", "temperature_sensor", category="diagnostic")
-    component.tells(part, told)
-    part.offers("temperature")
-    return (part,)
-
-
 def build_bluetooth_sensor(component: Component) -> tuple[TabledPart, ...]:
     """Describe one value that a gateway hears by Bluetooth; nothing where it is not known what it means."""
     object_id = component.config.get("obj_id")
@@ -195,34 +144,6 @@ def build_bluetooth_sensor(component: Component) -> tuple[TabledPart, ...]:
 
 
 _NUMBERS = frozenset({"battery", "temperature", "humidity", "pressure", "illuminance"})
-
-
-def _build_phases(component: Component) -> tuple[TabledPart, ...]:
-    total = component.part("", "electrical_meter")
-    for field, capability in _TOTALS:
-        component.tells(total, measured(field, capability))
-        total.offers(capability)
-    data = f"emdata:{component.index}"
-    component.tells(total, measured("total_act", "energy", _ENERGY), data)
-    total.offers("energy")
-    parts = [total]
-    for phase in _PHASES:
-        if f"{phase}_act_power" not in component.status:
-            continue
-        part = component.part(phase, "electrical_meter", tag=f"phase_{phase}")
-        for field, capability in (("act_power", "power"), ("voltage", "voltage"), ("current", "current")):
-            component.tells(part, measured(f"{phase}_{field}", capability))
-            part.offers(capability)
-        component.tells(part, measured(f"{phase}_total_act_energy", "energy", _ENERGY), data)
-        part.offers("energy")
-        parts.append(part)
-    return tuple(parts)
-
-
-def _told_energy(status: Fields) -> Readings:
-    energy = status.get("aenergy")
-    total = number_in(energy.get("total")) if isinstance(energy, dict) else None
-    return NOTHING if total is None else {"energy": total * _ENERGY}
 
 
 def _told_by_counter(status: Fields) -> Readings:

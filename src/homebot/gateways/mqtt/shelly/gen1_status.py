@@ -1,0 +1,113 @@
+"""Devices of Shelly's first generation that tell all in one ``status``: motion sensors and radiator valves. Pure.
+
+Source: Shelly Gen1 API, MQTT of Motion and TRV; iobroker.shelly 12.0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from homebot.devices.part import Category
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.wanted import wanted_number
+from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
+from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, number_in
+
+__all__ = ["build_motion", "build_valve"]
+
+_VALVE_BOUNDS = (4.0, 31.0)
+_UNCLEAR = object()
+
+
+def build_motion(place: Gen1Place) -> tuple[TabledPart, ...]:
+    """Describe what a motion sensor tells in its one ``status``."""
+    return tuple(
+        _status_part(place, part_id, service_type, capability, find, category)
+        for part_id, service_type, capability, find, category in _MOTION
+    )
+
+
+def build_valve(place: Gen1Place) -> tuple[TabledPart, ...]:
+    """Describe a radiator valve."""
+    topic = place.at("thermostat/0/command/target_t")
+
+    def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        celsius = wanted_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C")
+        return (Publication(topic, f"{round(celsius, 1):g}".encode()),)
+
+    part = TabledPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
+    part.reads(place.at("status"), _read_valve)
+    part.reads(place.at("info"), _read_valve)
+    part.listens(topic)
+    part.offers("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
+    part.offers("local_temperature")
+    part.offers("position")
+    return part, _status_part(place, "battery", "x_battery", "battery", _battery, "diagnostic")
+
+
+def _truth(told: Mapping[str, object], name: str) -> PlainValue | object:
+    value = told.get(name)
+    return value if isinstance(value, bool) else _UNCLEAR
+
+
+def _number(value: object) -> PlainValue | object:
+    number = number_in(value)
+    return _UNCLEAR if number is None else number
+
+
+def _battery(told: Mapping[str, object]) -> PlainValue | object:
+    battery = told.get("bat")
+    return _number(battery.get("value") if isinstance(battery, dict) else battery)
+
+
+def _temperature(told: Mapping[str, object]) -> PlainValue | object:
+    temperature = told.get("tmp")
+    if not isinstance(temperature, dict):
+        return _UNCLEAR
+    return None if temperature.get("is_valid") is False else _number(temperature.get("value"))
+
+
+_Find = Callable[[Mapping[str, object]], PlainValue | object]
+_MOTION: tuple[tuple[str, str, str, _Find, Category], ...] = (
+    ("motion", "occupancy_sensor", "occupancy", lambda told: _truth(told, "motion"), ""),
+    ("vibration", "x_binary_sensor", "vibration", lambda told: _truth(told, "vibration"), ""),
+    ("lux", "light_sensor", "illuminance", lambda told: _number(told.get("lux")), ""),
+    ("temperature", "temperature_sensor", "temperature", _temperature, ""),
+    ("battery", "x_battery", "battery", _battery, "diagnostic"),
+)
+
+
+def _status_part(
+    place: Gen1Place, part_id: str, service_type: str, capability: str, find: _Find, category: Category
+) -> TabledPart:
+    def read(payload: bytes) -> Readings:
+        told = json_in(payload)
+        value = find(told) if isinstance(told, dict) else _UNCLEAR
+        return {capability: value} if value is None or isinstance(value, (bool, float)) else NOTHING
+
+    part = TabledPart(part_id, service_type, advertised="status", category=category)
+    for topic in ("status", "info") if part_id == "battery" else ("status",):
+        part.reads(place.at(topic), read)
+    part.offers(capability)
+    return part
+
+
+def _read_valve(payload: bytes) -> Readings:
+    told = json_in(payload)
+    if not isinstance(told, dict):
+        return NOTHING
+    listed = told.get("thermostats")
+    valve = listed[0] if isinstance(listed, list) and listed and isinstance(listed[0], dict) else told
+    found: dict[str, PlainValue] = {}
+    target = valve.get("target_t")
+    wanted = number_in(target.get("value")) if isinstance(target, dict) else None
+    if wanted is not None:
+        found["heating_setpoint"] = wanted
+    temperature = _temperature(valve)
+    if temperature is None or isinstance(temperature, float):
+        found["local_temperature"] = temperature
+    opened = number_in(valve.get("pos"))
+    if opened is not None:
+        found["position"] = opened if 0 <= opened <= 100 else None
+    return found
