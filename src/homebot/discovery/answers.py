@@ -115,7 +115,7 @@ class Answers:
         self._tell()
         return GetChangesResponse(
             changes=tuple(one for one in self._changes if one.sequence > request.since),
-            complete=request.since >= self._forgotten,
+            complete=self._forgotten <= request.since <= self._index.sequence,
             sequence=self._index.sequence,
         )
 

@@ -1,0 +1,201 @@
+"""What the directory answers, and what it tells those who follow; in virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+import anyio
+import pytest
+
+from homebot.clock import LoopClock
+from homebot.devices import (
+    DEVICE_STATES,
+    FIND_DEVICES,
+    GET_CHANGES,
+    QUERY_DEVICES,
+    FindDevices,
+    Follow,
+    GetChanges,
+    QueryDevices,
+    Sighting,
+    StateChange,
+)
+from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, GatewayNames
+from homebot.devices.part import Part
+from homebot.devices.quarantine import GetHealth
+from homebot.devices.report import Report
+from homebot.devices.services import ForgetDevice
+from homebot.discovery import Directory, DirectorySettings
+from homebot.errors import UsageError
+from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
+
+pytestmark = pytest.mark.virtual_time
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
+
+
+@dataclass
+class House:
+    """A gateway's two topics, a directory, and who asks."""
+
+    graph: Graph
+    sightings: Publisher[Sighting]
+    readings: Publisher[Report]
+    directory: Directory
+    asker: Node
+
+    async def hears(self, *messages: Sighting | Report) -> None:
+        for one in messages:
+            if isinstance(one, Sighting):
+                self.sightings.publish(one)
+            else:
+                self.readings.publish(one)
+        await anyio.sleep(0.001)
+
+
+@asynccontextmanager
+async def directory() -> AsyncIterator[House]:
+    graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
+    kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    async with (
+        Node(graph, "mqtt", namespace="/gateway") as gateway,
+        Node(graph, "discovery") as node,
+        Node(graph, "asker") as asker,
+        anyio.create_task_group() as tasks,
+    ):
+        sightings = gateway.create_publisher(Sighting, names.received_topics, kept)
+        directory = Directory(node, DirectorySettings())
+        await tasks.start(directory.serve)
+        readings = gateway.create_publisher(Report, names.readings, kept)
+        yield House(graph, sightings, readings, directory, asker)
+        tasks.cancel_scope.cancel()
+
+
+@pytest.fixture
+def lamp(announce: Announce, part: MakePart) -> Sighting:
+    light = part("light", "on_off", "level", id="l", writes=("a/set",))
+    return announce("l", light, ids=("id:lamp-4711",), name="Desk lamp", area="Study", at=1.0, confirmed=True)
+
+
+async def test_a_query_is_answered_with_reasons_in_portions(lamp: Sighting, tell: Tell) -> None:
+    async with directory() as house:
+        others = [
+            lamp.model_copy(update={"key": f"k{one}", "identifiers": (f"id:other-{one}",), "name": f"Other {one}"})
+            for one in range(4)
+        ]
+        await house.hears(lamp, *others, tell(lamp, "on_off", True, part="l"))
+        ask = house.asker.create_client(QueryDevices, QUERY_DEVICES)
+
+        found = await ask.call(QueryDevices.Request(query="on lights"))
+        assert (found.success, found.total) == (True, 1)
+        assert [(one.device.id, one.reasons) for one in found.results] == [
+            ("desk_lamp", ("it is a light", "on_off is true", "it spoke lately"))
+        ]
+        some = await ask.call(QueryDevices.Request(query="light", offset=1, limit=2))
+        assert (some.total, [one.device.id for one in some.results]) == (5, ["other_0", "other_1"])
+        assert len((await ask.call(QueryDevices.Request())).results) == 5
+
+
+async def test_a_query_that_is_not_understood_is_answered_with_the_reason() -> None:
+    async with directory() as house:
+        answer = await house.asker.create_client(QueryDevices, QUERY_DEVICES).call(
+            QueryDevices.Request(query="brightnes > 3")
+        )
+        assert not answer.success
+        assert "did you mean brightness?" in answer.message
+
+
+async def test_devices_are_found_by_any_word_for_what_they_are(lamp: Sighting) -> None:
+    async with directory() as house:
+        await house.hears(lamp)
+        find = house.asker.create_client(FindDevices, FIND_DEVICES)
+        for word in ("light", "lights", "lamp", ""):
+            assert [one.id for one in (await find.call(FindDevices.Request(service_type=word))).devices] == [
+                "desk_lamp"
+            ]
+
+
+async def test_a_late_asker_is_told_what_happened_since(lamp: Sighting) -> None:
+    async with directory() as house:
+        ask = house.asker.create_client(GetChanges, GET_CHANGES)
+        before = (await ask.call(GetChanges.Request(since=0))).sequence
+        await house.hears(lamp)
+        await house.hears(lamp.model_copy(update={"name": "Reading lamp"}))
+        since = await ask.call(GetChanges.Request(since=before))
+        assert since.complete
+        assert [one.kind for one in since.changes] == ["appeared", "changed"]
+        assert since.sequence == since.changes[-1].sequence
+        assert not (await ask.call(GetChanges.Request(since=-1))).complete
+        assert not (await ask.call(GetChanges.Request(since=since.sequence + 1))).complete
+        assert (await ask.call(GetChanges.Request(since=since.sequence))).changes == ()
+
+
+async def test_a_forgotten_device_is_gone_until_it_speaks(lamp: Sighting, tell: Tell) -> None:
+    async with directory() as house:
+        await house.hears(lamp)
+        forget = house.asker.create_client(ForgetDevice, FORGET_DEVICE)
+        answer = await forget.call(ForgetDevice.Request(device="desk_lamp"))
+        assert [(one.gateway, one.topic) for one in answer.announced_on] == [("mqtt", "homeassistant/l/config")]
+        await house.hears(lamp.model_copy(update={"confirmed": False}))
+        assert len(house.directory.index) == 0
+        await house.hears(tell(lamp, "on_off", True, part="l"))
+        assert [one.id for one in house.directory.index.devices()] == ["desk_lamp"]
+        assert not (await forget.call(ForgetDevice.Request(device="nobody"))).success
+
+
+async def test_health_counts(lamp: Sighting, tell: Tell) -> None:
+    async with directory() as house:
+        await house.hears(lamp, tell(lamp, "on_off", True, part="unknown"))
+        health = await house.asker.create_client(GetHealth, DISCOVERY_HEALTH).call(GetHealth.Request())
+        counts = {one.name: one.count for one in health.counts}
+        assert (counts["devices"], counts["unknown_parts"], counts["index_file_failures"]) == (1, 1, 0)
+
+
+async def test_new_values_are_told_only_while_somebody_listens(lamp: Sighting, tell: Tell) -> None:
+    async with directory() as house:
+        await house.hears(lamp, tell(lamp, "level", 10.0, part="l"))
+        states = house.asker.create_subscription(StateChange, DEVICE_STATES, qos_profile=10)
+        await house.hears(tell(lamp, "level", 20.0, part="l", at=2.0))
+        change = states.take()
+        assert change is not None
+        assert (change.device, change.state.part, change.state.value.plain()) == ("desk_lamp", "l", 20.0)
+
+
+async def test_a_device_that_comes_to_fit_a_live_query_appears_and_one_that_does_not_goes(
+    lamp: Sighting, tell: Tell
+) -> None:
+    """By its values, its room and its life."""
+    async with directory() as house:
+        await house.hears(lamp, tell(lamp, "on_off", False, part="l"))
+        heard: list[tuple[str, str]] = []
+        follow = Follow(house.asker, query="on lights in study")
+
+        async def read() -> None:
+            async for change in follow:
+                heard.append((change.kind, change.why))  # noqa: PERF401 - as they come
+
+        house.asker.create_task(read)
+        await anyio.sleep(0.01)
+        assert heard == []
+        await house.hears(tell(lamp, "on_off", True, part="l", at=2.0))
+        await house.hears(tell(lamp, "level", 50.0, part="l", at=3.0))
+        await house.hears(tell(lamp, "on_off", False, part="l", at=4.0))
+        await house.hears(tell(lamp, "on_off", True, part="l", at=5.0))
+        await house.hears(lamp.model_copy(update={"area": "Hall"}))
+        assert heard == [
+            ("appeared", "its on_off is True now"),
+            ("removed", "it fits the query no longer"),
+            ("appeared", "its on_off is True now"),
+            ("removed", "it is described anew"),
+        ]
+        follow.close()
+
+
+async def test_a_live_query_that_is_not_understood_is_refused_at_once() -> None:
+    async with directory() as house:
+        with pytest.raises(UsageError, match="never closed"):
+            Follow(house.asker, query="(light")
