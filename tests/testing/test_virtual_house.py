@@ -17,6 +17,7 @@ import pytest
 from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
 from homebot.house import Lamp, WindowMotor, World, thesis_world
+from homebot.mqtt.broker import BrokerLimits
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
 from homebot.testing.event_log import MAX_EVENTS
 
@@ -172,3 +173,11 @@ def test_one_seed_is_one_day_byte_for_byte_and_another_is_another() -> None:
     assert first == second != other
     assert first.count("\n") > 3_000
     assert "mqtt home425/lights/roomlights405/in off" in first
+
+
+@pytest.mark.virtual_time
+async def test_every_device_of_a_big_house_has_room_at_the_broker() -> None:
+    async with virtual_house_of(world=World.of(*(Lamp(f"lamp{number}") for number in range(3)))) as house:
+        limits = house.broker._limits
+        assert limits.max_connections == BrokerLimits().max_connections + 3
+        assert limits.max_sessions == BrokerLimits().max_sessions + 6

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import replace
 from datetime import UTC, datetime
 from random import Random
 
@@ -14,6 +15,7 @@ from homebot.clock import LoopClock
 from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
+from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.client import Subscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -139,7 +141,9 @@ async def virtual_house_of(
     random = Random(seed)  # noqa: S311 - a simulation has no secrets
     async with AsyncExitStack() as stack:
         stack.enter_context(plain_logs())
-        broker = await stack.enter_async_context(MemoryBroker(clock=clock, random=random))
+        lived_in = World.of() if world is None else world
+        limits = _limits(len(lived_in.devices))
+        broker = await stack.enter_async_context(MemoryBroker(clock=clock, random=random, limits=limits))
         config = house_config(apps, root, EMBEDDED)
         runtime = Runtime(config, with_door=False, clock=clock, broker=broker, random=random)
         await stack.enter_async_context(runtime)
@@ -151,7 +155,7 @@ async def virtual_house_of(
         simulated = SimulatedHouse(
             broker.url,
             root,
-            World.of() if world is None else world,
+            lived_in,
             clock,
             make_client=broker.make_client,
             random=random,
@@ -161,6 +165,14 @@ async def virtual_house_of(
         async with in_background(house.listen, simulated.serve):
             await house.settle()
             yield house
+
+
+def _limits(devices: int) -> BrokerLimits:
+    """The bounds of a broker that *devices* and, as ever, others are clients of."""
+    usual = BrokerLimits()
+    return replace(
+        usual, max_connections=usual.max_connections + devices, max_sessions=usual.max_sessions + 2 * devices
+    )
 
 
 def _virtual_loop() -> VirtualTimeLoop:
