@@ -1,0 +1,79 @@
+"""Handles in a simulated house: what an app does reaches devices that speak on MQTT, and what they say comes back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import anyio
+import pytest
+
+from homebot.devices import Devices
+from homebot.devices.handles import DoorLock, Light, WindowCovering
+from homebot.errors import RefusedError
+from homebot.graph import Node
+from homebot.house import World
+from homebot.house.description import load_world
+from homebot.house.lamp import Lamp
+from homebot.testing.virtual_house import virtual_house_of
+
+pytestmark = pytest.mark.virtual_time
+
+HOUSE = """
+house.dialect = "homeassistant"
+rooms.kitchen = {}
+rooms.hall = {}
+devices.lamp = { kind = "lamp", room = "kitchen" }
+devices.blind = { kind = "cover", room = "kitchen" }
+devices.old_lamp = { kind = "lamp", room = "hall", dialect = "thesis" }
+"""
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> World:
+    file = tmp_path / "house.toml"
+    file.write_text(HOUSE)
+    return load_world(file)
+
+
+async def test_an_app_acts_on_devices_of_any_convention_and_sees_what_became_of_it(world: World) -> None:
+    """Home Assistant's discovery and the thesis's layout in one house; the latter says its state to nobody but ears."""
+    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "app") as node:
+        devices = Devices(node)
+        await anyio.sleep(10)
+        new, old = await devices.find(Light)
+        assert (new.id, new.area, new.on, old.id, old.on) == ("lamp", "kitchen", False, "lights/old_lamp", None)
+
+        for lamp in (new, old):
+            await lamp.turn_on(level=40, kelvin=2500)
+        await anyio.sleep(1)
+        lamps = [world.devices[name].device for name in ("lamp", "old_lamp")]
+        assert [(one.is_on, one.brightness, one.kelvin) for one in lamps if isinstance(one, Lamp)] == [
+            (True, 0.4, 2500.0)
+        ] * 2
+        assert (new.on, new.level) == (True, 40.0)
+        assert [one.id for one in await devices.find(Light, area="Kitchen", on=True)] == ["lamp"]
+
+        (blind,) = await devices.find(WindowCovering, closed=False)
+        await blind.close()
+        await anyio.sleep(60)
+        assert (blind.movement, blind.position) == ("closed", 0.0)
+        assert await devices.find(WindowCovering, closed=False) == ()
+        with pytest.raises(RefusedError, match="tilt of blind was refused: it can be told"):
+            await blind.set_tilt(50)
+        assert await devices.find(DoorLock) == ()
+
+
+async def test_a_followed_query_sees_a_lamp_go_on_and_off(world: World) -> None:
+    """By its own word, whoever told it."""
+    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "app") as node:
+        devices = Devices(node)
+        await anyio.sleep(10)
+        burning = devices.follow(Light, on=True)
+        (lamp,) = await devices.find(Light, area="kitchen")
+        await lamp.turn_on()
+        change = await anext(burning)
+        assert (change.kind, change.handle) == ("appeared", lamp)
+        await lamp.turn_off()
+        while change.kind != "removed":
+            change = await anext(burning)
+        assert lamp.on is False
