@@ -123,7 +123,7 @@ def _config(device: Nameplate, mac: str) -> dict[str, object]:
         "tp": ["cmnd", "stat", "tele"],
         "rl": [*relays, *[0] * (32 - len(relays))],
         "swc": [1 if device.kind in SWITCHES else -1, *[-1] * 27],
-        "swn": [device.device_id if device.kind in SWITCHES else None, *[None] * 27],
+        "swn": [None] * 28,
         "btn": [0] * 32,
         "so": {"4": 0, "11": 0, "13": 0, "17": 0, "20": 0, "30": 0, "68": 0, "73": 0, "82": 0, "114": 1, "117": 0},
         "lk": 1,

@@ -1,0 +1,246 @@
+"""Devices of simulated houses, understood by the conventions that real devices are understood by."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import pytest
+
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.gateways.mqtt.convention import Convention
+from homebot.gateways.mqtt.description import Described, DescribedPart, Publication, Question
+from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.gateways.mqtt.homie import Homie, HomieSettings
+from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
+from homebot.gateways.mqtt.tasmota import TasmotaDiscovery, TasmotaSettings
+from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.house.condition import condition_of
+from homebot.house.device import Machine
+from homebot.house.devices import (
+    ContactSensor,
+    CoverMotor,
+    DoorLock,
+    Lamp,
+    LuxSensor,
+    MotionSensor,
+    PowerMeter,
+    Thermostat,
+    WindowMotor,
+)
+from homebot.house.dialect import Dialect, Nameplate, Outgoing
+from homebot.house.dialects import DIALECTS
+from homebot.mqtt.topics import topic_matches
+
+CONVENTIONS: Mapping[str, Callable[[], Convention]] = {
+    "homeassistant": lambda: HomeAssistantDiscovery(HomeAssistantSettings()),
+    "homeassistant_device": lambda: HomeAssistantDiscovery(HomeAssistantSettings()),
+    "zigbee2mqtt": lambda: Zigbee2Mqtt(Zigbee2MqttSettings()),
+    "tasmota": lambda: TasmotaDiscovery(TasmotaSettings()),
+    "shelly": lambda: Shelly(ShellySettings()),
+    "shelly_rpc": lambda: Shelly(ShellySettings()),
+    "homie": lambda: Homie(HomieSettings()),
+}
+KINDS: Mapping[str, Callable[[], Machine]] = {
+    "lamp": lambda: Lamp("desk"),
+    "window": lambda: WindowMotor("desk"),
+    "cover": lambda: CoverMotor("desk"),
+    "lock": lambda: DoorLock("desk"),
+    "contact": lambda: ContactSensor("desk"),
+    "motion": lambda: MotionSensor("desk"),
+    "lux": lambda: LuxSensor("desk"),
+    "power_meter": lambda: PowerMeter("desk"),
+    "thermostat": lambda: Thermostat("desk"),
+}
+
+
+@dataclass
+class Bench:
+    """One device on one side, its convention on the other, and nothing between them but topics and payloads."""
+
+    dialect: Dialect
+    device: Machine
+    plate: Nameplate
+    described: list[Described]
+
+    @property
+    def parts(self) -> list[DescribedPart]:
+        return [part for one in self.described for part in one.parts]
+
+    def hear(self) -> dict[str, PlainValue]:
+        """What is understood of all that the device says of itself now."""
+        condition = condition_of(self.device, self.device.state())
+        return self.understood(self.dialect.said(self.plate, condition))
+
+    def understood(self, messages: tuple[Outgoing, ...]) -> dict[str, PlainValue]:
+        told: dict[str, PlainValue] = {}
+        for message in messages:
+            for part in self.parts:
+                if any(topic_matches(one, message.topic) for one in part.codec.topics()):
+                    told |= part.codec.read(message.topic, message.payload, retained=False)
+        return told
+
+    def tell(self, capability: str, value: PlainValue) -> None:
+        """Write, send what can be heard, obey, and let it come to rest."""
+        for publication in self.written(capability, value):
+            assert any(topic_matches(one, publication.topic) for one in self.dialect.filters(self.plate))
+            for word in self.dialect.told(self.plate, publication.topic, publication.payload):
+                self.device.obey(word, self.device.now)
+        self.device.advance(self.device.now + 60.0)
+
+    def written(self, capability: str, value: PlainValue) -> tuple[Publication, ...]:
+        for part in self.parts:
+            try:
+                return part.codec.write(capability, value)
+            except RefusedError:
+                continue
+        raise AssertionError(f"no part takes {capability}")
+
+
+def bench(name: str, kind: str) -> Bench:
+    """Let the device be born, and answer what its convention asks it."""
+    dialect, device, convention = DIALECTS[name], KINDS[kind](), CONVENTIONS[name]()
+    plate = Nameplate("villa", kind, device.device_id, device.service_type, "study")
+    bridge = dialect.bridge([plate])
+    ahead = [*(bridge.birth if bridge else ()), *dialect.birth(plate)]
+    described: dict[str, Described] = {}
+    while ahead:
+        message = ahead.pop(0)
+        if not any(topic_matches(one, message.topic) for one in convention.filters()):
+            continue
+        for heard in convention.take(message.topic, message.payload, retained=message.retain):
+            if isinstance(heard, Described):
+                described[heard.key] = heard
+            elif isinstance(heard, Question):
+                for asked in heard.publications:
+                    condition = condition_of(device, device.state())
+                    ahead += dialect.answers(plate, condition, asked.topic, asked.payload)
+    for one in described.values():
+        assert one.identifiers
+    return Bench(dialect, device, plate, list(described.values()))
+
+
+def pairs(kind: str | None = None) -> list[tuple[str, str]]:
+    return [(name, one) for name in CONVENTIONS for one in sorted(DIALECTS[name].kinds) if kind in {None, one}]
+
+
+TYPES = {
+    "lamp": {"light"},
+    "window": {"closure", "window_covering"},
+    "cover": {"window_covering"},
+    "lock": {"door_lock"},
+    "contact": {"contact_sensor", "x_binary_sensor"},
+    "motion": {"occupancy_sensor", "x_binary_sensor"},
+    "lux": {"light_sensor"},
+    "power_meter": {"electrical_meter"},
+    "thermostat": {"thermostat"},
+}
+"""What it may be taken for: Tasmota does not say what its switches are for, and only discovery knows windows."""
+
+
+@pytest.mark.parametrize(("name", "kind"), pairs())
+def test_a_device_is_taken_for_what_it_is(name: str, kind: str) -> None:
+    """By what it announces alone."""
+    assert TYPES[kind] & {part.part.service_type for part in bench(name, kind).parts}
+
+
+@pytest.mark.parametrize(("name", "kind"), pairs())
+def test_its_birth_says_that_it_is_there_and_its_will_that_it_is_not(name: str, kind: str) -> None:
+    """Shelly's contacts run on batteries and are asleep most of the time, which is no bad sign."""
+    there = bench(name, kind)
+    (described,) = there.described
+    if (name, kind) == ("shelly", "contact"):
+        assert described.availability is None
+        return
+    assert described.availability is not None
+    will = there.dialect.will(there.plate)
+    assert will is not None
+    (source,) = [one for one in described.availability.sources if one.topic == will.topic]
+    births = [one for one in there.dialect.birth(there.plate) if one.topic == will.topic]
+    assert (source.read(births[-1].payload), source.read(will.payload)) == (True, False)
+
+
+@pytest.mark.parametrize(("name", "kind"), pairs("lamp"))
+def test_a_lamp_is_heard_and_obeys(name: str, kind: str) -> None:
+    """On, off, and as bright as told."""
+    lamp = bench(name, kind)
+    assert lamp.hear()["on_off"] is False
+    lamp.tell("on_off", value=True)
+    assert (lamp.device.state(), lamp.hear()["on_off"]) == ("on", True)
+    lamp.tell("level", 40.0)
+    assert lamp.device.watts() == pytest.approx(0.4 * 9.0, abs=0.05)
+    assert lamp.hear()["level"] == pytest.approx(40.0, abs=0.5)
+    lamp.tell("on_off", value=False)
+    assert (lamp.device.state(), lamp.hear()["on_off"]) == ("off", False)
+
+
+@pytest.mark.parametrize("name", [name for name in CONVENTIONS if name != "shelly_rpc"])
+def test_a_lamp_is_as_warm_as_told(name: str) -> None:
+    """All of these families but one have lamps with warm and cold light."""
+    lamp = bench(name, "lamp")
+    lamp.tell("color_temperature", 4000.0)
+    assert lamp.hear()["color_temperature"] == pytest.approx(4000.0, abs=20.0)
+
+
+@pytest.mark.parametrize(("name", "kind"), [*pairs("cover"), *pairs("window")])
+def test_a_motor_goes_where_it_is_told(name: str, kind: str) -> None:
+    """And says where it is, and while it goes."""
+    motor = bench(name, kind)
+    motor.tell("movement", "open")
+    assert motor.hear()["position"] == 100.0
+    motor.tell("position", 30.0)
+    assert motor.hear()["position"] == 30.0
+    for publication in motor.written("movement", "closed"):
+        for word in motor.dialect.told(motor.plate, publication.topic, publication.payload):
+            motor.device.obey(word, motor.device.now)
+    assert motor.device.state() == "closing"
+    motor.device.advance(motor.device.now + 60.0)
+    assert motor.hear()["position"] == 0.0
+
+
+@pytest.mark.parametrize(("name", "kind"), pairs("lock"))
+def test_a_lock_is_heard_and_obeys(name: str, kind: str) -> None:
+    lock = bench(name, kind)
+    assert lock.hear()["lock"] == "locked"
+    lock.tell("lock", "unlocked")
+    assert (lock.device.state(), lock.hear()["lock"]) == ("unlocked", "unlocked")
+
+
+@pytest.mark.parametrize(("name", "kind"), pairs("thermostat"))
+def test_a_thermostat_is_heard_and_obeys(name: str, kind: str) -> None:
+    thermostat = bench(name, kind)
+    thermostat.tell("heating_setpoint", 23.5)
+    told = thermostat.hear()
+    assert told["heating_setpoint"] == 23.5
+    assert {told.get("local_temperature"), told.get("temperature")} & {20.0}
+
+
+@pytest.mark.parametrize(
+    ("kind", "felt", "names", "value"),
+    [
+        ("contact", 1.0, {"contact", "state"}, True),
+        ("motion", 2.0, {"occupancy", "state"}, True),
+        ("lux", 250.0, {"illuminance"}, 250.0),
+        ("power_meter", 60.0, {"power"}, 60.0),
+    ],
+)
+@pytest.mark.parametrize("name", CONVENTIONS)
+def test_what_a_sensor_feels_is_known(name: str, kind: str, felt: float, names: set[str], value: PlainValue) -> None:
+    """In canonical units; an open door is open, whichever way round the wire has it."""
+    if kind not in DIALECTS[name].kinds:
+        assert name in {"tasmota", "shelly", "shelly_rpc"}
+        return
+    sensor = bench(name, kind)
+    sensor.device.sense(felt, 1.0)
+    assert [told for one, told in sensor.hear().items() if one in names] == [value]
+
+
+@pytest.mark.parametrize("name", ["zigbee2mqtt", "tasmota", "shelly"])
+def test_who_does_not_have_its_state_kept_says_it_when_asked(name: str) -> None:
+    """As conventions ask once they listen."""
+    lamp = bench(name, "lamp")
+    asked = [one for part in lamp.parts for one in part.asks]
+    condition = condition_of(lamp.device, "on")
+    answers = [lamp.dialect.answers(lamp.plate, condition, one.topic, one.payload) for one in asked]
+    assert any(lamp.understood(one).get("on_off") is True for one in answers)
