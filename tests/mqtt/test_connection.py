@@ -40,6 +40,8 @@ class FakeClient:
         self.published: list[tuple[int, MessageProperties]] = []
         self.refused_filters: set[str] = set()
         self.refuses_publish = False
+        self.unanswered = 0
+        self.burst = 0
         self.acked: list[MqttMessage] = []
         self.counters = MqttCounters()
         self.inbox: list[MqttMessage] = []
@@ -89,8 +91,19 @@ class FakeClient:
         self.said.append(f"{topic} {payload.decode()}{' retained' if retain else ''}")
         return PublishResult()
 
+    async def receive_burst(self) -> None:
+        """A hundred messages each 10 ms, so many times."""
+        for _ in range(self.burst):
+            self.counters.received += 100
+            await anyio.sleep(0.01)
+
     async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
         self._check()
+        if self.burst:
+            await anyio.sleep(0.001)
+        if self.unanswered:
+            self.unanswered -= 1
+            raise LinkError("no answer to subscribe within 10 s")
         for subscription in subscriptions:
             if subscription.filter in self.refused_filters:
                 raise RefusedError(f"the subscription to {subscription.filter!r}", "not authorized", 0x87)
@@ -242,6 +255,54 @@ async def test_a_resumed_session_keeps_its_subscriptions_and_gets_only_the_chang
         await connection.unsubscribe("dropped")
         await until(connection, LinkPhase.CONNECTED)
     assert client.said == ["subscribe kept", "subscribe dropped", "subscribe new", "unsubscribe dropped"]
+
+
+async def test_what_is_wanted_on_every_link_is_subscribed_to_again_also_in_a_resumed_session() -> None:
+    """Messages of QoS 0 are not kept for who is away; what the broker keeps comes with the new subscription."""
+    client = FakeClient(FRESH, RESUMED)
+    async with supervise(client) as connection:
+        await connection.wait_connected()
+        await connection.subscribe(Subscription("again/#"), every_link=True)
+        await connection.subscribe(Subscription("kept"), Subscription("once"))
+        await connection.subscribe(Subscription("once"), every_link=True)
+        await connection.subscribe(Subscription("once"))
+        client.said.clear()
+        client.lose()
+        await wait_all_tasks_blocked()
+        await connection.wait_connected()
+    assert client.said == ["subscribe again/#"]
+
+
+async def test_an_unanswered_subscription_is_asked_for_once_more() -> None:
+    """A broker that sends all that it keeps may drop its answer."""
+    client = FakeClient(FRESH)
+    client.unanswered = 1
+    async with supervise(client) as connection:
+        await connection.subscribe(Subscription("a"))
+        await connection.wait_connected()
+    assert (client.said, len(client.tries)) == (["subscribe a"], 1)
+
+
+async def test_the_next_subscription_waits_until_a_burst_has_passed() -> None:
+    client = FakeClient(FRESH)
+    async with supervise(client) as connection, anyio.create_task_group() as tasks:
+        await connection.wait_connected()
+        client.burst = 5
+        tasks.start_soon(client.receive_burst)
+        await connection.subscribe(Subscription("a/#"), Subscription("b/#"))
+        assert anyio.current_time() >= 0.05
+        assert client.counters.received == 500
+
+
+async def test_a_broker_that_never_falls_silent_is_waited_for_once_only() -> None:
+    client = FakeClient(FRESH)
+    async with supervise(client) as connection, anyio.create_task_group() as tasks:
+        await connection.wait_connected()
+        client.burst = 1000
+        tasks.start_soon(client.receive_burst)
+        await connection.subscribe(*(Subscription(f"{number}/#") for number in range(50)))
+        assert 1.0 <= anyio.current_time() < 1.2
+        tasks.cancel_scope.cancel()
 
 
 async def test_the_first_link_of_a_process_subscribes_even_into_an_old_session() -> None:

@@ -25,7 +25,7 @@ from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
 from homebot.mqtt.client import MqttClient, MqttCounters, PublishResult, Session, Subscription
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions, Will
-from homebot.mqtt.subscription_batches import batches
+from homebot.mqtt.standing import StandingSubscriptions
 from homebot.mqtt.topics import validate_filter
 
 __all__ = ["OFFLINE", "ONLINE", "ConnectionState", "LinkPhase", "MqttConnection"]
@@ -39,11 +39,6 @@ after the login is not asked in a hot loop."""
 
 _FAREWELL = 1.0
 """Seconds for the last "offline" at a clean close; the broker's will says it otherwise."""
-
-_ROUND = 0.01
-_BURST = 20
-"""Messages in a round of 10 ms that are a burst: kept ones, which the broker sends as fast as it can."""
-_MOST_ROUNDS = 100
 
 _log = structlog.get_logger()
 
@@ -117,16 +112,12 @@ class MqttConnection:
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
         self._link_backoff = link_backoff
         self._refused_backoff = refused_backoff
-        self._wanted: dict[str, Subscription] = {}
-        self._made: set[str] = set()
-        self._refused: dict[str, str] = {}
-        self._unwanted: dict[str, None] = {}
+        self._standing = StandingSubscriptions(self._client)
         self._state = ConnectionState(LinkPhase.CLOSED)
         self._changed = anyio.Event()
         self._tasks: TaskGroup | None = None
         self._failures = 0
         self._failing_since = 0.0
-        self._bursts_end = True
 
     @property
     def url(self) -> str:
@@ -150,7 +141,7 @@ class MqttConnection:
         Complete when the phase becomes CONNECTED. The next link asks for them again; it is for the owner to say
         whether the connection is of use without them. A copy.
         """
-        return dict(self._refused)
+        return self._standing.refused
 
     @property
     def counters(self) -> MqttCounters:
@@ -199,11 +190,16 @@ class MqttConnection:
             await checkpoint()  # or who tries again in a loop would keep the supervisor from its work
             raise
 
-    async def subscribe(self, *subscriptions: Subscription) -> None:
+    async def subscribe(self, *subscriptions: Subscription, every_link: bool = False) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
 
         While the link is down they are only remembered. What the broker refuses stands in `refused`, and is asked for
         again on every later link, until `unsubscribe`.
+
+        Args:
+            subscriptions: To what, and how.
+            every_link: Ask for them on every later link also where the broker still has them in a resumed session, for
+                the messages that it keeps. Those of QoS 0 that came while the link was down are lost otherwise.
 
         Raises:
             InvalidNameError: A filter is not a topic filter; nothing is remembered.
@@ -211,13 +207,9 @@ class MqttConnection:
         """
         for subscription in subscriptions:
             validate_filter(subscription.filter)
-        for subscription in subscriptions:
-            self._wanted[subscription.filter] = subscription
-            self._made.discard(subscription.filter)
-            self._unwanted.pop(subscription.filter, None)
-        names = [subscription.filter for subscription in subscriptions]
+        self._standing.want(subscriptions, every_link=every_link)
         try:
-            refused = await self._make(names)
+            refused = await self._standing.make([subscription.filter for subscription in subscriptions])
         except LinkError:
             return
         if refused:
@@ -225,17 +217,11 @@ class MqttConnection:
 
     async def unsubscribe(self, *filters: str) -> None:
         """Take subscriptions back, now and for every later link."""
-        for name in filters:
-            self._wanted.pop(name, None)
-            self._made.discard(name)
-            self._refused.pop(name, None)
-        self._unwanted.update(dict.fromkeys(filters))
+        self._standing.drop(filters)
         try:
-            await self._client.unsubscribe(*filters)
+            await self._standing.take_back(filters)
         except LinkError:
             return
-        for name in filters:
-            self._unwanted.pop(name, None)
 
     async def receive(self) -> list[MqttMessage]:
         """All messages that are there, in order, from whatever link; waits for the first.
@@ -319,63 +305,14 @@ class MqttConnection:
         return self._plan(reason, up_since)
 
     async def _prepare(self, session: Session) -> None:
-        self._bursts_end = True
-        if not session.resumed:
-            self._made.clear()
-        if refused := await self._make([name for name in self._wanted if name not in self._made]):
+        if refused := await self._standing.begin_link(resumed=session.resumed):
             _log.debug(
                 "mqtt.subscriptions_refused",
                 message=f"{self._url}: {_join(refused)}",
                 broker=self._url,
                 filters=list(refused),
             )
-        if self._unwanted:
-            await self._client.unsubscribe(*self._unwanted)
-            self._unwanted.clear()
         await self._announce(ONLINE)
-
-    async def _make(self, names: Iterable[str]) -> dict[str, RefusedError]:
-        """Subscribe, and return what was refused; as one request what is one batch, see `batches`."""
-        refused: dict[str, RefusedError] = {}
-        for batch in batches(self._wanted[name] for name in names if name in self._wanted):
-            try:
-                await self._subscribe(*batch)
-            except RefusedError as error:
-                if len(batch) == 1:
-                    refused[batch[0].filter] = error
-                    self._refused[batch[0].filter] = error.reason
-                else:  # a no is for one
-                    for one in batch:
-                        refused |= await self._make([one.filter])
-            else:
-                for one in batch:
-                    self._made.add(one.filter)
-                    self._refused.pop(one.filter, None)
-        return refused
-
-    async def _subscribe(self, *batch: Subscription) -> None:
-        """Subscribe once more where no answer comes, and let the messages that the broker keeps for a filter come.
-
-        Some brokers, such as Mosquitto 2.0, drop whatever a client does not take in time: of QoS 0 messages, but even
-        the answer to its next request.
-        """
-        before = self._client.counters.received
-        try:
-            await self._client.subscribe(*batch)
-        except LinkError:
-            await self._client.subscribe(*batch)  # raises at once where the link is gone
-        if batch[0].qos == 0:
-            await self._wait_for_quiet(before)
-
-    async def _wait_for_quiet(self, before: int) -> None:
-        """Wait while messages come in a burst; one that does not end within a second is no burst."""
-        for _ in range(_MOST_ROUNDS if self._bursts_end else 0):
-            now = self._client.counters.received
-            if now - before < _BURST:
-                return
-            before = now
-            await anyio.sleep(_ROUND)
-        self._bursts_end = False
 
     async def _announce(self, payload: bytes) -> None:
         if self._status_topic is None:
@@ -426,7 +363,7 @@ class MqttConnection:
 
     def _enter(self, phase: LinkPhase, reason: str = "", retry_in: float | None = None) -> None:
         if phase is not LinkPhase.CONNECTED:
-            self._refused.clear()
+            self._standing.link_ended()
         self._state = ConnectionState(phase, reason, retry_in)
         self._changed.set()
         self._changed = anyio.Event()

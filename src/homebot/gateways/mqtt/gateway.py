@@ -138,7 +138,7 @@ class MqttGateway(Gateway):
         layouts, announcements = self._layout_filters(), self._described.filters()
         async with self._connection as connection, anyio.create_task_group() as tasks:
             await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in layouts))
-            await connection.subscribe(*(Subscription(one, no_local=True) for one in announcements))
+            await connection.subscribe(*(Subscription(one, no_local=True) for one in announcements), every_link=True)
             report = LinkReport(self, connection, self._listening_to(), (*layouts, *announcements))
             tasks.start_soon(report.watch)
             tasks.start_soon(self._described.serve)

@@ -108,7 +108,7 @@ class Subscriber:
 
     async def _subscribe_to(self, connection: MqttConnection, filters: tuple[str, ...]) -> None:
         try:
-            await connection.subscribe(*(Subscription(one, no_local=True) for one in filters))
+            await connection.subscribe(*(Subscription(one, no_local=True) for one in filters), every_link=True)
         except RefusedError as exc:
             self._counters.topics_refused += sum(one in connection.refused for one in filters)
             self._tribunal.warn(NOT_HEARD, f"devices are not heard in full: {exc}", topic=filters[0])

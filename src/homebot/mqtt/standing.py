@@ -1,0 +1,132 @@
+"""The subscriptions that one connection is to have on every link, and which of them it has on this one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import final
+
+import anyio
+
+from homebot.errors import LinkError, RefusedError
+from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.subscription_batches import batches
+
+__all__ = ["StandingSubscriptions"]
+
+_ROUND = 0.01
+_BURST = 20
+"""Messages in a round of 10 ms that are a burst: kept ones, which the broker sends as fast as it can."""
+_MOST_ROUNDS = 100
+
+
+@final
+class StandingSubscriptions:
+    """What is wanted, made and refused, by filter.
+
+    Args:
+        client: Makes them.
+    """
+
+    def __init__(self, client: MqttClient) -> None:
+        self._client = client
+        self._wanted: dict[str, Subscription] = {}
+        self._renewed: set[str] = set()
+        self._made: set[str] = set()
+        self._refused: dict[str, str] = {}
+        self._unwanted: dict[str, None] = {}
+        self._bursts_end = True
+
+    @property
+    def refused(self) -> Mapping[str, str]:
+        """Why those of this link are refused that are; a copy."""
+        return dict(self._refused)
+
+    def want(self, subscriptions: Iterable[Subscription], *, every_link: bool) -> None:
+        """Have *subscriptions* from now on; one takes the place of another to the same filter.
+
+        Args:
+            subscriptions: Which.
+            every_link: Whether to make them anew on each link, also where the broker still has them.
+        """
+        for one in subscriptions:
+            self._wanted[one.filter] = one
+            self._made.discard(one.filter)
+            self._unwanted.pop(one.filter, None)
+            if every_link:
+                self._renewed.add(one.filter)
+            else:
+                self._renewed.discard(one.filter)
+
+    def drop(self, filters: Iterable[str]) -> None:
+        """Have *filters* no more."""
+        for name in filters:
+            self._wanted.pop(name, None)
+            self._renewed.discard(name)
+            self._made.discard(name)
+            self._refused.pop(name, None)
+            self._unwanted[name] = None
+
+    def link_ended(self) -> None:
+        """Nothing is refused where there is no link."""
+        self._refused.clear()
+
+    async def begin_link(self, *, resumed: bool) -> dict[str, RefusedError]:
+        """Make on a new link what is missing there, and take back what is too many; return what was refused."""
+        self._bursts_end = True
+        if resumed:
+            self._made -= self._renewed
+        else:
+            self._made.clear()
+        refused = await self.make([name for name in self._wanted if name not in self._made])
+        if self._unwanted:
+            await self.take_back(tuple(self._unwanted))
+        return refused
+
+    async def make(self, names: Iterable[str]) -> dict[str, RefusedError]:
+        """Subscribe to those of *names* that are wanted, and return what was refused; see also `batches`."""
+        refused: dict[str, RefusedError] = {}
+        for batch in batches(self._wanted[name] for name in names if name in self._wanted):
+            try:
+                await self._subscribe(*batch)
+            except RefusedError as error:
+                if len(batch) == 1:
+                    refused[batch[0].filter] = error
+                    self._refused[batch[0].filter] = error.reason
+                else:  # a no is for one
+                    for one in batch:
+                        refused |= await self.make([one.filter])
+            else:
+                for one in batch:
+                    self._made.add(one.filter)
+                    self._refused.pop(one.filter, None)
+        return refused
+
+    async def take_back(self, filters: tuple[str, ...]) -> None:
+        """Unsubscribe from *filters*."""
+        await self._client.unsubscribe(*filters)
+        for name in filters:
+            self._unwanted.pop(name, None)
+
+    async def _subscribe(self, *batch: Subscription) -> None:
+        """Subscribe once more where no answer comes, and let the messages that the broker keeps for a filter come.
+
+        Some brokers, such as Mosquitto 2.0, drop whatever a client does not take in time: of QoS 0 messages, but even
+        the answer to its next request.
+        """
+        before = self._client.counters.received
+        try:
+            await self._client.subscribe(*batch)
+        except LinkError:
+            await self._client.subscribe(*batch)  # raises at once where the link is gone
+        if batch[0].qos == 0:
+            await self._wait_for_quiet(before)
+
+    async def _wait_for_quiet(self, before: int) -> None:
+        """Wait while messages come in a burst; one that does not end within a second is no burst."""
+        for _ in range(_MOST_ROUNDS if self._bursts_end else 0):
+            now = self._client.counters.received
+            if now - before < _BURST:
+                return
+            before = now
+            await anyio.sleep(_ROUND)
+        self._bursts_end = False
