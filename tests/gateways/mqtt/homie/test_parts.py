@@ -82,6 +82,11 @@ def test_a_lamp_without_switch_is_off_at_zero(introduce: Introduce) -> None:
     assert read(part, "level/dim", "0") == {"level": 0.0, "on_off": False}
 
 
+def test_what_a_device_is_controlled_by_comes_first(introduce: Introduce) -> None:
+    parts = introduce({"a": {"properties": {"t": {"datatype": "float", "unit": "°C"}}}, "b": SWITCH})
+    assert list(parts) == ["b", "a/t"]
+
+
 def test_a_device_that_says_what_it_is_is_that(introduce: Introduce) -> None:
     assert introduce({"switch": SWITCH}, type="hc-smarthome/v2/dc/light")["switch"].part.service_type == "light"
 

@@ -180,6 +180,11 @@ def test_the_first_press_of_a_button_that_wakes_to_tell_it_counts(say: Say, part
     assert button.read(topic, b'{"event":"L","event_cnt":1}', retained=False) == {"press": "long"}
 
 
+@pytest.mark.parametrize(("device_id", "first"), [("shellydw2-189127", "state"), ("shellyem-A8032A1339F2", "emeter:0")])
+def test_what_a_device_is_there_for_comes_first(say: Say, device_id: str, first: str) -> None:
+    assert next(iter(ids(say("shellies/announce", {"id": device_id})))) == first
+
+
 @pytest.mark.parametrize(
     ("capability", "value", "transition", "suffix", "payload"),
     [

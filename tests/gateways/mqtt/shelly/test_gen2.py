@@ -209,6 +209,12 @@ def test_a_relay_is_switched_and_read_on_three_topics(say: Say, part: Find) -> N
     }
 
 
+def test_what_a_device_is_there_for_comes_first(say: Say) -> None:
+    (device,) = introduce(say, {"input:0": {"state": True}, "switch:1": SWITCH, "switch:0": SWITCH, "wifi": {}})
+    assert isinstance(device, Described)
+    assert [one.part.id for one in device.parts if "/" not in one.part.id] == ["switch:0", "switch:1", "input:0"]
+
+
 def test_a_socket_is_a_plug(say: Say, part: Find) -> None:
     heard = introduce(say, {"switch:0": SWITCH}, info={**INFO, "app": "PlugSG3"})
     assert part(heard, "switch:0").part.service_type == "plug"

@@ -30,19 +30,20 @@ __all__ = ["build_parts"]
 
 
 def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
-    """Return the parts of *device*."""
+    """Return the parts of *device*; first what it is there for."""
     around = words_in(device.type, device.id, device.name)
     nodes = tuple(find_roles(node, around) for node in device.nodes)
-    parts = [*_vacuums(nodes)]
+    controls = [*_vacuums(nodes)]
+    others: list[TabledPart] = []
     lamp = _lamp(device, nodes)
     if lamp:
-        parts.append(_light(lamp))
+        controls.append(_light(lamp))
     for node in nodes:
         if node not in lamp:
-            parts.extend(_controls(device, node))
-        parts.extend(_meters(node))
-        parts.extend(_singles(node))
-    return tuple(part.described() for part in parts)
+            controls.extend(_controls(device, node))
+        others.extend(_meters(node))
+        others.extend(_singles(node))
+    return tuple(part.described() for part in (*controls, *others))
 
 
 _ELECTRICAL = frozenset({"power", "energy", "voltage", "current", "frequency"})

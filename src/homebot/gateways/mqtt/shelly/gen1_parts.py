@@ -34,7 +34,7 @@ def is_known_topic(suffix: str) -> bool:
 
 
 def build_parts(place: Gen1Place, model: Gen1Model | None, suffixes: frozenset[str]) -> tuple[DescribedPart, ...]:
-    """Return the parts of the device at *place* that publishes *suffixes*."""
+    """Return the parts of the device at *place* that publishes *suffixes*; first what it is there for."""
     parts: list[TabledPart] = []
     for channel in _channels(suffixes):
         parts.extend(part for build in _BUILDERS[channel.kind] if (part := build(place, channel, suffixes, model)))
@@ -66,6 +66,7 @@ _CHANNEL = re.compile(
 _WHOLE = frozenset({"relay/power", "relay/energy", "status"})
 _METERED = frozenset({"", "power", "energy"})
 _RESTS: Mapping[str, frozenset[str]] = {
+    "emeter": frozenset({"power", "voltage", "current", "total", "total_returned"}),
     "relay": _METERED,
     "roller": _METERED | {"pos"},
     "light": _METERED | {"status"},
@@ -73,7 +74,6 @@ _RESTS: Mapping[str, frozenset[str]] = {
     "white": _METERED | {"status"},
     "input": frozenset({""}),
     "input_event": frozenset({""}),
-    "emeter": frozenset({"power", "voltage", "current", "total", "total_returned"}),
     "adc": frozenset({""}),
     "ext_temperature": frozenset({""}),
     "ext_humidity": frozenset({""}),

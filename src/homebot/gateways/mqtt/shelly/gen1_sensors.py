@@ -59,9 +59,6 @@ _MOST_CELSIUS = 998.0
 """A sensor that is broken or absent says 999."""
 
 _TABLE = (
-    Gen1Sensor("sensor/temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS),
-    Gen1Sensor("sensor/humidity", "humidity_sensor", "humidity", is_number=True, least=0, most=100),
-    Gen1Sensor("sensor/lux", "light_sensor", "illuminance", is_number=True, least=0),
     Gen1Sensor("sensor/state", "contact_sensor", "contact", {"open": True, "close": False, "unknown": None}),
     Gen1Sensor("sensor/motion", "occupancy_sensor", "occupancy", _TRUTHS),
     Gen1Sensor("sensor/flood", "water_leak_detector", "water_leak", _TRUTHS),
@@ -72,6 +69,9 @@ _TABLE = (
         "gas",
         {"none": False, "mild": True, "heavy": True, "unknown": None},
     ),
+    Gen1Sensor("sensor/temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS),
+    Gen1Sensor("sensor/humidity", "humidity_sensor", "humidity", is_number=True, least=0, most=100),
+    Gen1Sensor("sensor/lux", "light_sensor", "illuminance", is_number=True, least=0),
     Gen1Sensor("sensor/concentration", "x_sensor", "measurement", is_number=True, least=0, unit="ppm"),
     Gen1Sensor("sensor/tilt", "x_sensor", "measurement", is_number=True, least=0, unit="°"),
     Gen1Sensor("sensor/vibration", "x_binary_sensor", "vibration", _TRUTHS),
@@ -88,7 +88,7 @@ _TABLE = (
 )
 
 SENSORS: Mapping[str, Gen1Sensor] = MappingProxyType({sensor.suffix: sensor for sensor in _TABLE})
-"""By :attr:`Gen1Sensor.suffix`."""
+"""By :attr:`Gen1Sensor.suffix`; first what a device is there for."""
 
 _METERED: Mapping[str, tuple[str, float]] = MappingProxyType(
     {

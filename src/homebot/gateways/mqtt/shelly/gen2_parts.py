@@ -33,7 +33,7 @@ MAX_COMPONENTS = 300
 
 
 def build_parts(place: Gen2Place, status: Fields, config: Fields) -> tuple[DescribedPart, ...]:
-    """Return the parts of the device at *place*.
+    """Return the parts of the device at *place*; first what it is there for.
 
     Args:
         place: Where it speaks.
@@ -42,7 +42,7 @@ def build_parts(place: Gen2Place, status: Fields, config: Fields) -> tuple[Descr
     """
     parts: list[TabledPart] = []
     for component in _components(place, status, config):
-        for build in _BUILDERS.get(component.kind, ()):
+        for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
     asks = (call(place.prefix, place.answers.removesuffix("/rpc"), "Shelly.GetStatus"),)
     return tuple(part.described(() if index else asks) for index, part in enumerate(parts))
@@ -52,21 +52,20 @@ _KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
 _Build = Callable[[Component], tuple[TabledPart, ...]]
 _LOAD: tuple[_Build, ...] = (build_meters, build_own_temperature)
 _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
+    "thermostat": (build_thermostat,),
     "switch": (build_switch, *_LOAD),
     "cover": (build_cover, *_LOAD),
     **dict.fromkeys(LIGHTS, (build_light, *_LOAD)),
-    "pm1": (build_meters,),
-    "em": (build_meters,),
-    "em1": (build_meters,),
-    "input": (build_input,),
+    **dict.fromkeys(("pm1", "em", "em1"), (build_meters,)),
     **dict.fromkeys(SENSORS, (build_sensor,)),
-    "devicepower": (build_power,),
-    "thermostat": (build_thermostat,),
     "blutrv": (build_radiator_valve,),
     "bthomesensor": (build_bluetooth_sensor,),
+    "input": (build_input,),
+    "devicepower": (build_power,),
     **dict.fromkeys(VIRTUAL, (build_virtual,)),
     "button": (build_virtual_button,),
 }
+_ORDER = {kind: place for place, kind in enumerate(_BUILDERS)}
 
 
 def _components(place: Gen2Place, status: Fields, config: Fields) -> tuple[Component, ...]:
@@ -74,7 +73,7 @@ def _components(place: Gen2Place, status: Fields, config: Fields) -> tuple[Compo
     for key, fields in status.items():
         if len(found) >= MAX_COMPONENTS:
             break
-        if isinstance(fields, dict) and _KEY.fullmatch(key):
+        if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _ORDER:
             settings = config.get(key)
             found.append(Component(place, key, fields, settings if isinstance(settings, dict) else {}))
-    return tuple(found)
+    return tuple(sorted(found, key=lambda one: (_ORDER[one.kind], one.index)))

@@ -41,12 +41,12 @@ _TRUTHS = frozenset({"smoke", "water_leak", "occupancy"})
 
 SENSORS: Mapping[str, _Sensor] = MappingProxyType(
     {
-        "temperature": _Sensor("tC", "temperature", "temperature_sensor"),
-        "humidity": _Sensor("rh", "humidity", "humidity_sensor"),
-        "illuminance": _Sensor("lux", "illuminance", "light_sensor"),
         "smoke": _Sensor("alarm", "smoke", "smoke_co_alarm"),
         "flood": _Sensor("alarm", "water_leak", "water_leak_detector"),
         "presencezone": _Sensor("state", "occupancy", "occupancy_sensor"),
+        "temperature": _Sensor("tC", "temperature", "temperature_sensor"),
+        "humidity": _Sensor("rh", "humidity", "humidity_sensor"),
+        "illuminance": _Sensor("lux", "illuminance", "light_sensor"),
         "voltmeter": _Sensor("voltage", "voltage", "electrical_meter"),
     }
 )
