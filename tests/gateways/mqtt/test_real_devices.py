@@ -25,7 +25,9 @@ from homebot.errors import RefusedError
 from homebot.gateways.mqtt.convention import Convention
 from homebot.gateways.mqtt.description import Described, DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.gateways.mqtt.homie import Homie, HomieSettings
 from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
+from homebot.gateways.mqtt.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 
 Row: TypeAlias = dict[str, Any]
@@ -34,9 +36,11 @@ FIXTURES = Path(__file__).parent / "fixtures"
 CONVENTIONS: Mapping[str, Callable[[], Convention]] = {
     "homeassistant": lambda: HomeAssistantDiscovery(HomeAssistantSettings()),
     "zigbee2mqtt": lambda: Zigbee2Mqtt(Zigbee2MqttSettings()),
+    "tasmota": lambda: TasmotaDiscovery(TasmotaSettings()),
     "shelly": lambda: Shelly(ShellySettings()),
+    "homie": lambda: Homie(HomieSettings()),
 }
-MODELS = 400
+MODELS = 500
 TOLERANCES = {"color_temperature": 40.0, "level": 0.7, "position": 0.51, "tilt": 0.51, "fan_speed": 0.51}
 """Judges show whole percents and mireds; of other numbers, they show fewer digits."""
 
