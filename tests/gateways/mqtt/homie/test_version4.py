@@ -92,6 +92,13 @@ def test_a_changed_attribute_describes_it_anew(say: Say) -> None:
     assert described(say(f"{BASE}/$name", "Kitchen lamp")).name == "Kitchen lamp"
 
 
+def test_what_it_says_of_itself_besides_changes_nothing(say: Say) -> None:
+    tell(say, LAMP)
+    for attribute in ("$stats/uptime", "light/on", "light/on/set", "light/$x", "$extensions", "a/b/c/$name"):
+        assert say(f"{BASE}/{attribute}", "60") == ()
+    assert say(f"{BASE}/$state", "ready") == ()
+
+
 def test_an_empty_state_removes_it(say: Say) -> None:
     tell(say, LAMP)
     assert say(f"{BASE}/$state", "") == (Withdrawn(BASE, "its state was removed", is_final=True),)

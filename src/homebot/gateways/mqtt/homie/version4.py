@@ -23,12 +23,14 @@ from homebot.gateways.mqtt.tabled_part import text_in
 
 __all__ = ["FILTERS", "Version4"]
 
+_OF_PROPERTY = ("$name", "$format", "$unit", "$settable", "$retained", "$datatype")
+_OF_NODE = ("$name", "$type", "$array", "$properties")
+_OF_DEVICE = ("$name", "$mac", "$fw/name", "$fw/version", "$implementation", "$nodes", "$homie", "$state")
+
 FILTERS = (
-    *(f"{{domain}}/+/+/+/{one}" for one in ("$name", "$format", "$unit", "$settable", "$retained", "$datatype")),
-    *(f"{{domain}}/+/+/{one}" for one in ("$name", "$type", "$array", "$properties")),
-    *(f"{{domain}}/+/{one}" for one in ("$name", "$mac", "$fw/name", "$fw/version", "$implementation", "$nodes")),
-    "{domain}/+/$homie",
-    "{domain}/+/$state",
+    *(f"{{domain}}/+/+/+/{attribute}" for attribute in _OF_PROPERTY),
+    *(f"{{domain}}/+/+/{attribute}" for attribute in _OF_NODE),
+    *(f"{{domain}}/+/{attribute}" for attribute in _OF_DEVICE),
 )
 """What is retained comes in this order, so that all of a device is there when its state is."""
 
@@ -83,6 +85,8 @@ class Version4:
         Raises:
             WireError: It is illegal.
         """
+        if not _is_known(attribute):
+            return ()
         text = text_in(payload) if len(payload) <= _LONGEST else None
         if not _ID.fullmatch(device_id) or text is None:
             raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
@@ -154,6 +158,13 @@ class Version4:
 
     def _release(self, device: _Device) -> None:
         self._size -= device.size
+
+
+def _is_known(attribute: str) -> bool:
+    if attribute in _OF_DEVICE:
+        return True
+    owner, _, name = attribute.rpartition("/")
+    return bool(owner) and name in (_OF_NODE, _OF_PROPERTY, ())[min(owner.count("/"), 2)]
 
 
 def _check(attribute: str, text: str) -> None:
