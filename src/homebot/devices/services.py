@@ -52,9 +52,12 @@ class FindDevicesRequest(Message):
     Attributes:
         service_type: For example ``lights``; empty for all. Canonical and advertised words find the same devices, see
             :func:`homebot.devices.device_types.wanted_types`.
+        query: What else must be true of them, as text; see :mod:`homebot.devices.query`. One that is not understood
+            fails the call. Unlike :class:`QueryDevicesRequest` it ranks nothing.
     """
 
     service_type: str = ""
+    query: str = ""
 
 
 class FindDevicesResponse(Message):

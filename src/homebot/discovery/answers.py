@@ -19,7 +19,7 @@ from homebot.devices import (
 )
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
 from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.query import parse_query
+from homebot.devices.query import And, parse_query, type_is
 from homebot.devices.services import (
     AnnouncedOn,
     FindDevicesRequest,
@@ -91,7 +91,14 @@ class Answers:
 
     def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse:
         self._tell()
-        return FindDevicesResponse(devices=self._index.devices(request.service_type), sequence=self._index.sequence)
+        if not request.query:
+            devices = self._index.devices(request.service_type)
+        else:
+            query = parse_query(request.query)
+            wanted = And((type_is(request.service_type), query)) if request.service_type else query
+            found = (self._index.get(one) for one in sorted(self._index.find(wanted)))
+            devices = tuple(one for one in found if one is not None)
+        return FindDevicesResponse(devices=devices, sequence=self._index.sequence)
 
     def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
         self._tell()

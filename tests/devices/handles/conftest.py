@@ -27,6 +27,7 @@ from homebot.devices import (
 from homebot.devices.command import Command, SendCommand, SendCommandResponse
 from homebot.devices.device import ChangeKind
 from homebot.devices.part import Capability, Part
+from homebot.devices.query import facets_of, fits, parse_query
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.value import PlainValue, Value
 from homebot.graph import Graph, Node, Subscription
@@ -167,8 +168,9 @@ class House:
         self._states.publish(StateChange(stream=stream, device=device_id, state=told, sequence=self._sequence))
 
     def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
-        assert not request.service_type
-        return FindDevicesResponse(devices=tuple(self._known.values()), sequence=self._sequence)
+        query = parse_query(request.query)
+        found = [one for one in self._known.values() if fits(query, facets_of(one))]
+        return FindDevicesResponse(devices=tuple(found), sequence=self._sequence)
 
 
 @pytest.fixture

@@ -90,6 +90,8 @@ async def test_a_query_is_about_the_part_and_its_device(house: House) -> None:
         return [one.id for one in await house.devices.find(Light, **query)]
 
     assert await ids(area="kuche") == ["on", "off"]
+    assert await ids(area='"') == await ids(area=" ") == []
+    assert await ids(area="") == []
     assert await ids(on=True) == ["on"]
     assert await ids(on=False) == ["off"]
     assert await ids(dimmable=True) == ["on", "unknown"]
@@ -110,6 +112,8 @@ async def test_a_query_is_about_the_part_and_its_device(house: House) -> None:
         (DoorLock, "lock", "jammed", {"locked": False}),
         (Thermostat, "local_temperature", 17.5, {"below": 18}),
         (Thermostat, "thermostat_mode", "heat", {"mode": "heat"}),
+        (Thermostat, "thermostat_mode", "Heat Up", {"mode": "heat_up"}),
+        (Thermostat, "local_temperature", 1e-7, {"above": 1e-8}),
         (AirConditioner, "local_temperature", 27.0, {"above": 26}),
         (Fan, "on_off", True, {"on": True}),
         (Plug, "on_off", False, {"on": False}),

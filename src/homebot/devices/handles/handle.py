@@ -13,6 +13,7 @@ from homebot.devices.handles.plain import assumed
 from homebot.devices.handles.wanted import Place, Term, Wanted, offered_types
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
+from homebot.devices.query.folding import fold
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -170,7 +171,9 @@ class Handle:
     @staticmethod
     def _is(capability: str, value: PlainValue, operator: Literal["=", "!=", "<", ">"] = "=") -> StateIs | None:
         """The term that a state is *value*; none where nothing is asked."""
-        return None if value is None else StateIs(capability, operator, value)
+        if value is None:
+            return None
+        return StateIs(capability, operator, fold(value) if isinstance(value, str) else value)
 
     @staticmethod
     def _can(capability: str, *, wanted: bool | None) -> Term | None:

@@ -44,7 +44,7 @@ class Handles:
         Raises:
             ServiceError: The directory does not answer.
         """
-        answer = await self._find.call(FindDevicesRequest())
+        answer = await self._find.call(FindDevicesRequest(query=wanted.query()))
         return tuple(
             self.handle(wanted, self.known(device, answer.sequence), part)
             for device in answer.devices

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar
 
 from homebot.devices.device import Device, DevicePart
-from homebot.devices.device_types import wanted_types
-from homebot.devices.query import CanDo, Not, Query, StateIs
+from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.query import CanDo, Not, Query, StateIs, quoted
 from homebot.devices.query.folding import fold
 from homebot.devices.query.terms import compares
 from homebot.devices.value import PlainValue
@@ -23,6 +24,8 @@ P = ParamSpec("P")
 
 Term: TypeAlias = CanDo | Not | StateIs
 """What can be asked of a part."""
+
+_PLAIN_NUMBER = re.compile(r"-?\d{1,15}\.\d{1,15}")
 
 
 class Place(TypedDict, total=False):
@@ -69,6 +72,22 @@ class Wanted(Generic[HandleT]):
             if is_wanted and all(_fits(term, one, values) for term in self.terms):
                 yield one.id
 
+    def query(self) -> str:
+        """Return as text what narrows the search down; what it finds beyond, :meth:`parts` leaves out."""
+        words = {
+            word
+            for kind in self.kind.service_types
+            for word in DEVICE_TYPES[kind].words
+            if len(wanted_types(word)) > 1  # a device without parts that is called so may be of this kind
+        }
+        asked = []
+        if self.kind.service_types:
+            types = (*sorted(self.kind.service_types), *sorted(words))
+            asked.append(f"({' or '.join(f'type={quoted(one)}' for one in types)})")
+        if fold(self.place.get("area", "")):
+            asked.append(f"area={quoted(fold(self.place['area']))}")
+        return " and ".join([*asked, *(text for term in self.terms if (text := _as_text(term)))])
+
     def _wants_type(self, types: frozenset[str]) -> bool:
         return not self.kind.service_types or not types.isdisjoint(self.kind.service_types)
 
@@ -114,6 +133,21 @@ def offered_types(device: Device) -> frozenset[str]:
 def _main_parts(device: Device) -> list[DevicePart]:
     """Settings and self-observations count only where there is nothing else."""
     return [one for one in device.parts if not one.part.category] or list(device.parts)
+
+
+def _as_text(term: Query) -> str:
+    """Only what can be spelt exactly."""
+    match term:
+        case CanDo(name, True):
+            return f"can={name}"
+        case StateIs(capability, operator, bool(value)):
+            return f"{capability}{operator}{'true' if value else 'false'}"
+        case StateIs(capability, operator, str(value)) if value:
+            return f"{capability}{operator}{quoted(value)}"
+        case StateIs(capability, operator, float(value)) if _PLAIN_NUMBER.fullmatch(repr(value)):
+            return f"{capability}{operator}{value!r}"
+        case _:
+            return ""
 
 
 def _fits(term: Query, part: DevicePart, values: dict[tuple[str, str], PlainValue]) -> bool:

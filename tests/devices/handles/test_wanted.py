@@ -1,0 +1,102 @@
+"""The text that narrows a search down loses nothing that is wanted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices import Device, DevicePart, Endpoint, State
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.handles import Closure, ContactSensor, Handle, Light, TemperatureSensor, Thermostat, WindowCovering
+from homebot.devices.part import Capability, Part
+from homebot.devices.query import facets_of, fits, parse_query
+from homebot.devices.value import PlainValue, Value
+from homebot.messages import Time
+
+NOW = Time(sec=0, nanosec=0)
+TYPES = ("light", "closure", "contact_sensor", "window_covering", "temperature_sensor", "thermostat", "plug")
+WORDS = ("lights", "lamp", "windows", "Window", "door", "garage door", "covers", "temperature", "heating", "robots", "")
+
+_areas = st.sampled_from(["", "kitchen", "Küche", "kitchen floor", 'a "b" and (c', "-", "or"])
+_values: st.SearchStrategy[PlainValue] = st.sampled_from(
+    [None, True, False, 0.0, -3.5, 21.25, 1e-9, 1e30, "open", "closed", "Heat up", "heat", '"']
+)
+_capabilities = st.sampled_from(["on_off", "level", "movement", "contact", "temperature", "thermostat_mode"])
+
+
+@st.composite
+def _devices(draw: st.DrawFn) -> Device:
+    parts, states = [], []
+    for number in range(draw(st.integers(0, 2))):
+        names = draw(st.lists(_capabilities, unique=True, max_size=3))
+        capabilities = tuple(Capability(name=one, settable=draw(st.booleans())) for one in names)
+        service_type = draw(st.sampled_from(TYPES))
+        category: Any = draw(st.sampled_from(["", "config"]))
+        part = Part(id=str(number), service_type=service_type, category=category, capabilities=capabilities)
+        parts.append(DevicePart(id=str(number), part=part, routes=()))
+        states += [
+            State(part=str(number), capability=one, value=Value.of(draw(_values)), since=NOW, told_at=NOW, live=True)
+            for one in names
+        ]
+    command_address = draw(st.sampled_from(["", "in"]))
+    return Device(
+        id="x",
+        name="X",
+        service_type=parts[0].part.service_type if parts else draw(st.sampled_from(WORDS)),
+        endpoints=(Endpoint(gateway="mqtt", key="x", address="out", command_address=command_address),),
+        metadata=(),
+        first_seen=NOW,
+        last_seen=NOW,
+        expires=NOW,
+        freshness="fresh",
+        area=draw(_areas),
+        parts=tuple(parts),
+        states=tuple(states),
+    )
+
+
+_numbers = st.none() | st.sampled_from([-4.0, 0.0, 1e-9, 21.25, 1e29])
+_flags = st.none() | st.booleans()
+
+
+@given(
+    device=_devices(),
+    area=_areas,
+    flag=_flags,
+    can=_flags,
+    number=_numbers,
+    mode=st.sampled_from([None, "heat", "HEAT_UP", '"']),
+)
+def test_whatever_is_wanted_is_found_by_the_text(
+    *, device: Device, area: str, flag: bool | None, can: bool | None, number: float | None, mode: str | None
+) -> None:
+    """For every kind whose plain words have several meanings, and every kind of question."""
+    place: Any = {"area": area} if area else {}
+    for wanted in (
+        Handle.wanted(**place),
+        Light.wanted(on=flag, dimmable=can, **place),
+        Closure.wanted(closed=flag, **place),
+        WindowCovering.wanted(closed=flag, **place),
+        ContactSensor.wanted(is_open=flag, **place),
+        TemperatureSensor.wanted(above=number, **place),
+        Thermostat.wanted(mode=mode, **place),
+    ):
+        if list(wanted.parts(device)):
+            assert fits(parse_query(wanted.query()), facets_of(device)), wanted.query()
+
+
+def test_every_kind_has_a_text_that_is_understood() -> None:
+    """For each type of the vocabulary that some class of handles is about."""
+    kinds: list[type[Handle]] = [Handle, *_all_kinds(Handle)]
+    for kind in kinds:
+        assert kind.service_types <= DEVICE_TYPES.keys()
+        parse_query(kind.wanted().query())
+
+
+def _all_kinds(kind: type[Handle]) -> list[type[Handle]]:
+    found: list[type[Handle]] = []
+    for direct in kind.__subclasses__():
+        found += [direct, *_all_kinds(direct)]
+    return found
