@@ -111,7 +111,7 @@ def test_what_is_known_of_a_device_outlives_a_new_description() -> None:
     claims, _ = empty()
     first = claims.describe(described("one", ("s/a",), online=("s/b",))).claim
     assert first.reachability is not None
-    first.reachability.hear(0, b"yes", retained=False)
+    first.reachability.hear(0, True, retained=False)
     first.is_confirmed = True
     second = claims.describe(described("one", ("s/c",), online=("s/b",))).claim
     assert second.reachability is first.reachability

@@ -39,7 +39,7 @@ from homebot.mqtt.client import MqttClient, Subscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.topics import validate_topic
+from homebot.mqtt.topics import topic_matches, validate_topic
 
 __all__ = ["GatewayCounters", "MqttGateway"]
 
@@ -98,6 +98,7 @@ class MqttGateway(Gateway):
         self._clock = node.graph.clock
         understood = find_conventions(settings.conventions, settings.tables, settings.root)
         self._layouts = understood.layouts
+        self._filters = self._layout_filters()
         self._channels = Channels(self._layouts)
         self._listeners = Listeners(node, self.names, inboxes=settings.delivery == "inbox")
         # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
@@ -221,7 +222,7 @@ class MqttGateway(Gateway):
 
     def _open(self, message: MqttMessage) -> Channel | None:
         try:
-            device = self._channels.announced(message.topic)
+            device = self._channels.announced(message.topic) if self._is_layouts(message.topic) else None
             if device is None:
                 return None
             return self._channels.open(message.topic, device, self._listeners.of(message.topic))
@@ -229,6 +230,10 @@ class MqttGateway(Gateway):
             self.counters.rejected += 1
             self._warn(REJECTED, f"not a device's message: {exc}", topic=message.topic)
             return None
+
+    def _is_layouts(self, topic: str) -> bool:
+        """Whether it comes by a subscription of a layout: what is there for conventions breaks no layout."""
+        return any(topic_matches(one, topic) for one in self._filters)
 
     def _sight(self, channel: Channel, message: MqttMessage, stamp: Time) -> None:
         is_new = channel.refresh_at == 0.0

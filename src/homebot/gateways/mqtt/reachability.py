@@ -32,11 +32,9 @@ class Reachability:
             return decisive
         return not decisive if len(known) == len(self._words) else None
 
-    def hear(self, index: int, payload: bytes, *, retained: bool) -> None:
-        """Take a message of source *index*; one that says neither changes nothing."""
-        said = self.availability.sources[index].read(payload)
-        if said is not None:
-            self._words[index] = self._latest = said, retained
+    def hear(self, index: int, said: bool, *, retained: bool) -> None:  # noqa: FBT001 - what the source says
+        """Take the word of source *index*: whether the device can be reached."""
+        self._words[index] = self._latest = said, retained
 
     def doubt(self) -> None:
         """The device spoke: forget each "offline" that the broker had kept from before, which is often never cleared.

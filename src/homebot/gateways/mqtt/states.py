@@ -16,7 +16,7 @@ from homebot.gateways.mqtt.board import Board
 from homebot.gateways.mqtt.claim import Claim, Voice, Witness
 from homebot.gateways.mqtt.claims import Claims
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.description import Fade
+from homebot.gateways.mqtt.description import AvailabilitySource, Fade
 from homebot.gateways.mqtt.payload import MAX_STATE_BYTES
 from homebot.gateways.mqtt.timekeeper import Timekeeper
 from homebot.gateways.mqtt.tribunal import Tribunal
@@ -57,18 +57,21 @@ class States:
         self._counters = counters
 
     async def witness(self, message: MqttMessage, witnesses: tuple[Witness, ...]) -> None:
-        """Take *message* as one that tells whether devices can be reached."""
+        """Take *message* as one that tells whether devices can be reached; equal sources read it once."""
+        read: dict[int, bool | None] = {}
         for number, witness in enumerate(witnesses, 1):
             if number % _TURN == 0:
                 await anyio.lowlevel.checkpoint()
-            claim = witness.claim
-            if claim.reachability is None:
+            reachability = witness.claim.reachability
+            if reachability is None:
                 continue
-            try:
-                claim.reachability.hear(witness.index, message.payload, retained=message.retain)
-            except Exception as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-                self._tribunal.failed(message.topic, claim.described.convention, exc)
-            self._tell_reachable(claim, message.topic, retained=message.retain)
+            source = reachability.availability.sources[witness.index]
+            if id(source) not in read:
+                read[id(source)] = self._whether(source, witness.claim, message)
+            said = read[id(source)]
+            if said is not None:
+                reachability.hear(witness.index, said, retained=message.retain)
+                self._tell_reachable(witness.claim, message.topic, retained=message.retain)
 
     async def read(self, message: MqttMessage, voices: tuple[Voice, ...]) -> None:
         """Take *message* as one in which parts tell their state; one that is too long is only counted."""
@@ -91,6 +94,13 @@ class States:
                 self._plan(voice, fade, told[0])
             await self._speak(voice, told[0], message)
         self._report(claim, readings, message)
+
+    def _whether(self, source: AvailabilitySource, claim: Claim, message: MqttMessage) -> bool | None:
+        try:
+            return source.read(message.payload)
+        except Exception as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+            self._tribunal.failed(message.topic, claim.described.convention, exc)
+            return None
 
     def _told(self, voice: Voice, message: MqttMessage) -> tuple[Mapping[str, PlainValue], list[Reading]] | None:
         try:
