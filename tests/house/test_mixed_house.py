@@ -1,0 +1,71 @@
+"""The light service of the thesis, unchanged, in a house of every family of devices."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from homebot.devices import Devices
+from homebot.graph import Node
+from homebot.house import World
+from homebot.house.description import parse_world
+from homebot.house.devices import Lamp
+from homebot.house.dialects import DIALECTS
+from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.world import Placed
+from homebot.testing import EventLog, virtual_house_of
+
+MIXED = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "mixed.toml").read_text("utf-8"))
+
+
+def hall(*lamps: Placed) -> World:
+    return World(Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, []), lamps)
+
+
+@pytest.mark.virtual_time
+@pytest.mark.parametrize("dialect", DIALECTS)
+async def test_the_light_service_switches_lamps_of_every_family(dialect: str) -> None:
+    """One that is lit by hand, and one that shone before anybody looked."""
+    world = hall(
+        Placed(Lamp("early", is_on=True), "hall", dialect=dialect), Placed(Lamp("late"), "hall", dialect=dialect)
+    )
+    async with virtual_house_of("light_service", world=world) as house:
+        await house.run_for("30s")
+        assert world.device("early").state() == "off"
+        await house.press("late", "on")
+        await house.run_for("1s")
+        assert world.device("late").state() == "off"
+        counters = house.simulated.counters
+        assert (counters.unsaid, counters.overflowed, counters.refused) == (0, 0, 0)
+
+
+@pytest.mark.virtual_time
+async def test_a_mixed_house_is_known_device_by_device() -> None:
+    """Each device is there once, in its room, whichever family it is of."""
+    world = parse_world(MIXED, "mixed.toml")
+    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "judge") as judge:
+        await house.run_for("1m")
+        lamps = await Devices(judge).find("lights")
+        found = await Devices(judge).find()
+    assert len(found) == len(world.devices)
+    assert len(lamps) == sum(placed.device.service_type == "lights" for placed in world.devices.values())
+    assert {device.freshness for device in found} == {"fresh"}
+
+
+@pytest.mark.virtual_time
+async def test_a_day_of_a_mixed_house_holds_what_it_promises() -> None:
+    """Each lamp that was lit is dark again soon, by a command that came over the wire; nothing is lost."""
+    world = parse_world(MIXED, "mixed.toml", seed=3)
+    async with virtual_house_of("light_service", world=world, seed=3) as house, EventLog.of(house) as log:
+        await house.run_for("1d")
+    happened = world.chronicle.since(0)
+    lit = [event for event in happened if event.verb == "switch" and event.what == "on"]
+    assert {world.devices[event.who].dialect for event in lit} >= {"zigbee2mqtt", "homeassistant", "tasmota"}
+    for event in lit:
+        answers = [one.at for one in happened if one.who == event.who and (one.verb, one.what) == ("told", "off")]
+        assert any(event.at <= at <= event.at + 5.0 for at in answers), event
+    supervisor, counters = house.runtime.supervisor, house.simulated.counters
+    assert (supervisor.restarts, supervisor.given_up, log.lost) == ({}, [], 0)
+    assert (counters.unsaid, counters.overflowed, counters.refused) == (0, 0, 0)
