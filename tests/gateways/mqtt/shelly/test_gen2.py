@@ -136,6 +136,7 @@ def test_one_below_shellies_is_known_by_its_notifications(say: Say) -> None:
 def test_one_that_never_answers_is_asked_less_and_less(say: Say) -> None:
     asked = [len(say("lookalike/online", "true")) for _ in range(64)]
     assert sum(asked) == 7
+    assert len(say("lookalike/online", "true", retained=True)) == 1
 
 
 def test_one_that_comes_back_is_asked_again(say: Say) -> None:

@@ -104,7 +104,7 @@ class Gen2:
             return ()
         if device.described is not None:
             return () if retained else (self._question(device),)
-        return self._asked(device)
+        return (self._question(device),) if retained else self._asked(device)
 
     def _gone(self, prefix: str) -> tuple[Heard, ...]:
         device = self._devices.remove(prefix)
