@@ -248,3 +248,27 @@ def test_a_fan_is_told_its_speed_by_words(introduce: Introduce) -> None:
     fan = introduce({"speed": {"properties": {"speed": speed}}}, name="Ceiling fan")["speed"]
     assert (fan.part.service_type, fan.part.guessed) == ("fan", True)
     assert told(fan, "fan_mode", "low") == [("speed/speed/set", "LOW")]
+
+
+@pytest.mark.parametrize(
+    ("node", "prop", "service_type", "capability"),
+    [
+        ("relay", {"power": FLAG}, "switch", "on_off"),
+        ("socket", {"power": FLAG}, "plug", "on_off"),
+        ("lamp", {"on": FLAG}, "light", "on_off"),
+        ("front-lock", {"state": FLAG}, "door_lock", "lock"),
+        ("garden-valve", {"state": FLAG}, "water_valve", "valve"),
+        ("heater", {"target-temperature": {"datatype": "float", "settable": True}}, "thermostat", "heating_setpoint"),
+        ("blind", {"tilt": PERCENT}, "window_covering", "tilt"),
+        ("garage", {"state": {"datatype": "enum", "format": "open,closed"}}, "closure", "movement"),
+        ("bell", {"button": WATCHED}, "generic_switch", "press"),
+        ("hall", {"motion": WATCHED}, "occupancy_sensor", "occupancy"),
+        ("hall", {"ct": {"datatype": "integer", "unit": "K", "settable": True}}, "light", "color_temperature"),
+    ],
+)
+def test_without_a_type_words_and_forms_suggest_what_it_is(
+    introduce: Introduce, node: str, prop: object, service_type: str, capability: str
+) -> None:
+    (part,) = introduce({node: {"properties": prop}}).values()
+    assert (part.part.service_type, part.part.guessed) == (service_type, True)
+    assert capability in {one.name for one in part.part.capabilities}

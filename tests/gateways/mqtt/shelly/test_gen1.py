@@ -229,6 +229,23 @@ def test_a_bulb_tells_its_colour_or_its_white(say: Say, part: Find) -> None:
     }
 
 
+def test_a_motion_sensor_tells_all_in_one_message(say: Say, part: Find) -> None:
+    heard = say("shellies/announce", {"id": "shellymotion2-233F91", "model": "SHMOS-02"})
+    status = b'{"motion":true,"vibration":false,"lux":100,"bat":80,"tmp":{"value":21.5,"is_valid":false}}'
+    told = {
+        name: dict(part(heard, name).codec.read("shellies/shellymotion2-233F91/status", status, retained=False))
+        for name in ids(heard)
+    }
+    assert told == {
+        "motion": {"occupancy": True},
+        "vibration": {"vibration": False},
+        "lux": {"illuminance": 100.0},
+        "temperature": {"temperature": None},
+        "battery": {"battery": 80.0},
+    }
+    assert next(iter(told)) == "motion"
+
+
 def test_a_radiator_valve_is_told_degrees(say: Say, part: Find) -> None:
     valve = part(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
     base = "shellies/shellytrv-256273"
