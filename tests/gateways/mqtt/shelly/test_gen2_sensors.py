@@ -10,13 +10,9 @@ Find = Callable[[tuple[Heard, ...], str], DescribedPart]
 
 
 def introduce(say: Say, key: str, status: object, config: object) -> tuple[Heard, ...]:
-    for result in (
-        {"id": "x", "mac": "A8032ABE54DC"},
-        {"sys": {"device": {}}, key: config},
-        {"sys": {"mac": "A8"}, key: status},
-    ):
-        heard = say("homebot/x/rpc", {"id": 1, "src": "x", "result": result})
-    return heard
+    say("homebot/rpc", {"id": 1, "src": "x", "result": {"id": "x", "mac": "A8032ABE54DC"}})
+    say("homebot/rpc", {"id": 1, "src": "x", "result": {"sys": {"device": {}}, key: config}})
+    return say("homebot/rpc", {"id": 1, "src": "x", "result": {"sys": {"mac": "A8"}, key: status}})
 
 
 @pytest.mark.parametrize(
