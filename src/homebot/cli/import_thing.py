@@ -28,6 +28,9 @@ def add_parser(commands: Commands) -> None:
     parser.add_argument(
         "--name", metavar="NAME", default="", help="name of the topic's level (default: of its id or title)"
     )
+    parser.add_argument(
+        "--prefix", metavar="P", default="homebot/things", help="first levels of the topic (default: homebot/things)"
+    )
     parser.add_argument("--gateway", metavar="G", default="mqtt", help="gateway of its broker (default: mqtt)")
     parser.add_argument(
         "--timeout", metavar="S", type=positive, default=5.0, help="seconds to wait for it (default: 5)"

@@ -21,14 +21,12 @@ from homebot.messages.json import message_from_json
 
 __all__ = ["import_thing", "topic_level"]
 
-_PREFIX = "homebot/things"
-
 
 def import_thing(options: argparse.Namespace) -> int:
     """Check a Thing Description, put it on the broker, and wait until it is a device."""
     text, thing = _read(options.file)
     name = topic_level(options.name or thing.id or thing.title)
-    topic = f"{_PREFIX}/{name}/td"
+    topic = f"{options.prefix}/{name}/td"
 
     async def run(door: DoorClient) -> int:
         outbox = Outbox(door)
@@ -41,7 +39,7 @@ def import_thing(options: argparse.Namespace) -> int:
             return 0
         print(
             f"published on {topic}, but no device appeared within {options.timeout:g} s; "
-            f"does gateway {options.gateway} understand the convention `thing`?"
+            f"does gateway {options.gateway} understand the convention `thing` there?"
         )
         return 1
 

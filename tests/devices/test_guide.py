@@ -1,0 +1,151 @@
+"""What docs/devices.md says is so.
+
+To write its tables anew, run with ``HOMEBOT_WRITE_GOLDEN=1`` and read what changed.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import re
+import shlex
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from homebot.cli.main import make_parser
+from homebot.devices import Devices, handles
+from homebot.devices.capabilities import CAPABILITIES, CapabilityType
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.handles import Handle, Place
+from homebot.graph import Node
+from homebot.house import World
+from homebot.house.description import load_world
+from homebot.house.lamp import Lamp
+from homebot.house.motor import CoverMotor
+from homebot.testing.background import in_background
+from homebot.testing.virtual_house import virtual_house_of
+
+FILE = Path(__file__).parents[2] / "docs" / "devices.md"
+
+KINDS = sorted(
+    (one for one in vars(handles).values() if isinstance(one, type) and issubclass(one, Handle) and one is not Handle),
+    key=lambda kind: kind.__name__,
+)
+
+
+def type_rows() -> Iterator[str]:
+    for one in DEVICE_TYPES.values():
+        matter = ", ".join(f"0x{number:04X}" for number in one.matter)
+        yield f"| `{one.name}` | {matter} | {', '.join(one.words)} |"
+
+
+def capability_rows() -> Iterator[str]:
+    for one in CAPABILITIES.values():
+        cluster = "" if one.cluster is None else f"0x{one.cluster:04X}"
+        yield f"| `{one.name}` | {value(one)} | {one.meaning} | {cluster} |"
+
+
+def value(one: CapabilityType) -> str:
+    if one.options:
+        return ", ".join(f"`{option}`" for option in one.options)
+    if one.kind != "number":
+        return {"bool": "true or false", "text": "text", "numbers": "numbers"}[one.kind]
+    bounds = f"{one.bounds[0]:g} to {one.bounds[1]:g}" if one.bounds else "number"
+    return f"{bounds} {one.unit}".rstrip()
+
+
+def table(text: str, head: str) -> list[str]:
+    """The rows below the table's *head*."""
+    found = re.search(re.escape(head) + r"\n\|[-|]+\n((?:\|.*\n)*)", text)
+    assert found is not None
+    return found[1].splitlines()
+
+
+@pytest.mark.parametrize(
+    ("head", "rows"),
+    [
+        ("| type | Matter | other words |", list(type_rows())),
+        ("| capability | value | meaning | cluster |", list(capability_rows())),
+    ],
+)
+def test_the_tables_are_the_vocabulary(head: str, rows: list[str]) -> None:
+    text = FILE.read_text(encoding="utf-8")
+    if os.environ.get("HOMEBOT_WRITE_GOLDEN"):
+        line = head + "\n" + re.sub(r"[^|\n]+", "---", head) + "\n"
+        start = text.index(line) + len(line)
+        end = start + len("".join(f"{row}\n" for row in table(text, head)))
+        FILE.write_text(text[:start] + "".join(f"{row}\n" for row in rows) + text[end:], encoding="utf-8")
+        text = FILE.read_text(encoding="utf-8")
+    assert table(text, head) == rows
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_table_of_handles_is_what_they_can_do(kind: type[Handle]) -> None:
+    """What they can be asked, what they tell, and what they are told."""
+    asked = [one for one in inspect.signature(kind.wanted).parameters if one != "place"]
+    own = {name: one for name, one in inspect.getmembers(kind) if not name.startswith("_") and name not in vars(Handle)}
+    tells = {name for name, one in own.items() if isinstance(one, property)}
+    told = {name for name, one in own.items() if inspect.iscoroutinefunction(one)}
+    head = "| kind | found by | asked for, beside `area`, `name`, `reachable`, `fresh` | tells | is told |"
+    (row,) = [row for row in table(FILE.read_text(), head) if row.startswith(f"| `{kind.__name__}` |")]
+    _, _, found_by, *rest, _ = (re.findall(r"`(\w+)`", cell) for cell in row.split("|"))
+    assert set(found_by) == kind.service_types
+    assert rest[0] == asked
+    assert [set(cell) for cell in rest[1:]] == [tells, told]
+    assert list(Place.__annotations__) == ["area", "name", "reachable", "fresh"]
+
+
+def test_every_kind_has_a_row() -> None:
+    head = "| kind | found by | asked for, beside `area`, `name`, `reachable`, `fresh` | tells | is told |"
+    assert len(table(FILE.read_text(), head)) == len(KINDS)
+
+
+HOUSE = """
+house.dialect = "homeassistant"
+rooms.living_room = {}
+rooms.hall = {}
+devices.lamp = { kind = "lamp", room = "living_room" }
+devices.other = { kind = "lamp", room = "hall" }
+devices.blind = { kind = "cover", room = "living_room" }
+"""
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> World:
+    (tmp_path / "house.toml").write_text(HOUSE)
+    return load_world(tmp_path / "house.toml")
+
+
+@pytest.mark.virtual_time
+async def test_the_app_that_it_shows_works(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It dims the room's lamps, closes the blinds, and dims whatever lamp of the room is turned on later."""
+    (program,) = re.findall(r"```python\n(.*?)```", FILE.read_text(), re.DOTALL)
+    module = ModuleType("movie_night")
+    exec(compile(program, "movie_night", "exec"), vars(module))  # noqa: S102  # what the guide shows
+    monkeypatch.setitem(sys.modules, "movie_night", module)
+    lamp, other, blind = (world.devices[name].device for name in ("lamp", "other", "blind"))
+    assert isinstance(lamp, Lamp)
+    assert isinstance(other, Lamp)
+    assert isinstance(blind, CoverMotor)
+    async with virtual_house_of(world=world) as house:
+        await house.run_for("10s")
+        async with Node(house.runtime.graph, "movie_night") as node, in_background(module.MovieNight(node, None).run):
+            await house.run_for("1m")
+            assert (lamp.is_on, lamp.brightness, other.is_on, blind.position) == (True, 0.2, False, 0.0)
+            (handle,) = await Devices(node).find(handles.Light, name="lamp")
+            await handle.turn_off()
+            await house.run_for("5s")
+            await handle.turn_on(level=90)
+            await house.run_for("5s")
+            assert lamp.brightness == 0.2
+
+
+def test_the_commands_that_it_shows_are_known() -> None:
+    commands = re.findall(r"^\$ homebot (.*?)\s+#", FILE.read_text(), re.MULTILINE)
+    assert len(commands) == 5
+    for command in commands:
+        assert make_parser().parse_args(shlex.split(command)).command
