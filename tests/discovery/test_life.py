@@ -197,6 +197,19 @@ def test_reports_of_nobody_and_of_unknown_parts_are_counted(
     assert (index.counts()["strays"], index.counts()["unknown_parts"]) == (1, 1)
 
 
+def test_what_a_part_told_goes_with_it(index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell) -> None:
+    """However often a device changes its parts, it is no bigger than they are."""
+    for number in range(5):
+        lamp = announce("l", part("light", "on_off", id=f"l{number}"), ids=("id:lamp",))
+        index.observe(lamp)
+        index.report(tell(lamp, "on_off", True, part=f"l{number}"))
+    (device,) = index.devices()
+    assert [one.part for one in device.states] == ["l4"]
+    entry = index.entry(device.id)
+    assert entry is not None
+    assert len(entry.best().told) == 1
+
+
 def test_states_are_told_where_somebody_wants_them(
     index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
 ) -> None:

@@ -185,10 +185,14 @@ def test_a_second_source_of_a_known_part_with_other_topics_changes_nothing(
     index: DeviceIndex, announce: Announce, part: MakePart
 ) -> None:
     after(index, announce("light/a", part("light", "on_off", id="l", writes=("a/set",)), ids=(MAC,)))
-    after(index, announce("light/evil", part("light", "on_off", id="l", writes=("evil",)), ids=(MAC,)))
+    evil = announce("light/evil", part("light", "on_off", id="l", writes=("evil",)), ids=(MAC,))
+    assert kinds(after(index, evil)) == [("changed", "desk_lamp", ""), ("conflict", "desk_lamp", "")]
+    assert after(index, evil) == ()
     (device,) = index.devices()
     assert [one.part.writes for one in device.parts] == [("a/set",)]
     assert device.conflicts == ("homeassistant:light/evil announces 'l', which is homeassistant:light/a's",)
+    resolved = after(index, evil.model_copy(update={"kind": "removed"}))
+    assert kinds(resolved) == [("changed", "desk_lamp", ""), ("resolved", "desk_lamp", "")]
 
 
 def test_a_lamp_that_names_another_devices_command_topic_is_told_nothing_there_until_that_is_gone(

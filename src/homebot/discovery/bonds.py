@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
-from typing import final
+from typing import TypeAlias, final
 
 from homebot.devices import Sighting
 from homebot.discovery.claim import WHOLE, ClaimKey
@@ -36,7 +36,10 @@ rpi wled openmqttgateway rtl_433 rtl433 system server controller thermostat uniq
 _GENERIC = frozenset(_WORDS.split())
 
 
-@dataclass(frozen=True, slots=True)
+_Sign: TypeAlias = tuple[str, str, tuple[str, ...], str]
+
+
+@dataclass(slots=True, eq=False)
 class Voice:
     """Who speaks in one way about one device; announcements of the same voice are about one device.
 
@@ -51,6 +54,11 @@ class Voice:
     convention: str
     identifiers: tuple[str, ...]
     key: str
+
+    @property
+    def sign(self) -> _Sign:
+        """What it is known by."""
+        return self.gateway, self.convention, self.identifiers, self.key
 
     @property
     def hardware(self) -> frozenset[str]:
@@ -74,6 +82,7 @@ class Bonds:
     def __init__(self) -> None:
         self.cut = 0
         self._voices: dict[ClaimKey, Voice] = {}
+        self._known: dict[_Sign, Voice] = {}
         self._claims: dict[Voice, dict[ClaimKey, None]] = {}
         self._holders: dict[str, dict[Voice, None]] = {}
         self._links: dict[str, bool] = {}
@@ -82,7 +91,7 @@ class Bonds:
         """Note who *key* says the device is; return all announcements whose bonds may be others now, with *key*."""
         voice = self._voice(key, sighting)
         before = self._voices.get(key)
-        if before == voice:
+        if before is voice:
             return frozenset()
         affected = self.discard(key) if before is not None else frozenset()
         self._voices[key] = voice
@@ -110,7 +119,7 @@ class Bonds:
         del claims[key]
         if claims:
             return frozenset(claims)
-        del self._claims[voice]
+        del self._claims[voice], self._known[voice.sign]
         reached: set[Voice] = set()
         for identifier in voice.identifiers:
             holders = self._holders[identifier]
@@ -154,7 +163,11 @@ class Bonds:
             self.cut += 1
             found = found[:MAX_IDENTIFIERS]
         is_own = sighting.convention in WHOLE or not any(_names_somebody(one) for one in found)
-        return Voice(key[0], sighting.convention, found, key[1] if is_own else "")
+        sign = (key[0], sighting.convention, found, key[1] if is_own else "")
+        voice = self._known.get(sign)
+        if voice is None:
+            voice = self._known[sign] = Voice(*sign)
+        return voice
 
     def _affected(self, voice: Voice, changed: set[str]) -> frozenset[ClaimKey]:
         reached: set[Voice] = {voice}

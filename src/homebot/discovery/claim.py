@@ -9,7 +9,7 @@ from homebot.devices import Sighting
 from homebot.devices.value import PlainValue
 from homebot.messages import Time
 
-__all__ = ["NATIVE", "WHOLE", "Claim", "ClaimKey", "Told", "preference"]
+__all__ = ["NATIVE", "WHOLE", "Claim", "ClaimKey", "Told", "is_described_anew", "note_description", "preference"]
 
 ClaimKey: TypeAlias = tuple[str, str]
 """Gateway, and what that calls the announcement."""
@@ -75,6 +75,11 @@ class Claim:
         return self.sighting.gateway, self.sighting.key
 
     @property
+    def lasts(self) -> float:
+        """For how many seconds its gateway thinks that silence is no bad sign."""
+        return self.sighting.expires_at.to_seconds() - self.sighting.seen_at.to_seconds()
+
+    @property
     def label(self) -> str:
         """What people know it by, for example ``homeassistant:light/0x17_light``."""
         sighting = self.sighting
@@ -87,3 +92,30 @@ class Claim:
 def preference(claim: Claim) -> tuple[int, int]:
     """Return what sorts claims on one device: those of its own convention first, then the older ones."""
     return (0 if claim.sighting.convention in NATIVE else 1, claim.number)
+
+
+def is_described_anew(before: Sighting, now: Sighting) -> bool:
+    """Whether *now* says anything else than *before*, but for when and why."""
+    return (
+        before.name != now.name
+        or before.service_type != now.service_type
+        or before.address != now.address
+        or before.command_address != now.command_address
+        or before.metadata != now.metadata
+        or before.identifiers != now.identifiers
+        or before.area != now.area
+        or before.parts != now.parts
+        or before.convention != now.convention
+    )
+
+
+def note_description(claim: Claim, before: Sighting) -> None:
+    """Note since when *claim* says what it did not say *before*; what parts told that it has no longer is forgotten."""
+    now = claim.sighting
+    known = {"name": before.name, "area": before.area, **{one.key: one.value for one in before.metadata}}
+    said = {"name": now.name, "area": now.area, **{one.key: one.value for one in now.metadata}}
+    kept = {name: found for name, found in claim.said.items() if name in said}
+    anew = {name: (value, now.seen_at) for name, value in said.items() if known.get(name) != value}
+    claim.said = {**kept, **anew}
+    parts = {part.id for part in now.parts}
+    claim.told = {place: told for place, told in claim.told.items() if place[0] in parts}

@@ -41,6 +41,9 @@ class Entry:
         deadline: When it becomes stale unless it is heard of again, in seconds since the Unix epoch.
         rhythm: How often it speaks.
         evidence: Why its announcements are one device, in words.
+        told_conflicts: What was last told to be disputed about it.
+        rival: The device that keeps a topic from it, as was last told; empty for none.
+        lasts: For how many seconds its gateways think that silence is no bad sign.
         saved_at: The time when it was last seen that was last to be written to the index file.
     """
 
@@ -52,6 +55,9 @@ class Entry:
     rhythm: Rhythm = field(default_factory=Rhythm)
     evidence: tuple[str, ...] = ()
     saved_at: float = 0.0
+    lasts: float = 0.0
+    told_conflicts: tuple[str, ...] = ()
+    rival: str = ""
     _description: _Description | None = None
     _device: Device | None = None
 
@@ -73,10 +79,6 @@ class Entry:
         """Return when it was last heard of: when it spoke, or else was announced."""
         confirmed = [claim for claim in self.claims.values() if claim.confirmed]
         return max((claim.seen_at for claim in confirmed or self.claims.values()), key=_moment)
-
-    def is_described(self) -> bool:
-        """Whether its parts are known as they are."""
-        return self._description is not None
 
     def told_anew(self) -> None:
         """Its states or its freshness changed."""
@@ -224,21 +226,26 @@ def _facts(claims: Sequence[Claim]) -> Iterator[Fact]:
     done: set[tuple[str, str, str, str]] = set()
     for claim in claims:
         sighting = claim.sighting
-        said = [("name", sighting.name), ("area", sighting.area), *((one.key, one.value) for one in sighting.metadata)]
-        for name, value in said:
-            place = (name, value, sighting.gateway, sighting.convention)
-            if not value or place in done or len(done) >= MAX_FACTS:
-                continue
-            done.add(place)
-            anew, since = claim.said.get(name, (value, claim.first_seen))
-            yield Fact(
-                name=name,
-                value=value,
-                gateway=sighting.gateway,
-                convention=sighting.convention,
-                key=sighting.key,
-                said_at=since if anew == value else claim.first_seen,
-            )
+        gateway, convention = sighting.gateway, sighting.convention
+        for name, value in _said(claim):
+            place = (name, value, gateway, convention)
+            if value and place not in done:
+                done.add(place)
+                anew, since = claim.said.get(name, (value, claim.first_seen))
+                said_at = since if anew == value else claim.first_seen
+                yield Fact(
+                    name=name, value=value, gateway=gateway, convention=convention, key=sighting.key, said_at=said_at
+                )
+                if len(done) >= MAX_FACTS:
+                    return
+
+
+def _said(claim: Claim) -> Iterator[tuple[str, str]]:
+    sighting = claim.sighting
+    yield "name", sighting.name
+    yield "area", sighting.area
+    for one in sighting.metadata:
+        yield one.key, one.value
 
 
 def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoint, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import final
 
@@ -71,22 +71,34 @@ class Happenings:
             self._states.append((entry, state))
 
     def take(self, at_most: int | None) -> tuple[DeviceChange, ...]:
-        """Return the oldest changes, and forget them."""
+        """Return the oldest changes, and what they made disputed, and forget them."""
         taken = self._happened if at_most is None else self._happened[:at_most]
         self._happened = [] if at_most is None else self._happened[at_most:]
-        return tuple(self._change(one) for one in taken)
+        return tuple(change for one in taken for change in self._changes(one))
 
     def take_states(self) -> tuple[StateChange, ...]:
         """Return the changes of states, oldest first, and forget them."""
         taken, self._states = self._states, []
         return tuple(self._state_change(entry, state) for entry, state in taken)
 
-    def _change(self, one: _Happened) -> DeviceChange:
-        if self._last.get(one.entry.id) is one:
-            del self._last[one.entry.id]
+    def _changes(self, one: _Happened) -> Iterator[DeviceChange]:
+        """The change, and what became disputed by it."""
+        entry = one.entry
+        if self._last.get(entry.id) is one:
+            del self._last[entry.id]
+        device = one.device or self._describe(entry)
+        yield self._change(one.kind, device, one.why, one.other)
+        before, entry.told_conflicts = entry.told_conflicts, device.conflicts
+        if before == device.conflicts or one.kind == "removed":
+            return
+        if not device.conflicts:
+            yield self._change("resolved", device, "nobody disputes anything of it any more")
+        elif new := [conflict for conflict in device.conflicts if conflict not in before]:
+            yield self._change("conflict", device, "; ".join(new))
+
+    def _change(self, kind: ChangeKind, device: Device, why: str, other: str = "") -> DeviceChange:
         self.sequence += 1
-        device = one.device or self._describe(one.entry)
-        return DeviceChange(kind=one.kind, device=device, sequence=self.sequence, why=one.why, other=one.other)
+        return DeviceChange(kind=kind, device=device, sequence=self.sequence, why=why, other=other)
 
     def _state_change(self, entry: Entry, state: State) -> StateChange:
         self.sequence += 1

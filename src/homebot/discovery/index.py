@@ -11,14 +11,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import final
 
-from homebot.devices import Device, DeviceChange, Sighting, State, StateChange
+from homebot.devices import Device, DeviceChange, Sighting, StateChange
 from homebot.devices.device import ChangeKind
 from homebot.devices.part import Part
 from homebot.devices.query import Query, facets_of, type_is
 from homebot.devices.report import REACHABLE, Reading, Report
-from homebot.devices.value import PlainValue
 from homebot.discovery.bonds import Bonds
-from homebot.discovery.claim import Claim, ClaimKey, Told
+from homebot.discovery.claim import Claim, ClaimKey, is_described_anew, note_description
 from homebot.discovery.deadlines import Deadlines
 from homebot.discovery.disputes import Disputes
 from homebot.discovery.entry import Entry
@@ -27,6 +26,7 @@ from homebot.discovery.ids import Tombstone, Tombstones, new_id
 from homebot.discovery.postings import Postings
 from homebot.discovery.regroup import Regrouped, regroup
 from homebot.discovery.strays import Strays
+from homebot.discovery.values import has_part, reach, state_of, tell
 from homebot.messages import Time
 
 __all__ = ["MAX_CLAIMS", "MAX_DEVICES", "DeviceIndex", "IndexCounters"]
@@ -143,7 +143,10 @@ class DeviceIndex:
         is_life = live and bool(report.address)
         for reading in report.readings:
             if reading.capability == REACHABLE and not reading.part:
-                is_life = self._reach(entry, claim, reading.value.plain(), stamp, live=live) and is_life
+                change = reach(entry, claim, reading, stamp, live=live)
+                if change:
+                    self._note("changed", entry, change)
+                is_life = is_life and reading.value.flag
             else:
                 self._tell(entry, claim, reading, stamp, live=live)
         entry.told_anew()
@@ -262,7 +265,7 @@ class DeviceIndex:
             self._owner[key] = entry
             self._bonds.put(key, claim.sighting)
         entry.freshness = "unconfirmed"
-        entry.deadline = now + _time_to_live(entry)
+        entry.deadline = now + max(claim.lasts for claim in entry.claims.values())
         self._entries[entry.id] = entry
         self._describe(entry)
         self._deadlines.set(entry.id, entry.deadline)
@@ -305,9 +308,9 @@ class DeviceIndex:
     def _refresh(self, key: ClaimKey, claim: Claim, sighting: Sighting) -> None:
         before, claim.sighting = claim.sighting, sighting
         entry = self._owner[key]
-        is_new = _is_described_anew(before, sighting)
+        is_new = is_described_anew(before, sighting)
         if is_new:
-            self._note_facts(claim, before, sighting)
+            note_description(claim, before)
             if before.identifiers != sighting.identifiers or before.convention != sighting.convention:
                 self._regroup(self._bonds.put(key, sighting), "it says anew who it is")
                 entry = self._owner[key]
@@ -321,13 +324,6 @@ class DeviceIndex:
             claim.seen_at, claim.expires_at = sighting.seen_at, sighting.expires_at
             entry.told_anew()
             self._set_deadline(entry, max(entry.deadline, sighting.expires_at.to_seconds()))
-
-    def _note_facts(self, claim: Claim, before: Sighting, sighting: Sighting) -> None:
-        known = {"name": before.name, "area": before.area, **{one.key: one.value for one in before.metadata}}
-        said = {"name": sighting.name, "area": sighting.area, **{one.key: one.value for one in sighting.metadata}}
-        kept = {name: found for name, found in claim.said.items() if name in said}
-        anew = {name: (value, sighting.seen_at) for name, value in said.items() if known.get(name) != value}
-        claim.said = {**kept, **anew}
 
     def _withdraw(self, key: ClaimKey, why: str) -> None:
         entry = self._owner[key]
@@ -438,6 +434,7 @@ class DeviceIndex:
         """What the announcements of *entry* say changed: look anew at all that follows from it."""
         entry.evidence = tuple(self._evidence(entry)) if len(entry.claims) > 1 else ()
         entry.described_anew()
+        entry.lasts = max(claim.lasts for claim in entry.claims.values())
         writes: list[tuple[str, str]] = []
         bridge = ""
         for claim in entry.claims.values():
@@ -449,7 +446,8 @@ class DeviceIndex:
         self._unsorted[entry.id] = None
         self.unsaved[entry.id] = None
         owner = next((found for one in writes if (found := self._disputes.owner(one, entry.id))), "")
-        if owner and owner in self._entries:
+        before, entry.rival = entry.rival, owner
+        if owner != before and owner in self._entries:
             self._note(
                 "conflict", self._entries[owner], f"{entry.id} wants to be told things where it listens", entry.id
             )
@@ -466,11 +464,10 @@ class DeviceIndex:
             entry = self._entries.get(device_id)
             if entry is None:
                 continue
-            before = entry.parts(self._disputed).conflicts if entry.is_described() else ()
             entry.described_anew()
             self._unsorted[device_id] = None
-            if before and not entry.parts(self._disputed).conflicts:
-                self._note("resolved", entry, "nobody disputes it any more")
+            if entry.told_conflicts != entry.parts(self._disputed).conflicts:
+                self._note("changed", entry, "what is disputed about it changed")
 
     def _disputed(self, claim: Claim, part: Part) -> str:
         gateway, key = claim.key
@@ -492,7 +489,7 @@ class DeviceIndex:
         claim.seen_at = stamp
         entry.rhythm.heard(now)
         entry.told_anew()
-        usual = max(_time_to_live(entry), entry.rhythm.patience())
+        usual = max(entry.lasts, entry.rhythm.patience())
         if claim.reachable and claim.reachable_live:
             usual = max(usual, _ONLINE_FOR)
         before, entry.freshness = entry.freshness, "fresh"
@@ -511,64 +508,26 @@ class DeviceIndex:
         forgets = self._forget_after if entry.freshness == "stale" else 0.0
         self._deadlines.set(entry.id, deadline + forgets)
 
-    def _reach(self, entry: Entry, claim: Claim, value: PlainValue, stamp: Time, *, live: bool) -> bool:
-        """Note whether the device can be reached; return whether that is a sign of life."""
-        answer = value if isinstance(value, bool) else None
-        claim.reachable_live = live
-        if answer is not claim.reachable or claim.reachable_since is None:
-            before = entry.reachability().state
-            claim.reachable, claim.reachable_since = answer, stamp
-            after = entry.reachability()
-            if after.state != before:
-                entry.told_anew()
-                self._unsorted[entry.id] = None
-                self._note("changed", entry, after.why)
-        return answer is True
-
     def _tell(self, entry: Entry, claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> None:
-        place = (reading.part, reading.capability)
-        value = reading.value.plain()
-        known = claim.told.get(place)
-        if known is None:
-            if not any(part.id == reading.part for part in claim.sighting.parts):
-                self.counters.unknown_parts += 1
-                return
-            claim.told[place] = Told(value, stamp, stamp, live)
-        else:
-            if known.live and not live:
-                return
-            is_same = known.value == value and type(known.value) is type(value)
-            known.told_at, known.live = stamp, live
-            if is_same:
-                return
-            known.value, known.since = value, stamp
-        self._show(entry, claim, reading, claim.told[place])
-
-    def _show(self, entry: Entry, claim: Claim, reading: Reading, told: Told) -> None:
-        """Make a new value findable, and tell it."""
-        if entry.id in self._unsorted and not self.tells_states:
+        """Note a value; make it findable, and tell it, where it is a new one."""
+        if (reading.part, reading.capability) not in claim.told and not has_part(claim, reading.part):
+            self.counters.unknown_parts += 1
             return
-        gateway, key = claim.key
+        told = tell(claim, reading, stamp, live=live)
+        is_sorted = entry.id not in self._unsorted
+        if told is None or not (is_sorted or self.tells_states):
+            return
         merged = entry.parts(self._disputed)
-        place = merged.places.get((gateway, key, reading.part))
+        place = merged.places.get((*claim.key, reading.part))
         if place is None:
             return
         part = merged.parts[place]
-        if entry.id not in self._unsorted:
-            if len(part.routes) > 1:
-                self._unsorted[entry.id] = None
-            else:
-                self._postings.tell(entry.id, part.id, part.part.service_type, reading.capability, told.value)
+        if is_sorted and len(part.routes) > 1:
+            self._unsorted[entry.id] = None
+        elif is_sorted:
+            self._postings.tell(entry.id, part.id, part.part.service_type, reading.capability, told.value)
         if self.tells_states:
-            state = State(
-                part=part.id,
-                capability=reading.capability,
-                value=reading.value,
-                since=told.since,
-                told_at=told.told_at,
-                live=told.live,
-            )
-            self._happenings.note_state(entry, state)
+            self._happenings.note_state(entry, state_of(part.id, reading, told))
 
     def _device(self, entry: Entry) -> Device:
         return entry.to_device(self._disputed)
@@ -577,26 +536,3 @@ class DeviceIndex:
         entry.told_anew()
         self._unsorted[entry.id] = None
         self._happenings.note(kind, entry, why, other)
-
-
-def _time_to_live(entry: Entry) -> float:
-    """How long the gateways think that silence is no bad sign."""
-    longest = 0.0
-    for claim in entry.claims.values():
-        sighting = claim.sighting
-        longest = max(longest, sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds())
-    return longest
-
-
-def _is_described_anew(before: Sighting, now: Sighting) -> bool:
-    return (
-        before.name != now.name
-        or before.service_type != now.service_type
-        or before.address != now.address
-        or before.command_address != now.command_address
-        or before.metadata != now.metadata
-        or before.identifiers != now.identifiers
-        or before.area != now.area
-        or before.parts != now.parts
-        or before.convention != now.convention
-    )

@@ -24,7 +24,7 @@ from homebot.devices.query import (
     StateIs,
     TypeIs,
 )
-from homebot.devices.query.folding import WORD_TYPO, is_typo
+from homebot.devices.query.folding import is_typo, may_be_typo
 from homebot.devices.query.terms import compares
 from homebot.devices.value import PlainValue
 
@@ -41,7 +41,6 @@ _FEW = 200
 @dataclass(slots=True)
 class _Posted:
     facets: Facets
-    keys: frozenset[_Key]
     values: dict[tuple[str, str], tuple[str, PlainValue]] = field(default_factory=dict)
 
 
@@ -63,16 +62,18 @@ class Postings:
     def put(self, facets: Facets, values: Iterable[tuple[str, str, str, PlainValue]]) -> None:
         """Let a device be found by its facets, and by *values*: part, type of the part, capability, value."""
         device_id = facets.id
-        keys = frozenset(_keys(facets))
         before = self._posted.get(device_id)
-        known = before.keys if before is not None else frozenset()
-        for key in known - keys:
-            self._leave(key, device_id)
-        for key in keys - known:
-            self._join(key, device_id)
-        if before is not None:
+        if before is None:
+            for key in _keys(facets):
+                self._join(key, device_id)
+        else:
+            keys, known = frozenset(_keys(facets)), frozenset(_keys(before.facets))
+            for key in known - keys:
+                self._leave(key, device_id)
+            for key in keys - known:
+                self._join(key, device_id)
             self._untell(device_id, before)
-        self._posted[device_id] = _Posted(facets, keys)
+        self._posted[device_id] = _Posted(facets)
         for part, service_type, capability, value in values:
             self.tell(device_id, part, service_type, capability, value)
 
@@ -92,7 +93,7 @@ class Postings:
         """Let the device be found no longer."""
         posted = self._posted.pop(device_id, None)
         if posted is not None:
-            for key in posted.keys:
+            for key in frozenset(_keys(posted.facets)):
                 self._leave(key, device_id)
             self._untell(device_id, posted)
 
@@ -139,11 +140,11 @@ class Postings:
             case GatewayIs(gateway):
                 return self._sets.get(("gateway", gateway), _NONE)
             case FactIs("id", value):
-                return self._sets.get(("id", value), _NONE)
+                return {one for one in self._posted if one.casefold() == value}
             case FactIs("convention", value):
                 return self._sets.get(("convention", value), _NONE)
             case FactIs("name", value):
-                return self._begins("name", value) | self._begins("fact name", value)
+                return self._begins("fact name", value)
             case FactIs(name, value):
                 return self._begins(f"fact {name}", value)
 
@@ -244,8 +245,8 @@ _HOLDS: dict[str, Callable[[float, float], bool]] = {
 
 
 def _keys(facets: Facets) -> Iterator[_Key]:
-    yield "id", facets.id.casefold()
-    yield "name", facets.name
+    if facets.name not in facets.facts.get("name", ()):
+        yield "fact name", facets.name
     yield "freshness", facets.freshness
     yield "reachable", facets.reachable
     if facets.area:
@@ -304,6 +305,6 @@ class _Words:
 
 def _shortened(word: str) -> set[str]:
     """The word, and the word without each of its letters: words that are a typo apart have one in common."""
-    if len(word) < WORD_TYPO:
+    if not may_be_typo(word):
         return set()
     return {word, *(word[:place] + word[place + 1 :] for place in range(len(word)))}

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import lru_cache
 from typing import TypeAlias
 
 from homebot.devices.query import And, CanDo, Facets, FactIs, HasText, InArea, Not, Or, Query, StateIs, TypeIs, fits
-from homebot.devices.query.folding import words_of
+from homebot.devices.query.folding import is_typo, words_of
 from homebot.devices.value import PlainValue
 from homebot.discovery.postings import Postings
 
@@ -23,8 +24,14 @@ _GUESSED = (-1.0, "its type was guessed")
 
 def rank(query: Query, found: Iterable[str], postings: Postings) -> list[Ranked]:
     """Return the devices *found* by *query*, best first, equally good ones by id."""
-    terms = tuple(_terms(query))
-    scored = [(-_score(terms, facets := postings.facets(one)) - _standing(facets), one) for one in found]
+    scorers = [scorer for term in _terms(query) if (scorer := _scorer(term)) is not None]
+    scored = []
+    for one in found:
+        facets = postings.facets(one)
+        score = _standing(facets)
+        for scorer in scorers:
+            score += scorer(facets)
+        scored.append((-score, one))
     return [(-score, one) for score, one in sorted(scored)]
 
 
@@ -54,8 +61,20 @@ def _terms(query: Query) -> Iterator[Query]:
             yield query
 
 
-def _score(terms: tuple[Query, ...], facets: Facets) -> float:
-    return sum(_weigh(term, facets)[0] for term in terms)
+def _scorer(term: Query) -> Callable[[Facets], float] | None:
+    """Return what gives the score of :func:`_weigh` for *term*, fast in the usual case; None where that is always 0."""
+    match term:
+        case TypeIs():
+            return lambda facets: _BEST if facets.main_type in term.types else _weigh_type(term, facets)[0]
+        case CanDo(name, settable):
+            return lambda facets: 1.0 if name in (facets.settable if settable else facets.capabilities) else 0.0
+        case InArea() | HasText() | FactIs():
+            return lambda facets: _weigh(term, facets)[0]
+        case _:
+            return None
+
+
+_BEST = 3.0
 
 
 def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
@@ -76,7 +95,7 @@ def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
 
 def _weigh_type(term: TypeIs, facets: Facets) -> tuple[float, str]:
     if facets.main_type in term.types:
-        return 3.0, f"it is a {_plain(facets.main_type)}"
+        return _BEST, f"it is a {_plain(facets.main_type)}"
     if term.by_word and term.word in facets.words_said:
         return 2.5, f"it calls itself {term.word}"
     for kind in facets.kinds:
@@ -93,14 +112,23 @@ def _weigh_text(word: str, facets: Facets) -> tuple[float, str]:
         return 4.0, f"its name has {word}"
     if word in facets.words:
         return 3.0, f"{word} is said of it"
-    for one in (*name, *sorted(facets.words)):
-        if one.startswith(word):
-            return 2.0, f"{one} begins with {word}"
-    return (1.0, f"something of it is spelt like {word}") if fits(HasText(word), facets) else (0.0, "")
+    begun = [one for one in facets.words if one.startswith(word)]
+    if begun:
+        return 2.0, f"{min(begun)} begins with {word}"
+    if any(_is_near(word, one) for one in facets.words):
+        return 1.0, f"something of it is spelt like {word}"
+    return 0.0, ""
+
+
+_is_near = lru_cache(maxsize=4096)(is_typo)
+"""The words of a house are few, and many devices share them."""
 
 
 def _standing(facets: Facets) -> float:
-    return sum(score for score, _ in _standings(facets))
+    score = _FRESHNESS.get(facets.freshness, _STALE)[0]
+    if facets.reachable == "no":
+        score += _OFFLINE[0]
+    return score + _GUESSED[0] if facets.is_guessed else score
 
 
 def _standings(facets: Facets) -> Iterator[tuple[float, str]]:

@@ -27,6 +27,8 @@ def test_case_accents_and_separators_do_not_count() -> None:
         ("lamp", "limb", False),
         ("bad", "bed", False),
         ("desk", "desks1", False),
+        ("4711", "4712", False),
+        ("lamp1", "lamp2", False),
     ],
 )
 def test_one_typo_is_forgiven(word: str, other: str, *, expected: bool) -> None:

@@ -6,7 +6,7 @@ import re
 import unicodedata
 from functools import lru_cache
 
-__all__ = ["MAX_WORD", "WORD_TYPO", "fold", "is_typo", "words_of"]
+__all__ = ["MAX_WORD", "WORD_TYPO", "fold", "is_typo", "may_be_typo", "words_of"]
 
 MAX_WORD = 40
 """Characters of a word that count."""
@@ -39,12 +39,17 @@ def words_of(text: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(word[:MAX_WORD] for word in _WORD.findall(fold(text))))
 
 
+def may_be_typo(word: str) -> bool:
+    """Whether a typo in *word* would be noticed and forgiven; not in a short word or a number."""
+    return len(word) >= WORD_TYPO and word.isalpha()
+
+
 def is_typo(word: str, other: str) -> bool:
     """Whether one letter more, less, changed or swapped with its neighbour makes *word* out of *other*.
 
-    False for equal words, and for words of less than four letters: a typo there makes another word.
+    False for equal words, and for words of less than four letters or with digits: a typo there makes another word.
     """
-    if word == other or abs(len(word) - len(other)) > 1 or min(len(word), len(other)) < WORD_TYPO:
+    if word == other or abs(len(word) - len(other)) > 1 or not (may_be_typo(word) and may_be_typo(other)):
         return False
     start = 0
     shorter = min(len(word), len(other))

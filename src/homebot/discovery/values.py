@@ -1,0 +1,63 @@
+"""What devices tell of themselves, noted at the announcement through which they told it. Pure."""
+
+from __future__ import annotations
+
+from homebot.devices import State
+from homebot.devices.report import Reading
+from homebot.discovery.claim import Claim, Told
+from homebot.discovery.entry import Entry
+from homebot.messages import Time
+
+__all__ = ["has_part", "reach", "state_of", "tell"]
+
+
+def has_part(claim: Claim, part_id: str) -> bool:
+    """Whether the part was announced."""
+    return any(part.id == part_id for part in claim.sighting.parts)
+
+
+def tell(claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> Told | None:
+    """Note a value of a part; what the broker had kept never overwrites what was told live.
+
+    Returns:
+        What is known now, where the value is a new one; else None.
+    """
+    place = (reading.part, reading.capability)
+    value = reading.value.plain()
+    known = claim.told.get(place)
+    if known is None:
+        known = claim.told[place] = Told(value, stamp, stamp, live)
+        return known
+    if known.live and not live:
+        return None
+    is_same = known.value == value and type(known.value) is type(value)
+    known.told_at, known.live = stamp, live
+    if is_same:
+        return None
+    known.value, known.since = value, stamp
+    return known
+
+
+def reach(entry: Entry, claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> str:
+    """Note whether a device can be reached; return why that is different now, empty where it is not."""
+    value = reading.value.plain()
+    answer = value if isinstance(value, bool) else None
+    claim.reachable_live = live
+    if answer is claim.reachable and claim.reachable_since is not None:
+        return ""
+    before = entry.reachability().state
+    claim.reachable, claim.reachable_since = answer, stamp
+    after = entry.reachability()
+    return after.why if after.state != before else ""
+
+
+def state_of(part_id: str, reading: Reading, told: Told) -> State:
+    """Return the message that tells a value."""
+    return State(
+        part=part_id,
+        capability=reading.capability,
+        value=reading.value,
+        since=told.since,
+        told_at=told.told_at,
+        live=told.live,
+    )
