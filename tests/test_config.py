@@ -72,3 +72,12 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
     (tmp_path / "binary").write_bytes(b"\xff\xfe")
     with pytest.raises(ConfigError, match="not UTF-8"):
         load_config(tmp_path / "binary")
+
+
+@pytest.mark.parametrize("text", ["home = " + "[" * 100_000, "[home" + ".x" * 5000 + "]"])
+def test_a_file_that_is_nested_too_deep_is_told_so(tmp_path: Path, text: str) -> None:
+    """Whoever notices first."""
+    file = tmp_path / "homebot.toml"
+    file.write_text(text)
+    with pytest.raises(ConfigError, match="nested too deep"):
+        load_config(file)

@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
-from pydantic_core import to_json
+from pydantic_core import PydanticSerializationError, to_json
 
 from homebot.errors import ConfigError, InvalidNameError, UsageError
 from homebot.names import validate_node_name
@@ -87,6 +87,8 @@ def load_config(path: Path) -> Config:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as exc:
         raise ConfigError(source, "", f"is no TOML: {exc}") from exc
+    except RecursionError as exc:
+        raise ConfigError(source, "", "is nested too deep") from exc
     if "source" in tables:
         raise ConfigError(source, "source", "is unknown; known are home, gateways, apps, door and discovery")
     return parse_config(tables, source)
@@ -131,6 +133,8 @@ def parse_settings(model: type[ModelT], table: Mapping[str, object], source: str
         shown = "" if is_secret or first["type"] in _TELL_ALL else f", got {first.get('input')!r}"
         # The cause is left out: it would show the value of a secret.
         raise ConfigError(source, path, f"{reason}{shown}") from None
+    except PydanticSerializationError:
+        raise ConfigError(source, key, "is nested too deep") from None
 
 
 def read_secret(path: Path) -> str:

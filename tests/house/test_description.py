@@ -139,6 +139,17 @@ def test_what_is_wrong_is_told_with_file_key_and_reason(tmp_path: Path, text: st
     assert reason in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    "text", ["house = " + "[" * 5000, "[house" + ".x" * 5000 + "]", "rooms.hall.x = " + "{x=" * 5000]
+)
+def test_a_file_that_is_nested_too_deep_is_told_so(tmp_path: Path, text: str) -> None:
+    """Whoever notices first."""
+    file = tmp_path / "house.toml"
+    file.write_text(text)
+    with pytest.raises(ConfigError, match=r"nested too deep|is no TOML"):
+        load_world(file)
+
+
 def test_a_file_that_cannot_be_read_is_told_so(tmp_path: Path) -> None:
     """Missing, or no text."""
     with pytest.raises(ConfigError, match="cannot be read"):

@@ -206,7 +206,7 @@ async def test_it(homebot, mqtt_broker):
 
 
 MISTAKES = {
-    "@pytest.mark.house(wrold=1)": "@pytest.mark.house, wrold is unknown; known are heartbeat, root, seed, *",
+    "@pytest.mark.house(wrold=1)": "@pytest.mark.house, wrold is unknown; known are allow_crashes, heartbeat, root, seed, *",
     "@pytest.mark.house(world='no.toml')": "@pytest.mark.house, world: *no.toml: cannot be read: No such file or dire*",
     "@pytest.mark.house(world=5)": "@pytest.mark.house, world: 5 is no house: give a TOML file, a World, or a *",
     "@pytest.mark.house(start='noon')": "@pytest.mark.house, start: 'noon' is no point in time; *",
@@ -214,7 +214,7 @@ MISTAKES = {
     "@pytest.mark.house(seed='x')": "@pytest.mark.house, seed: 'x' is no whole number",
     "@pytest.mark.house(5)": "@pytest.mark.house, app 1: 5 is no app: *",
     "@pytest.mark.house('no_such')": "*no_such*is not installed*",
-    "@pytest.mark.homebot(world=1)": "@pytest.mark.homebot, world is unknown; known are config, root",
+    "@pytest.mark.homebot(world=1)": "@pytest.mark.homebot, world is unknown; known are allow_crashes, config, root",
     "@pytest.mark.homebot(config=5)": "@pytest.mark.homebot, config: 5 is no configuration: *",
     "@pytest.mark.homebot(config={'x': 1})": "@pytest.mark.homebot, config: tables: x: is unknown; *",
 }
@@ -315,6 +315,31 @@ async def test_it(house):
             "2026-01-01 00:00:00.000 mqtt home425/lights/desk/out on",
         ]
     )
+
+
+def test_an_app_that_crashed_fails_its_test_unless_that_is_meant(pytester: pytest.Pytester) -> None:
+    """It was started again, so that the test itself may see nothing of it."""
+    pytester.makepyfile(
+        START
+        + """
+from homebot.apps import App
+
+class Broken(App):
+    async def run(self): raise RuntimeError("broken")
+
+@pytest.mark.house(Broken, world=World.of)
+async def test_it(house):
+    await house.run_for("1m")
+
+@pytest.mark.house(Broken, world=World.of, allow_crashes=True)
+async def test_that_it_crashes(house):
+    await house.run_for("1m")
+    assert house.crashed == ("app_1",)
+"""
+    )
+    result = run(pytester)
+    result.assert_outcomes(passed=2, errors=1)
+    result.stdout.fnmatch_lines(["app_1 crashed; where that is meant, @pytest.mark.house(allow_crashes=True)"])
 
 
 def test_a_house_of_ones_own_is_left_alone(pytester: pytest.Pytester) -> None:

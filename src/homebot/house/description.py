@@ -72,6 +72,8 @@ def load_world(path: Path, *, seed: int | None = None) -> World:
         raise ConfigError(source, "", "cannot be read: it is not UTF-8 text") from exc
     except tomllib.TOMLDecodeError as exc:
         raise ConfigError(source, "", f"is no TOML: {exc}") from exc
+    except RecursionError as exc:
+        raise ConfigError(source, "", "is nested too deep") from exc
     return parse_world(tables, source, seed=seed)
 
 

@@ -20,6 +20,8 @@ __all__ = ["anyio_loop", "homebot", "homebot_config", "house", "own_loop", "virt
 
 _HOUSES = pytest.StashKey["list[tuple[str, TestHouse]]"]()
 
+_FAILED = pytest.StashKey[bool]()
+
 _OF_REAL_TIME = {"homebot_config": "homebot", loops.BROKERS: "mqtt_broker"}
 """What only our fixtures use, and their names, which others may use too."""
 
@@ -64,12 +66,13 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers",
         "house(*apps, world=…, root='home425', start='2026-01-01 00:00', seed=0, heartbeat=300): what is in the "
-        "fixture `house`: apps, and a simulated world (a TOML file, a World, or a function that returns one)",
+        "fixture `house`: apps, and a simulated world (a TOML file, a World, or a function that returns one); "
+        "allow_crashes=True for a test in which an app crashes",
     )
     config.addinivalue_line(
         "markers",
         "homebot(*apps, config=…, root='home425'): what runs in the fixture `homebot`: apps, and a configuration "
-        "(tables or a TOML file)",
+        "(tables or a TOML file); allow_crashes=True for a test in which an app crashes",
     )
     if config.pluginmanager.has_plugin(loops.PYTEST_ASYNCIO):
         config.pluginmanager.import_plugin("homebot.testing.pytest_asyncio_loops")
@@ -111,6 +114,8 @@ def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Show what happened in the houses of a test that failed."""
     report = yield
+    if report.failed and report.when == "call":
+        item.stash[_FAILED] = True
     houses = item.stash.get(_HOUSES, [])
     if report.failed and houses:
         from homebot.testing.house_report import house_report  # noqa: PLC0415 - only for those who use it
@@ -133,7 +138,17 @@ def _shown(
     with _explained(), held(loop, _with_log(made)) as house:
         houses.append((name, house))
         yield house
+        _check_crashes(request.node, name, house)
     houses.clear()
+
+
+def _check_crashes(test: pytest.Item, name: str, house: TestHouse) -> None:
+    """An app that crashed was started again, and the test might not notice; one that failed says it anyway."""
+    from homebot.testing.house_marks import allows_crashes  # noqa: PLC0415 - only for those who use it
+
+    if house.crashed and not allows_crashes(test, name) and not test.stash.get(_FAILED, False):
+        parts = ", ".join(house.crashed)
+        pytest.fail(f"{parts} crashed; where that is meant, @pytest.mark.{name}(allow_crashes=True)", pytrace=False)
 
 
 @asynccontextmanager

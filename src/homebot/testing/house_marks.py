@@ -19,10 +19,11 @@ from homebot.testing.moment import as_moment
 from homebot.testing.virtual_house import VirtualHouse, virtual_house_of
 from homebot.units import parse_duration
 
-__all__ = ["config_of", "homebot_of", "house_by_mark"]
+__all__ = ["allows_crashes", "config_of", "homebot_of", "house_by_mark"]
 
-HOUSE: Final = frozenset({"world", "root", "start", "seed", "heartbeat"})
-HOMEBOT: Final = frozenset({"config", "root"})
+ALLOW_CRASHES: Final = "allow_crashes"
+HOUSE: Final = frozenset({"world", "root", "start", "seed", "heartbeat", ALLOW_CRASHES})
+HOMEBOT: Final = frozenset({"config", "root", ALLOW_CRASHES})
 
 ValueT = TypeVar("ValueT")
 
@@ -52,6 +53,11 @@ def homebot_of(test: pytest.Item, config: object) -> AbstractAsyncContextManager
     return house_of(*apps, **(said | {"config": given}))
 
 
+def allows_crashes(test: pytest.Item, name: str) -> bool:
+    """Return whether the marks *name* of *test* let its apps crash."""
+    return _said(test, name).get(ALLOW_CRASHES) is True
+
+
 def config_of(test: pytest.Item) -> object:
     """Return what the marks of *test* say as ``config``."""
     return _said(test, "homebot").get("config", {})
@@ -65,7 +71,8 @@ def _read(test: pytest.Item, name: str, known: frozenset[str]) -> tuple[list[str
         raise UsageError(f"{_where(name, unknown[0])} is unknown; known are {', '.join(sorted(known))}")
     named = next((mark.args for mark in test.iter_markers(name) if mark.args), ())
     apps = [_checked(name, f"app {number}", app, _app) for number, app in enumerate(named, 1)]
-    return apps, {key: _checked(name, key, value, _CHECKS.get(key, _same)) for key, value in said.items()}
+    checked = {key: _checked(name, key, value, _CHECKS.get(key, _same)) for key, value in said.items()}
+    return apps, {key: value for key, value in checked.items() if key != ALLOW_CRASHES}
 
 
 def _said(test: pytest.Item, name: str) -> dict[str, Any]:
@@ -102,6 +109,12 @@ def _text(value: object) -> str:
     raise UsageError(f"{value!r} is no text")
 
 
+def _yes_or_no(value: object) -> bool:
+    if isinstance(value, bool):
+        return value
+    raise UsageError(f"{value!r} is neither True nor False")
+
+
 def _seed(value: object) -> int:
     if isinstance(value, int):
         return value
@@ -120,6 +133,7 @@ _CHECKS: Final[Mapping[str, Callable[[Any], object]]] = {
     "seed": _seed,
     "start": as_moment,
     "heartbeat": _heartbeat,
+    ALLOW_CRASHES: _yes_or_no,
 }
 
 
