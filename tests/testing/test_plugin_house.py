@@ -206,7 +206,7 @@ async def test_it(homebot, mqtt_broker):
 
 
 MISTAKES = {
-    "@pytest.mark.house(wrold=1)": "@pytest.mark.house, wrold is unknown; known are allow_crashes, heartbeat, root, seed, *",
+    "@pytest.mark.house(wrold=1)": "@pytest.mark.house, wrold is unknown; known are allow_crashes, heartbeat, root, *",
     "@pytest.mark.house(world='no.toml')": "@pytest.mark.house, world: *no.toml: cannot be read: No such file or dire*",
     "@pytest.mark.house(world=5)": "@pytest.mark.house, world: 5 is no house: give a TOML file, a World, or a *",
     "@pytest.mark.house(start='noon')": "@pytest.mark.house, start: 'noon' is no point in time; *",
