@@ -56,7 +56,7 @@ def described(key: str, *filters: tuple[str, ...], online: tuple[str, ...] = ())
 
 
 def empty(bounds: Bounds = Bounds()) -> tuple[Claims, StateTopics]:  # noqa: B008 - a frozen value
-    topics = StateTopics(FilterTree())
+    topics = StateTopics(())
     return Claims("mqtt", (), topics, FilterTree(), bounds), topics
 
 

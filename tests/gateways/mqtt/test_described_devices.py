@@ -323,6 +323,19 @@ async def test_a_state_topic_that_an_announcement_filter_covers_is_heard_once(ma
         assert house.told() == [(LAMP, {"lamp.on_off": False}, False)]
 
 
+async def test_a_device_that_speaks_where_others_announce_leaves_that_subscription_when_it_goes(
+    make_house: MakeHouse,
+) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", state="hello/+")
+        await house.announce("lamp2", state="hello/lamp1")
+        await house.say("hello/lamp2", "bye")
+        await house.say("hello/lamp1", "bye")
+        house.sighted()
+        await house.announce("lamp3")
+        assert [one.key for one in house.sighted()] == ["simple:lamp3"]
+
+
 async def test_after_a_new_link_everything_is_heard_again(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.announce("lamp1")

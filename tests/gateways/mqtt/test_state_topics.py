@@ -3,15 +3,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.filter_tree import FilterTree
 from homebot.gateways.mqtt.state_topics import StateTopics
 
 
-def topics(*covering: str, most: int = 100) -> StateTopics:
-    tree: FilterTree[str] = FilterTree()
-    for one in covering:
-        tree.add(one, one)
-    return StateTopics(tree, most)
+def topics(*announcements: str, others: tuple[str, ...] = (), most: int = 100) -> StateTopics:
+    return StateTopics(announcements, others, most)
 
 
 @given(st.lists(st.tuples(st.booleans(), st.sampled_from("abc"), st.booleans())))
@@ -47,6 +43,24 @@ def test_a_plain_topic_is_covered_by_what_comes_anyway_and_a_filter_never() -> N
     assert wanted.is_covered("home/a")
     assert not wanted.is_covered("home/a/b")
     assert not wanted.is_covered("home/+")
+
+
+def test_the_filter_of_an_announcement_is_asked_for_again_and_never_given_up() -> None:
+    """Zigbee2MQTT announces on a topic that entities of its bridge name as their state."""
+    for name in ("bridge/info", "shelly/+/relay/+"):
+        wanted = topics(name)
+        wanted.use(name)
+        assert wanted.take_wanted(10) == (name,)
+        assert not wanted.is_covered(name)
+        wanted.leave(name)
+        assert wanted.take_unwanted(10) == ()
+
+
+def test_a_filter_of_a_higher_qos_is_never_touched() -> None:
+    wanted = topics(others=("home",))
+    wanted.use("home")
+    wanted.leave("home")
+    assert wanted.take_wanted(10) == wanted.take_unwanted(10) == ()
 
 
 def test_one_topic_too_many_is_refused_and_a_known_one_is_not() -> None:

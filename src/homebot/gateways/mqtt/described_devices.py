@@ -73,7 +73,7 @@ class DescribedDevices:
         self._board = Board(gateway, stale_after)
         self._timekeeper = Timekeeper(gateway.node.graph.clock)
         self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters)
-        self._topics = StateTopics(_tree((*self.filters(), *other_filters)))
+        self._topics = StateTopics(self.filters(), other_filters)
         self._claims = Claims(gateway.node.name, conventions, self._topics, _tree(other_filters))
         self._last_words = LastWords()
         self._missed: list[tuple[str, Voice | Witness]] = []

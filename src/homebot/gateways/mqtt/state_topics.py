@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import islice
 
 from homebot.errors import InvalidNameError, WireError
@@ -18,12 +19,17 @@ class StateTopics:
     """Counts who needs which filter; 100,000 filters at most.
 
     Args:
-        covering: The filters that are subscribed to in any case.
+        announcements: Filters that are subscribed to in any case, at QoS 0.
+        others: Filters that are, at a higher one.
         max_topics: How many filters may be in use.
     """
 
-    def __init__(self, covering: FilterTree[str], max_topics: int = MAX_TOPICS) -> None:
-        self._covering = covering
+    def __init__(self, announcements: Iterable[str], others: Iterable[str] = (), max_topics: int = MAX_TOPICS) -> None:
+        self._announcements = frozenset(announcements)
+        self._others = frozenset(others)
+        self._covering: FilterTree[str] = FilterTree()
+        for one in (*self._announcements, *self._others):
+            self._covering.add(one, one)
         self._max_topics = max_topics
         self._users: dict[str, int] = {}
         self._wanted: dict[str, None] = {}
@@ -40,7 +46,7 @@ class StateTopics:
             self._check(topic_filter)
             if topic_filter in self._unwanted:
                 del self._unwanted[topic_filter]
-            else:
+            elif topic_filter not in self._others:
                 self._wanted[topic_filter] = None
         self._users[topic_filter] = (users or 0) + 1
 
@@ -55,15 +61,19 @@ class StateTopics:
         del self._users[topic_filter]
         if topic_filter in self._wanted:
             del self._wanted[topic_filter]
-        else:
+        elif topic_filter not in self._announcements and topic_filter not in self._others:
             self._unwanted[topic_filter] = None
 
     def is_covered(self, topic_filter: str) -> bool:
-        """Whether what it matches comes anyway; a subscription is then good for the kept message alone."""
-        return not has_wildcard(topic_filter) and bool(self._covering.match(topic_filter))
+        """Whether what it matches comes by another filter; a subscription is then good for the kept message alone."""
+        is_own = topic_filter in self._announcements or has_wildcard(topic_filter)
+        return not is_own and bool(self._covering.match(topic_filter))
 
     def take_wanted(self, at_most: int) -> tuple[str, ...]:
-        """Return filters to subscribe to, in the order of their coming; they count as subscribed to from now on."""
+        """Return filters to subscribe to, in the order of their coming; they count as subscribed to from now on.
+
+        One of an announcement is among them, for the kept message, but never among those to unsubscribe from.
+        """
         return _take(self._wanted, at_most)
 
     def take_unwanted(self, at_most: int) -> tuple[str, ...]:

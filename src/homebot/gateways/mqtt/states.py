@@ -63,7 +63,7 @@ class States:
             if number % _TURN == 0:
                 await anyio.lowlevel.checkpoint()
             reachability = witness.claim.reachability
-            if reachability is None:
+            if reachability is None or self._claims.get(witness.claim.key) is not witness.claim:
                 continue
             source = reachability.availability.sources[witness.index]
             if id(source) not in read:
@@ -114,8 +114,8 @@ class States:
             return None
 
     def _report(self, claim: Claim | None, readings: list[Reading], message: MqttMessage) -> None:
-        if claim is None:
-            return
+        if claim is None or self._claims.get(claim.key) is not claim:
+            return  # it went while others had their turn
         self._counters.reports += 1
         self._board.report(claim, tuple(readings), message.topic, claim.stream(message.topic), retained=message.retain)
         if message.retain:
