@@ -6,6 +6,7 @@ from pydantic import BaseModel, field_validator
 
 from homebot.cli.door_client import DoorClient
 from homebot.cli.similar import similar_to
+from homebot.cli.table import printable
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Device
 from homebot.devices.query import quoted
 from homebot.devices.query.folding import fold
@@ -51,9 +52,15 @@ async def named_device(door: DoorClient, name: str) -> Device:
     if len(named) == 1:
         return named[0]
     if named:
-        raise PeerError(f"{len(named)} devices are called {name}: {', '.join(one.id for one in named[:10])}; say which")
+        raise PeerError(
+            f"{len(named)} devices are called {name}: {', '.join(printable(one.id) for one in named[:10])}; say which"
+        )
     similar = similar_to(name, [text for one in devices for text in (one.id, one.name)])
-    hint = f"did you mean {' or '.join(similar)}?" if similar else "`homebot devices` shows what there is"
+    hint = (
+        f"did you mean {' or '.join(printable(one) for one in similar)}?"
+        if similar
+        else "`homebot devices` shows what there is"
+    )
     raise PeerError(f"there is no device {name}; {hint}")
 
 

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-__all__ = ["to_lines", "to_table", "without_empty"]
+__all__ = ["printable", "to_lines", "to_table", "without_empty"]
 
 _WIDEST = 48
 _WIDEST_ALONE = 200
+
+
+def printable(text: str, widest: int = _WIDEST_ALONE) -> str:
+    """Return *text* with control characters as escapes, cut to *widest* characters."""
+    signs = text[: widest + 1]
+    shown = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in signs)
+    return shown if len(shown) <= widest else f"{shown[: widest - 1]}…"
 
 
 def to_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -15,7 +22,7 @@ def to_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
     Control characters are shown as escapes; a cell of more than 48 characters is cut.
     """
-    shown = [[_printable(cell, _WIDEST) for cell in row] for row in (head, *rows)]
+    shown = [[printable(cell, _WIDEST) for cell in row] for row in (head, *rows)]
     widths = [max(len(row[column]) for row in shown) for column in range(len(head))]
     return "\n".join(_line(row, widths) for row in shown)
 
@@ -34,7 +41,7 @@ def to_lines(rows: Sequence[Sequence[str]]) -> list[str]:
     The last cell of a row makes no column wider. Control characters are shown as escapes; a cell of more than 200
     characters is cut.
     """
-    shown = [[_printable(cell, _WIDEST_ALONE) for cell in row] for row in rows]
+    shown = [[printable(cell, _WIDEST_ALONE) for cell in row] for row in rows]
     longest = max((len(row) for row in shown), default=0)
     widths = [max((len(row[column]) for row in shown if column < len(row) - 1), default=0) for column in range(longest)]
     return [_line(row, widths[: len(row)]) for row in shown]
@@ -42,9 +49,3 @@ def to_lines(rows: Sequence[Sequence[str]]) -> list[str]:
 
 def _line(row: Sequence[str], widths: Sequence[int]) -> str:
     return "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-
-
-def _printable(text: str, widest: int) -> str:
-    signs = text[: widest + 1]
-    shown = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in signs)
-    return shown if len(shown) <= widest else f"{shown[: widest - 1]}…"

@@ -20,7 +20,7 @@ def thing_text(device: Device, broker: str) -> str:
     """Return the Thing Description of *device*, whose gateways use the broker at that address."""
     gateways = {one.gateway for one in device.endpoints}
     gateways |= {route.gateway for part in device.parts for route in part.routes}
-    return json.dumps(to_thing(device, dict.fromkeys(gateways, broker)), indent=2, ensure_ascii=False)
+    return json.dumps(to_thing(device, dict.fromkeys(gateways, broker)), indent=2)
 
 
 def write_things(devices: Iterable[Device], directory: str, broker: str) -> list[Path]:

@@ -195,6 +195,15 @@ def test_topics_are_named_by_what_is_left_of_an_id() -> None:
         topic_level("///")
 
 
+def test_no_command_hands_control_characters_on(still_homebot: Homebot, capsys: Text) -> None:
+    """A device may be called what a terminal obeys."""
+    for arguments in (["show", "windows/bath"], ["show", "bth"], ["devices"], ["show", "--td", "windows/bath"]):
+        main(["--door", still_homebot.door, *arguments])
+        printed = "".join(capsys.readouterr())
+        assert printed
+        assert "\x1b" not in printed
+
+
 def test_purge_does_nothing_by_halves(still: StillHouse, homebot_with: object, capsys: Text) -> None:
     """A gateway that only observes deletes nothing, so nothing is forgotten either."""
     assert callable(homebot_with)

@@ -95,6 +95,7 @@ class House:
         devices: What the app uses.
         node: The app's node.
         told: What the gateways were told: gateway, part, capability, value, transition.
+        failing: Gateways whose service raises.
         answers: What a gateway answers instead of yes.
     """
 
@@ -107,6 +108,7 @@ class House:
         self.devices = Devices(node)
         self.told: list[tuple[str, str, str, PlainValue, float]] = []
         self._raw: list[Subscription[RawCommand]] = []
+        self.failing: set[str] = set()
         self.answers: dict[str, SendCommandResponse] = {}
         self._gateways: list[Node] = []
         self._directory = directory
@@ -130,6 +132,8 @@ class House:
         self._gateways.append(node)
 
         def send(command: Command) -> SendCommandResponse:
+            if name in self.failing:
+                raise ValueError("the test says so")
             if name in self.answers:
                 return self.answers[name]
             self.told.append((name, command.part, command.capability, command.value.plain(), command.transition))

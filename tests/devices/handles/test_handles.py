@@ -406,3 +406,16 @@ async def test_without_a_directory_nothing_is_found_and_said(house: House) -> No
     house.end_directory()
     with pytest.raises(ServiceUnavailableError):
         await house.devices.find(Light)
+
+
+async def test_a_gateway_that_fails_is_a_link_that_is_not_there(house: House) -> None:
+    """Whatever its fault is, the next way is tried; whether it acted is unknown, so commands are absolute."""
+    house.has(house.device("a", house.part("plug", "on_off", gateways=["native", "other"])))
+    house.gateway("native")
+    house.failing.add("native")
+    (plug,) = await house.devices.find(Plug)
+    with pytest.raises(LinkError, match=r"a was not told on_off: service /gateway/native/send_command failed: "):
+        await plug.turn_on()
+    house.gateway("other")
+    await plug.turn_on()
+    assert [one[0] for one in house.told] == ["other"]

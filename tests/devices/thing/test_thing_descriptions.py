@@ -259,6 +259,7 @@ def test_semantic_types_come_first_then_names_then_types_of_values() -> None:
         (["iot:Lock"], {"locked": "string"}, {"": ("door_lock", ["lock"])}),
         (["WindowCovering"], {"position": "integer"}, {"": ("window_covering", ["position"])}),
         ([], {"temperature": "number", "humidity": "number"}, None),
+        ([], {"sht/temperature": "number"}, {"sht/temperature": ("temperature_sensor", ["temperature"])}),
         ([], {"colour": "string", "brightness": "number", "on": "boolean"}, None),
     ],
 )
@@ -282,6 +283,31 @@ def test_a_thing_is_what_its_types_or_else_its_properties_say(
         name: {"type": kind, "forms": [{"href": f"mqtt://b/{name}"}]} for name, kind in properties.items()
     }
     assert of(parts_of(read_thing(thing))) == expected
+
+
+@pytest.mark.parametrize(
+    ("form", "expected"),
+    [
+        ({"href": "mqtt://b", "mqv:topic": "t"}, ("t", "t", 0, False)),
+        ({"href": "mqtt://b", "mqv:topic": "t", "mqv:controlPacket": "mqv:subscribe"}, ("t", "", 0, False)),
+        ({"href": "mqtt://b", "mqv:topic": "t", "mqv:controlPacket": "publish"}, ("", "t", 0, False)),
+        ({"href": "mqtt://b:1884", "mqv:filter": ["f", "g"], "mqv:qos": "quality:2"}, ("f", "", 2, False)),
+        ({"href": "mqtts://b/a%20b/c", "mqv:retain": "true", "mqv:qos": 1}, ("a b/c", "a b/c", 1, True)),
+        (
+            {"href": "mqtts://b/a", "mqv:filter": "f", "op": "observeproperty", "mqv:retain": "false"},
+            ("f", "", 0, False),
+        ),
+        ({"href": "mqtt://b"}, ("", "", 0, False)),
+        ({"href": "/a", "op": "writeproperty"}, ("", "a", 0, False)),
+    ],
+)
+def test_topics_are_where_descriptions_in_the_wild_have_them(
+    form: dict[str, Any], expected: tuple[str, str, int, bool]
+) -> None:
+    """In the terms of this draft of the binding, of older ones, or in the path of the address."""
+    (on, *_) = read_thing(changed("properties/on/forms", [form])).affordances
+    (found,) = on.forms
+    assert (found.filter, found.topic, found.qos, found.retain) == expected
 
 
 def test_two_of_one_kind_are_two_parts() -> None:

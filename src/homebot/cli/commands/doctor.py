@@ -10,7 +10,7 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import all_devices, house_time
 from homebot.cli.moments import ago
 from homebot.cli.outbox import gateway_state
-from homebot.cli.table import to_lines
+from homebot.cli.table import printable, to_lines
 from homebot.cli.through_door import through_door
 from homebot.devices import Device, GatewayState
 from homebot.devices.quarantine import Count, GetHealth, HealthResponse, Quarantine
@@ -28,6 +28,7 @@ _FAULTS = (
     "ignored",
     "quarantines",
     "damaged",
+    "cut",
     "lost",
 )
 """How the names of counts begin or end that should be 0."""
@@ -71,7 +72,7 @@ def _tell_gateway(name: str, state: GatewayState | None) -> bool:
         print(f"gateway {name} does not say how it is")
         return False
     acts = "acts" if state.acts else "only observes"
-    print(f"gateway {name} is {state.state} and {acts}{f': {state.reason}' if state.reason else ''}")
+    print(f"gateway {name} is {state.state} and {acts}{f': {printable(state.reason)}' if state.reason else ''}")
     return state.state == "active"
 
 

@@ -7,6 +7,7 @@ import argparse
 from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import named_device
 from homebot.cli.outbox import Outbox
+from homebot.cli.table import printable
 from homebot.cli.through_door import through_door
 from homebot.devices.names import FORGET_DEVICE
 from homebot.devices.services import ForgetDeviceResponse
@@ -28,13 +29,13 @@ def forget(options: argparse.Namespace) -> int:
         answer = message_from_json(ForgetDeviceResponse, await door.call(FORGET_DEVICE, {"device": device.id}))
         if not answer.success:
             raise PeerError(answer.message)
-        print(f"forgot {device.id}")
+        print(f"forgot {printable(device.id)}")
         for one in answer.announced_on:
             if options.purge:
                 await outbox.publish(one.gateway, one.topic, "", retain=True)
-                print(f"deleted what the broker kept on {one.topic}")
+                print(f"deleted what the broker kept on {printable(one.topic)}")
             else:
-                print(f"it was announced on {one.topic}; --purge deletes what the broker keeps there")
+                print(f"it was announced on {printable(one.topic)}; --purge deletes what the broker keeps there")
         return 0
 
     return through_door(options, run)

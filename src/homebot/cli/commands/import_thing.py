@@ -12,6 +12,7 @@ import anyio
 from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import all_devices
 from homebot.cli.outbox import Outbox
+from homebot.cli.table import printable
 from homebot.cli.through_door import through_door
 from homebot.devices import DEVICE_CHANGES, Device, DeviceChange
 from homebot.devices.thing import Thing, read_thing
@@ -35,7 +36,7 @@ def import_thing(options: argparse.Namespace) -> int:
         await outbox.publish(options.gateway, topic, text, retain=True)
         with anyio.move_on_after(options.timeout):
             device = await _appeared(door, options.gateway, f"thing:{name}")
-            print(f"imported {device.id}, announced on {topic}")
+            print(f"imported {printable(device.id)}, announced on {topic}")
             return 0
         print(
             f"published on {topic}, but no device appeared within {options.timeout:g} s; "

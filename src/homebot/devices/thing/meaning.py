@@ -92,7 +92,7 @@ def _meaning(one: Affordance, main: str) -> _One:
         capability = _in_context(_BY_TYPE.get(name, ""), main)
         if capability and _suits(capability, one.schema):
             return _One(one, capability, guessed=False)
-    spelt = _WORD.sub("_", one.name).strip("_").lower()
+    spelt = _WORD.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
     capability = _in_context(NAMES.get(spelt, spelt), main)
     if capability in CAPABILITIES and _suits(capability, one.schema):
         return _One(one, capability, guessed=True)

@@ -133,18 +133,26 @@ def _form(form: Fields, ops: tuple[str, ...], base: str) -> Form:
         raise form.problem("href", f"{href[:60]!a} is no address") from None
     is_mqtt = scheme in {"mqtt", "mqtts"}
     in_path = unquote(path).removeprefix("/") if is_mqtt else ""
-    filters = form.texts("mqv:filter")
-    topic = form.text("mqv:topic") or (in_path if _TELLS & set(ops) else "")
-    heard = (filters[0] if filters else "") or (form.text("mqv:topic") or in_path if _HEARS & set(ops) else "")
+    packet = form.text("mqv:controlPacket").rpartition(":")[2]
+    filters, named = form.texts("mqv:filter"), form.text("mqv:topic") or in_path
+    topic = named if _TELLS & set(ops) and packet != "subscribe" else ""
+    heard = filters[0] if filters else named
+    heard = heard if _HEARS & set(ops) and packet != "publish" else ""
     return Form(
         ops=ops,
         scheme=scheme.lower(),
         topic=topic,
         filter=heard,
         qos=_qos(form),
-        retain=form.flag("mqv:retain"),
+        retain=_retain(form),
         content_type=form.text("contentType") or "application/json",
     )
+
+
+def _retain(form: Fields) -> bool:
+    """A boolean, or its word, as some write it."""
+    value = form.plain("mqv:retain")
+    return value == "true" if isinstance(value, str) and value in {"true", "false"} else form.flag("mqv:retain")
 
 
 def _qos(form: Fields) -> int:

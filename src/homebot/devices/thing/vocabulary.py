@@ -172,6 +172,7 @@ UNITS: Mapping[str, str] = MappingProxyType(
         "celsius": "°C",
         "degree celsius": "°C",
         "degree_celsius": "°C",
+        "cel": "°C",
         "c": "°C",
         "fahrenheit": "°F",
         "degree fahrenheit": "°F",
