@@ -26,6 +26,7 @@ from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
 from homebot.gateways.mqtt.board import REFRESH
 from homebot.gateways.mqtt.channels import Channel, Channels
+from homebot.gateways.mqtt.claims import Route
 from homebot.gateways.mqtt.convention import Announcement
 from homebot.gateways.mqtt.conventions import find_conventions
 from homebot.gateways.mqtt.counters import GatewayCounters
@@ -186,19 +187,12 @@ class MqttGateway(Gateway):
             if work >= _TURN:
                 work = 0
                 await anyio.lowlevel.checkpoint()
-            route = self._described.route(message.topic)
-            if len(message.payload) > self._settings.max_payload and (route is None or not route.conventions):
-                self.counters.oversize += 1
-                self._warn(OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", topic=message.topic)
+            route, channel = self._described.route(message.topic), self._channels.get(message.topic)
+            if len(message.payload) > self._settings.max_payload and self._is_oversize(message, route):
                 continue
-            channel = self._channels.get(message.topic)
-            if channel is None and (route is None or route.is_shared):
-                if self._described.offers.take(message):
-                    continue
-                channel = self._open(message)
-            if route is not None:
-                work += _ANNOUNCEMENT * len(route.conventions) + len(route.voices)
-                await self._described.hear(message, route, raw=channel is None)
+            if route is not None or channel is None:
+                work += 0 if route is None else _ANNOUNCEMENT * len(route.conventions) + len(route.voices)
+                channel = await self._hear(message, route, channel)
             if channel is None:
                 continue
             if not message.payload:
@@ -219,6 +213,24 @@ class MqttGateway(Gateway):
             channel.keep(raw)
             for listener in tuple(channel.listeners):  # one may come or go while another is waited for
                 await self._listeners.deliver(listener, raw, patient=message.qos > 0)
+
+    async def _hear(self, message: MqttMessage, route: Route | None, channel: Channel | None) -> Channel | None:
+        """Let all hear *message* that understand more than topics; return its channel, which may be new."""
+        if channel is None and (route is None or route.is_shared):
+            if self._described.offers.take(message):
+                return None
+            channel = self._open(message)
+        if route is not None:
+            await self._described.hear(message, route, raw=channel is None)
+        return channel
+
+    def _is_oversize(self, message: MqttMessage, route: Route | None) -> bool:
+        """Only announcements may be larger than other messages."""
+        if route is not None and route.conventions:
+            return False
+        self.counters.oversize += 1
+        self._warn(OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", topic=message.topic)
+        return True
 
     def _open(self, message: MqttMessage) -> Channel | None:
         try:
