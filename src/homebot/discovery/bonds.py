@@ -88,7 +88,12 @@ class Bonds:
         self._links: dict[str, bool] = {}
 
     def put(self, key: ClaimKey, sighting: Sighting) -> frozenset[ClaimKey]:
-        """Note who *key* says the device is; return all announcements whose bonds may be others now, with *key*."""
+        """Note who *key* says the device is.
+
+        Returns:
+            Of each device whose bonds may be others now at least one announcement; all of those that *key* may bind
+            together, where nobody spoke in this way before. Empty where nothing is new.
+        """
         voice = self._voice(key, sighting)
         before = self._voices.get(key)
         if before is voice:
@@ -98,7 +103,7 @@ class Bonds:
         claims = self._claims.get(voice)
         if claims is not None:
             claims[key] = None
-            return affected | claims.keys()
+            return affected | {key}
         self._claims[voice] = {key: None}
         changed: set[str] = set()
         for identifier in voice.identifiers:
@@ -109,6 +114,11 @@ class Bonds:
         if not changed:
             return affected | {key}
         return affected | self._affected(voice, changed)
+
+    def sibling(self, key: ClaimKey) -> ClaimKey | None:
+        """Return an older announcement that says the same of who the device is; None where there is none."""
+        first = next(iter(self._claims[self._voices[key]]))
+        return None if first == key else first
 
     def discard(self, key: ClaimKey) -> frozenset[ClaimKey]:
         """Forget *key*; return the announcements whose bonds may be others now."""

@@ -41,6 +41,21 @@ class Disputes:
                 concerned |= users.keys()
         return concerned - {device}
 
+    def add(self, device: str, addresses: Iterable[Address], bridge: str) -> frozenset[str]:
+        """As :meth:`put`, for further addresses."""
+        known = self._addresses.get(device, ())
+        new = tuple(one for one in dict.fromkeys(addresses) if one not in known)[: max(0, MAX_TOPICS - len(known))]
+        if not new:
+            return frozenset()
+        self._addresses[device] = known + new
+        concerned: set[str] = set()
+        for address in new:
+            users = self._users.setdefault(address, {})
+            users[device] = bridge
+            if len(users) > 1:
+                concerned |= users.keys()
+        return frozenset(concerned - {device})
+
     def discard(self, device: str) -> frozenset[str]:
         """Forget *device*; return whom that concerns."""
         self._idle.discard(device)

@@ -281,8 +281,10 @@ class DeviceIndex:
             self.counters.rejected += 1
             return
         affected = self._bonds.put(key, sighting)
-        is_alone = len(affected) == 1
-        if len(affected) > MAX_CLAIMS or (is_alone and len(self._entries) >= self._max_devices):
+        sibling = self._bonds.sibling(key)
+        is_alone = sibling is None and len(affected) == 1
+        count = len(self._owner[sibling].claims) + 1 if sibling is not None else len(affected)
+        if count > MAX_CLAIMS or (is_alone and len(self._entries) >= self._max_devices):
             self._bonds.discard(key)
             self.counters.rejected += 1
             return
@@ -298,12 +300,23 @@ class DeviceIndex:
         self._claims[key] = claim
         if is_alone:
             self._appear({key: claim}, sighting.why)
+        elif sibling is not None:
+            self._join(self._owner[sibling], claim)
         else:
             self._regroup(affected, sighting.why)
-            if sighting.confirmed:
-                self._hear(self._owner[key], claim, sighting.seen_at, sighting.why)
+        if sighting.confirmed and not is_alone:
+            self._hear(self._owner[key], claim, sighting.seen_at, sighting.why)
         for report in self._strays.take(key, sighting.seen_at.sec):
             self.report(report)
+
+    def _join(self, entry: Entry, claim: Claim) -> None:
+        """The usual case, a further announcement of the same device in the same way, without a look at all others."""
+        entry.claims[claim.key] = claim
+        self._owner[claim.key] = entry
+        self._describe(entry, claim)
+        if entry.freshness == "unconfirmed":
+            self._set_deadline(entry, max(entry.deadline, claim.expires_at.to_seconds()))
+        self._note("changed", entry, "it announces more")
 
     def _refresh(self, key: ClaimKey, claim: Claim, sighting: Sighting) -> None:
         before, claim.sighting = claim.sighting, sighting
@@ -430,27 +443,28 @@ class DeviceIndex:
         if new and not found.gone:
             self._note("merged" if evidence else "changed", entry, evidence or "it announces more")
 
-    def _describe(self, entry: Entry) -> None:
-        """What the announcements of *entry* say changed: look anew at all that follows from it."""
-        entry.evidence = tuple(self._evidence(entry)) if len(entry.claims) > 1 else ()
+    def _describe(self, entry: Entry, new: Claim | None = None) -> None:
+        """What the announcements of *entry* say changed, maybe by *new* alone: look anew at what follows from it."""
         entry.described_anew()
-        entry.lasts = max(claim.lasts for claim in entry.claims.values())
-        writes: list[tuple[str, str]] = []
-        bridge = ""
-        for claim in entry.claims.values():
-            sighting = claim.sighting
-            if sighting.identifiers:
-                writes += [(sighting.gateway, topic) for part in sighting.parts for topic in part.writes]
-                bridge = bridge or next((one.value for one in sighting.metadata if one.key == "via_device"), "")
-        self._settle(self._disputes.put(entry.id, writes, bridge))
+        claims = entry.claims.values() if new is None else (new,)
+        writes = [one for claim in claims for one in _writes(claim)]
+        bridge = next((found for claim in claims if (found := _bridge(claim))), "")
+        if new is None:
+            entry.evidence = tuple(self._evidence(entry)) if len(entry.claims) > 1 else ()
+            entry.lasts = max(claim.lasts for claim in claims)
+            self._settle(self._disputes.put(entry.id, writes, bridge))
+        else:
+            entry.lasts = max(entry.lasts, new.lasts)
+            self._settle(self._disputes.add(entry.id, writes, bridge))
         self._unsorted[entry.id] = None
         self.unsaved[entry.id] = None
         owner = next((found for one in writes if (found := self._disputes.owner(one, entry.id))), "")
+        if new is not None and not owner:
+            return
         before, entry.rival = entry.rival, owner
         if owner != before and owner in self._entries:
-            self._note(
-                "conflict", self._entries[owner], f"{entry.id} wants to be told things where it listens", entry.id
-            )
+            why = f"{entry.id} wants to be told things where it listens"
+            self._note("conflict", self._entries[owner], why, entry.id)
 
     def _evidence(self, entry: Entry) -> Iterator[str]:
         for number, (identifier, keys) in enumerate(self._bonds.shared(entry.claims)):
@@ -536,3 +550,16 @@ class DeviceIndex:
         entry.told_anew()
         self._unsorted[entry.id] = None
         self._happenings.note(kind, entry, why, other)
+
+
+def _writes(claim: Claim) -> Iterator[tuple[str, str]]:
+    """Where a device that says who it is is told things."""
+    sighting = claim.sighting
+    if sighting.identifiers:
+        for part in sighting.parts:
+            for topic in part.writes:
+                yield sighting.gateway, topic
+
+
+def _bridge(claim: Claim) -> str:
+    return next((one.value for one in claim.sighting.metadata if one.key == "via_device"), "")
