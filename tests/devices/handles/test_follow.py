@@ -63,7 +63,7 @@ async def test_each_part_is_followed_by_itself(house: House) -> None:
     house.says("s", "on_off", True, part_id="2")
     assert await heard(on) == ["appeared s#2"]
     house.tells("changed", house.device("s", house.part("switch", "on_off", part_id="1")))
-    assert await heard(on) == ["removed s"]
+    assert await heard(on) == ["removed s#2"]
 
 
 async def test_changes_while_the_reader_is_busy_are_told_as_one(house: House) -> None:

@@ -76,6 +76,10 @@ async def test_each_part_of_a_device_is_a_handle_of_its_own(house: House) -> Non
     assert left == (await house.devices.find(Switch, name="LEFT"))[0]
     assert {left, *await house.devices.find(Switch)} == {left, right}
     assert repr(left) == "<Switch strip#1>"
+    house.tells("changed", house.device("strip", house.part("switch", "on_off", part_id="1")))
+    await anyio.sleep(0.01)
+    assert left.id == "strip#1"
+    assert left in {left: "stays the same, whatever else its device offers"}
 
 
 async def test_a_query_is_about_the_part_and_its_device(house: House) -> None:

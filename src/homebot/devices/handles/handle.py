@@ -58,9 +58,8 @@ class Handle:
 
     @property
     def id(self) -> str:
-        """The device's id; of one of several parts with the part's after a ``#``."""
-        device = self._known.device
-        return f"{device.id}#{self._part_id}" if len(device.parts) > 1 else device.id
+        """The device's id, with the part's after a ``#`` where it has one; as lasting as those are."""
+        return f"{self._known.device.id}#{self._part_id}" if self._part_id else self._known.device.id
 
     @property
     def name(self) -> str:
