@@ -173,6 +173,41 @@ def test_two_relays_of_one_device_stay_two(index: DeviceIndex, announce: Announc
     assert [[route.part for route in one.routes] for one in device.parts] == [["state_l1", "u1"], ["state_l2", "u2"]]
 
 
+def test_sensors_of_two_conventions_find_each_other_by_their_ids_and_settings_are_no_loads(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """Where no name helps; the longer common id is the surer one."""
+    topic = ("z/t",)
+    after(
+        index,
+        announce(
+            "z",
+            part("temperature_sensor", "temperature", id="temperature", reads=topic),
+            part("temperature_sensor", "temperature", id="local_temperature", reads=topic, category="diagnostic"),
+            part("switch", "on_off", id="state", reads=topic, writes=("z/t/set",)),
+            convention="zigbee2mqtt",
+            ids=(IEEE,),
+        ),
+        announce(
+            "a", part("temperature_sensor", "temperature", id="0x1_local_temperature_z", reads=topic), ids=(IEEE,)
+        ),
+        announce("b", part("temperature_sensor", "temperature", id="0x1_temperature_z", reads=topic), ids=(IEEE,)),
+        announce(
+            "c",
+            part("switch", "on_off", id="0x1_state_lock", reads=topic, writes=("z/t/set/l",), category="config"),
+            ids=(IEEE,),
+        ),
+        announce("d", part("switch", "on_off", id="0x1_switch", reads=topic, writes=("z/t/set",)), ids=(IEEE,)),
+    )
+    (device,) = index.devices()
+    assert [[route.part for route in one.routes] for one in device.parts] == [
+        ["temperature", "0x1_temperature_z"],
+        ["local_temperature", "0x1_local_temperature_z"],
+        ["state", "0x1_switch"],
+        ["0x1_state_lock"],
+    ]
+
+
 def test_the_same_entity_announced_twice_is_one_part(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
     lamp = part("light", "on_off", id="l", writes=("a/set",))
     after(index, announce("light/old", lamp, ids=(MAC,)), announce("light/new", lamp, ids=(MAC,)))

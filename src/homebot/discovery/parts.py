@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -49,15 +50,15 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed) -> MergedParts:
     """Return the parts that *claims* on one device tell of.
 
     Two parts are one when they are of one type, come from different conventions or gateways, and have one name, or
-    share a topic, or are the only ones of their type. In one convention they are one only when they have one id and the
-    same topics. Two of one id that do not are in conflict: the older one counts.
+    related ids, or are the only ones of their type or with their capabilities. In one convention they are one only when
+    they have one id and the same topics. Two of one id that do not are in conflict: the older one counts.
     """
     merged: list[_Merged] = []
     by_type: dict[str, list[_Merged]] = {}
     places: dict[tuple[str, str, str], int] = {}
     conflicts: list[str] = []
     ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
-    alone = _only_ones(ordered) if len(claims) > 1 else frozenset()
+    alone: frozenset[_Place] = _only_ones(ordered) if len(claims) > 1 else frozenset()
     left_out = 0
     for claim in ordered:
         gateway, key = claim.key
@@ -112,15 +113,27 @@ def _named(merged: list[_Merged]) -> tuple[DevicePart, ...]:
     return tuple(parts)
 
 
-def _only_ones(claims: Sequence[Claim]) -> frozenset[tuple[str, str, str]]:
-    """Gateway, convention and type of the parts that have no second of their type there."""
-    counts: dict[tuple[str, str, str], int] = {}
+def _only_ones(claims: Sequence[Claim]) -> frozenset[_Place]:
+    """The parts that have no second of their kind in one gateway and convention, by type, and by capabilities too."""
+    counts: Counter[_Place] = Counter()
     for claim in claims:
         for part in claim.sighting.parts:
-            if not part.category:
-                place = (claim.sighting.gateway, claim.sighting.convention, part.service_type)
-                counts[place] = counts.get(place, 0) + 1
+            counts.update(_places(claim, part))
     return frozenset(place for place, count in counts.items() if count == 1)
+
+
+def _places(claim: Claim, part: Part) -> tuple[_Place, ...]:
+    sighting = claim.sighting
+    exact = (sighting.gateway, sighting.convention, part.service_type, _abilities(part))
+    return (exact,) if part.category else (exact, (*exact[:3], _ANYTHING))
+
+
+def _abilities(part: Part) -> frozenset[str]:
+    return frozenset(one.name for one in part.capabilities)
+
+
+_Place: TypeAlias = tuple[str, str, str, frozenset[str]]
+_ANYTHING = frozenset({"*"})
 
 
 def _rival(claim: Claim, part: Part, others: list[_Merged]) -> _Merged | None:
@@ -134,27 +147,50 @@ def _rival(claim: Claim, part: Part, others: list[_Merged]) -> _Merged | None:
     return None
 
 
-def _twin(claim: Claim, part: Part, others: list[_Merged], alone: frozenset[tuple[str, str, str]]) -> _Merged | None:
+def _twin(claim: Claim, part: Part, others: list[_Merged], alone: frozenset[_Place]) -> _Merged | None:
+    """The part that is most likely the same, if one is."""
+    best, likelihood = None, 0
     for other in others:
         first = other.claims[0]
         if _same_source(claim, first):
             if claim is not first and part.id == other.part.id and _same_topics(part, other.part):
                 return other
-        elif not any(_same_source(claim, one) for one in other.claims) and _is_same(claim, part, other, alone):
-            return other
-    return None
+        elif not any(_same_source(claim, one) for one in other.claims):
+            found = _likelihood(claim, part, other, alone)
+            if found > likelihood:
+                best, likelihood = other, found
+    return best
 
 
-def _is_same(claim: Claim, part: Part, other: _Merged, alone: frozenset[tuple[str, str, str]]) -> bool:
-    if part.category != other.part.category:
-        return False
-    if part.name and fold(part.name) == fold(other.part.name):
-        return True
-    places = ((one.sighting.gateway, one.sighting.convention, part.service_type) for one in (claim, other.claims[0]))
-    if all(place in alone for place in places):
-        return True
+def _likelihood(claim: Claim, part: Part, other: _Merged, alone: frozenset[_Place]) -> int:
+    """How sure it is that two parts of one type in different conventions are one; 0 for not at all."""
+    is_alike = part.category == other.part.category
+    if not is_alike and (part.writes or other.part.writes):
+        return 0
+    if part.name and is_alike and fold(part.name) == fold(other.part.name):
+        return _BY_NAME
+    is_able = _abilities(part) == _abilities(other.part)
+    shares_topic = not set(part.reads).isdisjoint(other.part.reads)
+    if is_able and shares_topic and (shared := _shared_id(part.id, other.part.id)):
+        return _BY_ID + shared
+    mine, others = _places(claim, part), _places(other.claims[0], other.part)
+    if len(mine) == len(others) and mine[-1] in alone and others[-1] in alone and is_alike:
+        return _BY_TYPE
+    if is_able and shares_topic and mine[0] in alone and others[0] in alone:
+        return _BY_ABILITY
     writes = set(part.writes)
-    return bool(writes) and part.name == other.part.name and not writes.isdisjoint(other.part.writes)
+    if writes and part.name == other.part.name and not writes.isdisjoint(other.part.writes):
+        return _BY_TOPIC
+    return 0
+
+
+_BY_TOPIC, _BY_ABILITY, _BY_TYPE, _BY_ID, _BY_NAME = 1, 2, 3, 10, 1_000_000
+
+
+def _shared_id(one: str, other: str) -> int:
+    """How many letters two ids share, where one is in the other as ``state_l1`` is in ``0x17_state_l1_light``."""
+    short, long = sorted((fold(one), fold(other)), key=len)
+    return len(short) if short and f" {short} " in f" {long} " else 0
 
 
 def _same_source(one: Claim, other: Claim) -> bool:
