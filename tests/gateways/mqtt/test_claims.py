@@ -152,6 +152,14 @@ def test_a_topic_is_read_by_so_many_parts_only() -> None:
     assert len(route.voices) == 2
 
 
+def test_a_description_that_fails_leaves_nothing_behind() -> None:
+    claims, topics = empty()
+    with pytest.raises(TypeError):
+        claims.describe(described("one", ("s/a",), 5))  # type: ignore[arg-type] # as a faulty plug-in might
+    assert (len(claims), len(topics), claims._parts) == (0, 0, 0)
+    assert claims.route("s/a") is None
+
+
 def test_the_streams_of_a_device_are_bounded() -> None:
     claims, _ = empty()
     claim = claims.describe(described("one", ("s/+",))).claim

@@ -168,7 +168,7 @@ class Claims:
     def _enlist(self, claim: Claim) -> tuple[tuple[WireError, ...], _Readers]:
         refused: list[WireError] = []
         readers: list[tuple[str, Voice | Witness]] = []
-        for topic_filter, reader in _readings(claim):
+        for topic_filter, reader in tuple(_readings(claim)):  # first all, because a plug-in may fail on the way
             count = self._reader_counts.get(topic_filter, 0)
             if count >= self._bounds.readers and isinstance(reader, Voice):
                 refused.append(WireError(f"topic {topic_filter!r} is read by {self._bounds.readers:,} parts already"))
