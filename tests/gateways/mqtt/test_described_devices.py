@@ -533,6 +533,19 @@ async def test_who_breaks_the_rules_five_times_is_ignored_for_ten_minutes_then_f
         assert (counts["quarantines"], counts["announcements_rejected"]) == (2, 10)
 
 
+async def test_a_flood_of_broken_announcements_is_counted_and_does_not_flood_the_log(make_house: MakeHouse) -> None:
+    """At most 20 culprits are named in ten seconds, and 1,000 are remembered."""
+    async with make_house() as house:
+        with capture_logs() as lines:
+            for number in range(1500):
+                await house.devices.publish(f"hello/{number}", b"{broken", qos=1)
+            await house.announce("lamp1")
+        assert house.gateway.counters.announcements_rejected == 1500
+        assert sum(line["event"] == "gateway.announcement_rejected" for line in lines) == 20
+        assert [one.key for one in house.sighted()] == [LAMP]
+        assert (await house.health()).quarantined == ()
+
+
 async def test_a_device_of_a_quarantined_topic_can_still_be_taken_back(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.announce("lamp1")
