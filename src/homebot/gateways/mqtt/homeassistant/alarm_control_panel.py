@@ -14,7 +14,7 @@ from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
+from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["build_alarm_control_panel"]
 

@@ -11,8 +11,8 @@ from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
 from homebot.gateways.mqtt.homeassistant.rendered import number_of
 from homebot.gateways.mqtt.homeassistant.source import Source
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["offer_choice", "offer_flag", "offer_number", "offer_push"]
 

@@ -16,8 +16,8 @@ from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
 from homebot.gateways.mqtt.homeassistant.source import Source
 from homebot.gateways.mqtt.homeassistant.temperature import read_thermometer
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.wanted import wanted_flag
 
 __all__ = ["build_climate", "source_of"]
 

@@ -18,7 +18,7 @@ from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
 from homebot.gateways.mqtt.homeassistant.said import Said
 from homebot.gateways.mqtt.homeassistant.scale import Scale
 from homebot.gateways.mqtt.homeassistant.source import Source
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_number, wanted_option
+from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
 
 __all__ = ["build_cover"]
 

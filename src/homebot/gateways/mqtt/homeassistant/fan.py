@@ -15,8 +15,8 @@ from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
 from homebot.gateways.mqtt.homeassistant.rendered import whole_of
 from homebot.gateways.mqtt.homeassistant.scale import Scale
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["build_fan"]
 

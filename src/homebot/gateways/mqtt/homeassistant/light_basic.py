@@ -14,8 +14,8 @@ from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.light_basic_state import BasicState, Remembered
-from homebot.gateways.mqtt.homeassistant.light_color import CHANNELS, Channels, kelvin_mired
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
+from homebot.gateways.mqtt.light_color import CHANNELS, Channels, kelvin_mired
 from homebot.gateways.mqtt.payload import shown
 
 __all__ = ["build_basic_light"]

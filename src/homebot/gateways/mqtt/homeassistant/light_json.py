@@ -16,16 +16,16 @@ from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
-from homebot.gateways.mqtt.homeassistant.light_color import (
+from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
+from homebot.gateways.mqtt.homeassistant.rendered import number_of
+from homebot.gateways.mqtt.homeassistant.said import Said
+from homebot.gateways.mqtt.light_color import (
     CHANNELS,
     KelvinRange,
     kelvin_mired,
     to_hue_saturation,
     white_kelvin,
 )
-from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
-from homebot.gateways.mqtt.homeassistant.rendered import number_of
-from homebot.gateways.mqtt.homeassistant.said import Said
 from homebot.gateways.mqtt.payload import clean_text, shown
 
 __all__ = ["build_json_light"]

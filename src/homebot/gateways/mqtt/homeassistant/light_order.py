@@ -15,13 +15,13 @@ from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
-from homebot.gateways.mqtt.homeassistant.light_color import (
+from homebot.gateways.mqtt.light_color import (
     Channels,
     KelvinRange,
     from_hue_saturation,
     kelvin_mired,
 )
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
 
 __all__ = ["Lamp", "LightOrder", "read_white_range"]
 

@@ -10,7 +10,7 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
+from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["build_select"]
 

@@ -15,8 +15,8 @@ from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity, Readings
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["build_vacuum"]
 

@@ -16,7 +16,7 @@ from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
 from homebot.gateways.mqtt.homeassistant.scale import Scale
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_number, wanted_option
+from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
 
 __all__ = ["build_valve"]
 

@@ -10,11 +10,11 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
 from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.homie.told import add_flag, add_percent, add_temperature, add_words, percent_written
 from homebot.gateways.mqtt.homie.values import publication, read_plain
 from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart
+from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_vacuum", "add_valve"]
 

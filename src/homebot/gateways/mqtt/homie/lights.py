@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_numbers
 from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.homie.told import add_flag, percent_of, percent_written
 from homebot.gateways.mqtt.homie.values import publication, read_color, read_plain, spell_color, spell_plain
 from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers
 
 __all__ = ["LIGHT_ROLES", "add_light"]
 

@@ -7,12 +7,12 @@ from collections.abc import Callable
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number
 from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.homie.quantities import factor_of
 from homebot.gateways.mqtt.homie.values import publication, read_plain, spell_plain
 from homebot.gateways.mqtt.payload import shown
 from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, Writer
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number
 
 __all__ = [
     "add_flag",

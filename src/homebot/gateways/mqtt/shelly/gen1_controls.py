@@ -10,9 +10,9 @@ from types import MappingProxyType
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, number_in, text_in
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["SWITCHED", "build_relay", "build_roller"]
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.light_color import from_hue_saturation, to_hue_saturation
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_numbers
+from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_saturation
 from homebot.gateways.mqtt.shelly.gen1_controls import SWITCHED
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, number_in, text_in
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers
 
 __all__ = ["build_light"]
 

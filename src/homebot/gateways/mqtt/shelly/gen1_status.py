@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_number
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, number_in
+from homebot.gateways.mqtt.wanted import wanted_number
 
 __all__ = ["build_motion", "build_valve"]
 

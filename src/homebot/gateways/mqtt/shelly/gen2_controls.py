@@ -9,9 +9,9 @@ from collections.abc import Mapping
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, flag, measured
 from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, number_in
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["build_cover", "build_radiator_valve", "build_switch", "build_thermostat"]
 

@@ -11,10 +11,10 @@ from types import MappingProxyType
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.light_color import from_hue_saturation, to_hue_saturation
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_numbers
+from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_saturation
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields
 from homebot.gateways.mqtt.tabled_part import Readings, TabledPart, number_in
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers
 
 __all__ = ["LIGHTS", "build_light"]
 

@@ -10,10 +10,10 @@ from collections.abc import Mapping
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.payload import clean_text, shown
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields
 from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, number_in
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["VIRTUAL", "build_virtual", "build_virtual_button"]
 

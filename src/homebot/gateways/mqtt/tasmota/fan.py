@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number
 from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
 from homebot.gateways.mqtt.tasmota.lines import Lines
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number
 
 __all__ = ["offer_fan"]
 

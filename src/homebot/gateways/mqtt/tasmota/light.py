@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.light_color import kelvin_mired
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
 from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.light_color import kelvin_mired
 from homebot.gateways.mqtt.tasmota.config import LIGHT, TasmotaConfig
 from homebot.gateways.mqtt.tasmota.fading import Change, Shown, speed
 from homebot.gateways.mqtt.tasmota.lines import Lines
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
 
 __all__ = ["offer_light"]
 

@@ -10,9 +10,9 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag
 from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
 from homebot.gateways.mqtt.tasmota.config import TasmotaConfig
+from homebot.gateways.mqtt.wanted import wanted_flag
 
 __all__ = ["Lines", "told_of_sensors"]
 

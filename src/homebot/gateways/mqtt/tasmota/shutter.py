@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_number, wanted_option
 from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
 from homebot.gateways.mqtt.tasmota.config import SHUTTER, Tilt
 from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
+from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
 
 __all__ = ["count_shutters", "offer_shutter"]
 

@@ -7,9 +7,9 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, Writer, finite_number
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose, Scalar
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines, whole_or_not
 

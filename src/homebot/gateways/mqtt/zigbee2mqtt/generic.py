@@ -13,9 +13,9 @@ from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag
 from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
 from homebot.gateways.mqtt.payload import clean_text, shown
+from homebot.gateways.mqtt.wanted import wanted_flag
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import (
     MAX_VALUE,

@@ -11,15 +11,15 @@ from dataclasses import dataclass
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.light_color import (
+from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.light_color import (
     CHANNELS,
     KelvinRange,
     from_hue_saturation,
     kelvin_mired,
     to_hue_saturation,
 )
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose, Scalar
 from homebot.gateways.mqtt.zigbee2mqtt.features import flag_of, text_of
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines

@@ -10,8 +10,8 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.wanted import wanted_option
 from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
+from homebot.gateways.mqtt.wanted import wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import same_scalar
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines

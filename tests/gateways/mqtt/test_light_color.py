@@ -2,7 +2,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from homebot.gateways.mqtt.homeassistant.light_color import (
+from homebot.gateways.mqtt.light_color import (
     CHANNELS,
     Channels,
     from_hue_saturation,
