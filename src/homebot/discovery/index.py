@@ -43,6 +43,7 @@ _CLAIMS_PER_DEVICE = 10
 """Announcements that the index takes in, for each device that it may hold."""
 
 _MAX_EVIDENCE = 16
+_MAX_UNSAVED = 200_000
 
 _ONLINE_FOR = 86_400.0
 """Seconds for which a device that said live that it is online may be silent: its last will watches over it."""
@@ -75,13 +76,16 @@ class DeviceIndex:
     Attributes:
         counters: What was not taken in.
         tombstones: Who went.
-        unsaved: Ids whose record is not in the index file as it is; of those that went as well.
+        is_saved: Whether there is an index file, so that it is noted what is not in it.
+        unsaved: Ids whose record is not in the index file as it is; of those that went as well. Should nobody write for
+            so long that 200,000 wait, those that are known now take their place.
         tells_states: Whether changes of states are collected.
     """
 
     def __init__(self, *, forget_after: float, first_sequence: int = 1, max_devices: int = MAX_DEVICES) -> None:
         self.counters = IndexCounters()
         self.tombstones = Tombstones()
+        self.is_saved = False
         self.unsaved: dict[str, None] = {}
         self.tells_states = False
         self._forget_after = forget_after
@@ -390,14 +394,14 @@ class DeviceIndex:
             del self._claims[key], self._owner[key]
         forgotten = self.tombstones.put(stone)
         if forgotten is not None:
-            self.unsaved[forgotten.id] = None
+            self._mark(forgotten.id)
 
     def _drop(self, entry: Entry) -> None:
         del self._entries[entry.id]
         self._unsorted.pop(entry.id, None)
         self._postings.discard(entry.id)
         self._deadlines.discard(entry.id)
-        self.unsaved[entry.id] = None
+        self._mark(entry.id)
         self._settle(self._disputes.discard(entry.id))
 
     def _regroup(self, affected: Iterable[ClaimKey], why: str) -> None:
@@ -457,7 +461,7 @@ class DeviceIndex:
             entry.lasts = max(entry.lasts, new.lasts)
             self._settle(self._disputes.add(entry.id, writes, bridge))
         self._unsorted[entry.id] = None
-        self.unsaved[entry.id] = None
+        self._mark(entry.id)
         owner = next((found for one in writes if (found := self._disputes.owner(one, entry.id))), "")
         if new is not None and not owner:
             return
@@ -498,7 +502,7 @@ class DeviceIndex:
         now = stamp.to_seconds()
         if now - entry.saved_at > SAVE_LIFE:
             entry.saved_at = now
-            self.unsaved[entry.id] = None
+            self._mark(entry.id)
         claim.confirmed = True
         claim.seen_at = stamp
         entry.rhythm.heard(now)
@@ -542,6 +546,13 @@ class DeviceIndex:
             self._postings.tell(entry.id, part.id, part.part.service_type, reading.capability, told.value)
         if self.tells_states:
             self._happenings.note_state(entry, state_of(part.id, reading, told))
+
+    def _mark(self, device_id: str) -> None:
+        if self.is_saved:
+            self.unsaved[device_id] = None
+            if len(self.unsaved) > _MAX_UNSAVED:
+                self.unsaved.clear()
+                self.save_all()
 
     def _device(self, entry: Entry) -> Device:
         return entry.to_device(self._disputed)

@@ -59,6 +59,7 @@ class Keeper:
         self.damaged = 0
         self.file = str(path or "")
         self.state = "off" if path is None else "ok"
+        index.is_saved = path is not None
 
     async def load(self) -> None:
         """Take in what the file holds, as unconfirmed; a file that cannot be used costs no more than its content."""
@@ -108,7 +109,7 @@ class Keeper:
             damaged = await to_thread.run_sync(file.open, self._clock.now())
         except UsageError as exc:
             self._node.log.warning(NOT_USED, message=f"{exc}; devices are not remembered", file=self.file)
-            self.state, self._file = str(exc), None
+            self.state, self._file, self._index.is_saved = str(exc), None, False
             return False
         except LinkError as exc:
             self._complain(exc)
