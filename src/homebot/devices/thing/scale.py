@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.thing.thing import Affordance
 from homebot.devices.thing.units import unit_of
@@ -13,6 +15,8 @@ _SHARES = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
 
 _PERCENT = 100.0
 _MIRED = 1_000_000.0
+_NO_RANGE = 1e15
+"""Ends that lie so far apart are those of a number type, not of a device."""
 
 
 def canonical(capability: str, affordance: Affordance, number: float) -> float | None:
@@ -23,14 +27,14 @@ def canonical(capability: str, affordance: Affordance, number: float) -> float |
         low, high = ends
         return min(max((number - low) / (high - low) * _PERCENT, 0.0), _PERCENT)
     if capability == "color_temperature" and unit_of(affordance.schema) == "mired":
-        return round(_MIRED / number) if number > 0 else None
+        return round(_MIRED / number) if number >= 1 else None
     if _is_fahrenheit(capability, affordance):
         return (number - 32) * 5 / 9
     return number
 
 
 def on_the_wire(capability: str, affordance: Affordance, number: float) -> float:
-    """Return *number*, which is in the vocabulary's unit, as the thing spells it."""
+    """Return *number*, in the vocabulary's unit, as the thing spells it; not finite where that is impossible."""
     if "capability" in affordance.extension:
         return number
     found = number
@@ -38,15 +42,16 @@ def on_the_wire(capability: str, affordance: Affordance, number: float) -> float
         low, high = ends
         found = low + number / _PERCENT * (high - low)
     elif capability == "color_temperature" and unit_of(affordance.schema) == "mired":
-        found = _MIRED / number
+        found = _MIRED / number if number >= 1 else math.nan
     elif _is_fahrenheit(capability, affordance):
         found = number * 9 / 5 + 32
-    return float(round(found)) if affordance.schema.type == "integer" else round(found, 6)
+    is_whole = affordance.schema.type == "integer" and math.isfinite(found)
+    return float(round(found)) if is_whole else round(found, 6)
 
 
 def _ends(capability: str, affordance: Affordance) -> tuple[float, float] | None:
     low, high = affordance.schema.minimum, affordance.schema.maximum
-    if low is None or high is None or low >= high:
+    if low is None or high is None or not 0 < high - low < _NO_RANGE:
         return None
     is_share = capability in _SHARES or (high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT))
     return (low, high) if is_share else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 import pytest
@@ -16,6 +17,7 @@ from homebot.devices.thing import CONTEXT, to_thing
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import Described, Publication, Withdrawn
+from homebot.gateways.mqtt.payload import parse_json
 from homebot.gateways.mqtt.thing import ThingDescriptions, ThingSettings
 from homebot.messages import Time
 
@@ -265,23 +267,32 @@ _types = st.sampled_from(
     ["OnOffProperty", "BrightnessProperty", "ColorProperty", "LockedProperty", "PushedProperty", ""]
 )
 _kinds = st.sampled_from(["boolean", "integer", "number", "string", "object", "array", "null"])
-_ends = st.none() | st.floats(-1e300, 1e300) | st.integers(-(2**70), 2**70)
+_ends = st.none() | st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(2**70), 2**70)
+_units = st.sampled_from(["", "mired", "fahrenheit", "percent"])
 _values = st.none() | st.booleans() | st.floats() | st.text(max_size=5) | st.tuples(st.floats(), st.floats())
 
 
 @given(
     _types,
+    _units,
     _kinds,
     st.tuples(_ends, _ends),
     st.lists(st.text(max_size=3) | st.integers(), max_size=2),
-    st.binary(),
+    st.binary() | _ends.map(str).map(str.encode),
     _values,
 )
 def test_nothing_that_is_said_or_told_breaks_a_part(
-    types: str, kind: str, ends: tuple[Any, Any], enum: list[Any], payload: bytes, value: PlainValue
+    types: str,
+    unit: str,
+    kind: str,
+    ends: tuple[Any, Any],
+    enum: list[Any],
+    payload: bytes,
+    value: PlainValue,
 ) -> None:
-    """Reading never raises, and writing raises nothing but a refusal."""
-    schema = prop("t", kind, minimum=ends[0], maximum=ends[1], **{"@type": types}) | ({"enum": enum} if enum else {})
+    """Reading never raises and gives no number without end; writing raises nothing but a refusal, and spells JSON."""
+    more = {"@type": types, "unit": unit} | ({"enum": enum} if enum else {})
+    schema = prop("t", kind, minimum=ends[0], maximum=ends[1], **more)
     convention = ThingDescriptions(ThingSettings())
     try:
         (heard,) = convention.take(TOPIC, json.dumps(thing({"p": schema})).encode(), retained=True)
@@ -289,11 +300,24 @@ def test_nothing_that_is_said_or_told_breaks_a_part(
         return
     assert isinstance(heard, Described)
     for part in heard.parts:
-        part.codec.read("t", payload, retained=False)
-        part.codec.read("t", json.dumps(value).encode(), retained=False)
+        for said in (payload, json.dumps(value).encode()):
+            read = part.codec.read("t", said, retained=False)
+            assert all(math.isfinite(one) for one in read.values() if isinstance(one, float))
         for capability in part.part.capabilities:
+            assert all(math.isfinite(end) for end in capability.bounds)
             try:
-                written = part.codec.write(capability.name, value)
+                (written,) = part.codec.write(capability.name, value)
             except RefusedError:
                 continue
-            assert [one.topic for one in written] == ["t/set"]
+            assert written.topic == "t/set"
+            parse_json(written.payload)
+
+
+@given(st.binary() | st.text().map(lambda text: text.encode(errors="surrogatepass")))
+def test_any_payload_is_a_thing_or_a_clear_error(payload: bytes) -> None:
+    """The empty one takes a thing back."""
+    convention = ThingDescriptions(ThingSettings())
+    if not payload:
+        return
+    with pytest.raises(WireError):
+        convention.take(TOPIC, payload, retained=False)
