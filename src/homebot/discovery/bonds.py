@@ -130,18 +130,16 @@ class Bonds:
         if claims:
             return frozenset(claims)
         del self._claims[voice], self._known[voice.sign]
-        reached: set[Voice] = set()
+        linked = [one for one in voice.identifiers if self._links.pop(one, True)]
         for identifier in voice.identifiers:
             holders = self._holders[identifier]
-            linked = self._links.get(identifier, True)
             del holders[voice]
             if not holders:
                 del self._holders[identifier]
-                self._links.pop(identifier, None)
-                continue
-            self._links.pop(identifier, None)
-            if linked or self._is_link(identifier):
-                reached |= self._reach(holders)
+        reached: set[Voice] = set()
+        for identifier in voice.identifiers:
+            if identifier in self._holders and (identifier in linked or self._is_link(identifier)):
+                reached |= self._reach(self._holders[identifier])
         return frozenset(claim for one in reached for claim in self._claims[one])
 
     def groups(self, keys: Iterable[ClaimKey]) -> tuple[frozenset[ClaimKey], ...]:
