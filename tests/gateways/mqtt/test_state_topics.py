@@ -69,3 +69,12 @@ def test_one_topic_too_many_is_refused_and_a_known_one_is_not() -> None:
     wanted.use("a")
     with pytest.raises(WireError, match="one too many"):
         wanted.use("b")
+
+
+def test_a_filter_that_begins_with_wildcards_is_taken_where_the_rest_tells_one_device_from_others() -> None:
+    wanted = topics()
+    wanted.use("+/+/BTtoMQTT/A4C138000011")
+    for greedy in ("#", "+", "+/#", "+/state", "+/+/state", "+/BTtoMQTT/A4C138000011/#"):
+        with pytest.raises(WireError, match="not this device's alone"):
+            wanted.use(greedy)
+    assert wanted.take_wanted(10) == ("+/+/BTtoMQTT/A4C138000011",)

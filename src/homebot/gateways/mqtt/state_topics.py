@@ -13,6 +13,8 @@ __all__ = ["StateTopics"]
 
 MAX_TOPICS = 100_000
 LONGEST = 1000
+LITERAL_LEVELS = 2
+"""Levels without a wildcard in a filter that begins with one: Theengs Gateway announces ``+/+/BTtoMQTT/A4C138000011``."""
 
 
 class StateTopics:
@@ -39,7 +41,7 @@ class StateTopics:
         """Need *topic_filter* once more.
 
         Raises:
-            WireError: It is no filter, is longer than 1,000 characters, asks for everything, or is one too many.
+            WireError: It is no filter, is longer than 1,000 characters, asks for other devices' topics, or is one too many.
         """
         users = self._users.get(topic_filter)
         if users is None:
@@ -90,10 +92,19 @@ class StateTopics:
             validate_filter(topic_filter)
         except InvalidNameError as exc:
             raise WireError(str(exc)) from None
-        if topic_filter[0] in "+#" or topic_filter.startswith("$share/"):
+        if _asks_too_much(topic_filter):
             raise WireError(f"the state topic {topic_filter!r} asks for what is not this device's alone")
         if len(self._users) >= self._max_topics:
             raise WireError(f"state topic {topic_filter!r} is one too many: {self._max_topics:,} are in use")
+
+
+def _asks_too_much(topic_filter: str) -> bool:
+    if topic_filter.startswith("$share/"):
+        return True
+    if topic_filter[0] not in "+#":
+        return False
+    levels = topic_filter.split("/")
+    return levels[-1] == "#" or len(levels) - levels.count("+") < LITERAL_LEVELS
 
 
 def _take(filters: dict[str, None], at_most: int) -> tuple[str, ...]:
