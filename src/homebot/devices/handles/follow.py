@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Generic, Literal, Self, TypeVar
 
 import anyio
+import anyio.lowlevel
 
 from homebot.devices.follow import Follow
 from homebot.devices.handles.handle import Handle
@@ -19,6 +20,9 @@ from homebot.graph import Node
 __all__ = ["FollowHandles", "HandleChange"]
 
 HandleT = TypeVar("HandleT", bound=Handle)
+
+_TURN = 100
+"""Changes given out before other tasks get their turn, should the reader never wait."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +63,7 @@ class FollowHandles(Generic[HandleT]):
         self._is_touched = anyio.Event()
         self._unwatch: Callable[[], None] | None = None
         self._is_closed = False
+        self._told = 0
 
     def __aiter__(self) -> Self:
         return self
@@ -73,6 +78,9 @@ class FollowHandles(Generic[HandleT]):
             self._devices = devices = Follow(self._node)
             self._unwatch = self._handles.watch(self._touch)
             self._node.create_task(lambda: self._follow(devices))
+        self._told += 1
+        if self._told % _TURN == 0:
+            await anyio.lowlevel.checkpoint()
         while not self._ready:
             if self._touched:
                 device_id = next(iter(self._touched))
