@@ -387,14 +387,17 @@ class DeviceIndex:
         self._happenings.note_removed(entry, why)
         stone = Tombstone(entry.id, tuple(entry.claims), entry.hardware(), is_ghost, at)
         self._drop(entry)
+        affected: set[ClaimKey] = set()
         for key, claim in entry.claims.items():
             if is_ghost:
                 self._strays.bury(key, claim.sighting)
-            self._bonds.discard(key)
+            affected |= self._bonds.discard(key)
             del self._claims[key], self._owner[key]
         forgotten = self.tombstones.put(stone)
         if forgotten is not None:
             self._mark(forgotten.id)
+        if affected := affected - entry.claims.keys():
+            self._regroup(affected, f"{entry.id} is gone: {why}")
 
     def _drop(self, entry: Entry) -> None:
         del self._entries[entry.id]
