@@ -14,7 +14,7 @@ __all__ = ["StateTopics"]
 MAX_TOPICS = 100_000
 LONGEST = 1000
 LITERAL_LEVELS = 2
-"""Levels without a wildcard in a filter that begins with one: Theengs Gateway announces ``+/+/BTtoMQTT/A4C138000011``."""
+"""Levels without a wildcard in a filter that begins with one, as of Theengs Gateway: ``+/+/BTtoMQTT/A4C138000011``."""
 
 
 class StateTopics:
@@ -41,7 +41,7 @@ class StateTopics:
         """Need *topic_filter* once more.
 
         Raises:
-            WireError: It is no filter, is longer than 1,000 characters, asks for other devices' topics, or is one too many.
+            WireError: It is no filter, longer than 1,000 characters, about other devices too, or one too many.
         """
         users = self._users.get(topic_filter)
         if users is None:
