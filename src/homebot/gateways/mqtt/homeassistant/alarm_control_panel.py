@@ -13,7 +13,8 @@ from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["build_alarm_control_panel"]
@@ -44,7 +45,7 @@ def build_alarm_control_panel(config: Config) -> DescribedPart:
 
     entity = Entity(config, "x_alarm_panel")
     entity.offers("alarm", readable=entity.hears(source, read), writer=listens.set, options=_STATES)
-    entity.listens(listens.command)
+    entity.listens_at(listens.command)
     return entity.described()
 
 

@@ -8,10 +8,11 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import number_of
 from homebot.gateways.mqtt.homeassistant.source import Source
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["offer_choice", "offer_flag", "offer_number", "offer_push"]
@@ -49,7 +50,7 @@ def offer_choice(
         return (command.publication(word),) if command else ()
 
     entity.offers(name, readable=entity.hears(source, read), writer=write if command else None, options=options)
-    entity.listens(command)
+    entity.listens_at(command)
 
 
 def offer_flag(
@@ -70,7 +71,7 @@ def offer_flag(
         return (command.publication(payload),) if command else ()
 
     entity.offers(name, readable=entity.hears(source, read), writer=write if command else None)
-    entity.listens(command)
+    entity.listens_at(command)
 
 
 def offer_number(
@@ -117,7 +118,7 @@ def offer_number(
         unit=unit,
         bounds=bounds if command else (),
     )
-    entity.listens(command)
+    entity.listens_at(command)
 
 
 def offer_push(entity: Entity, name: str, command: CommandTopic, payload: str) -> None:
@@ -129,7 +130,7 @@ def offer_push(entity: Entity, name: str, command: CommandTopic, payload: str) -
         return (command.publication(payload),)
 
     entity.offers(name, readable=False, writer=write)
-    entity.listens(command)
+    entity.listens_at(command)
 
 
 _UNKNOWN: Mapping[str, str | None] = {"None": None}

@@ -10,8 +10,9 @@ from types import MappingProxyType
 
 from homebot.gateways.mqtt.description import DescribedPart, Fade
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.expiry import expire, seconds_of
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["build_binary_sensor"]
 

@@ -13,10 +13,11 @@ from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.aspects import offer_choice, offer_number
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.source import Source
 from homebot.gateways.mqtt.homeassistant.temperature import read_thermometer
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_flag
 
 __all__ = ["build_climate", "source_of"]
@@ -119,7 +120,7 @@ def _offer_switch(entity: Entity, config: Config, mode: CommandTopic | None, mod
 
     is_readable = entity.hears(source, partial(_read_switch, modes))
     entity.offers("on_off", readable=is_readable, writer=write if command and words else None)
-    entity.listens(power)
+    entity.listens_at(power)
 
 
 def _modes_of_switch(modes: tuple[str, ...]) -> dict[bool, str]:

@@ -13,11 +13,13 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings, Writer
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
 from homebot.gateways.mqtt.homeassistant.said import Said
 from homebot.gateways.mqtt.homeassistant.scale import Scale
 from homebot.gateways.mqtt.homeassistant.source import Source
+from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.table_codec import Writer
 from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
 
 __all__ = ["build_cover"]
@@ -51,7 +53,7 @@ def build_cover(config: Config) -> DescribedPart:
         writer=_setter("position", set_position, steps.position, steps.variables),
     )
     entity.offers("tilt", readable=says_tilt, writer=_setter("tilt", set_tilt, steps.tilt, steps.variables))
-    entity.listens(move, set_position, set_tilt)
+    entity.listens_at(move, set_position, set_tilt)
     return entity.described()
 
 

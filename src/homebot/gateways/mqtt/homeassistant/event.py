@@ -10,10 +10,11 @@ from __future__ import annotations
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of
 from homebot.gateways.mqtt.homeassistant.said import Said
 from homebot.gateways.mqtt.payload import clean_text, shown
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["build_event", "build_tag", "build_trigger"]
 

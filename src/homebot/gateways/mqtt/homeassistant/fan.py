@@ -12,10 +12,11 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import whole_of
 from homebot.gateways.mqtt.homeassistant.scale import Scale
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["build_fan"]
@@ -69,7 +70,7 @@ def _offer_switch(
         return (command.publication(payloads[wanted_flag(name, value)]),) if command else ()
 
     entity.offers(name, readable=entity.hears(config.source(*source), read), writer=write if command else None)
-    entity.listens(command)
+    entity.listens_at(command)
 
 
 def _offer_speed(entity: Entity, config: Config) -> None:
@@ -94,7 +95,7 @@ def _offer_speed(entity: Entity, config: Config) -> None:
 
     source = config.source("percentage_state_topic", "percentage_value_template")
     entity.offers("fan_speed", readable=entity.hears(source, read), writer=write if command else None)
-    entity.listens(command)
+    entity.listens_at(command)
 
 
 def _offer_preset(entity: Entity, config: Config) -> None:
@@ -116,7 +117,7 @@ def _offer_preset(entity: Entity, config: Config) -> None:
     entity.offers(
         "preset_mode", readable=entity.hears(source, read), writer=write if command and modes else None, options=modes
     )
-    entity.listens(command)
+    entity.listens_at(command)
 
 
 def _offer_direction(entity: Entity, config: Config) -> None:
@@ -130,4 +131,4 @@ def _offer_direction(entity: Entity, config: Config) -> None:
 
     source = config.source("direction_state_topic", "direction_value_template")
     entity.offers("direction", readable=entity.hears(source, read), writer=write if command else None)
-    entity.listens(command)
+    entity.listens_at(command)

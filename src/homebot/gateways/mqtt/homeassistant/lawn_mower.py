@@ -8,7 +8,8 @@ from __future__ import annotations
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["build_lawn_mower"]
@@ -34,7 +35,7 @@ def build_lawn_mower(config: Config) -> DescribedPart:
     entity = Entity(config, "x_lawn_mower")
     source = config.source("activity_state_topic", "activity_value_template")
     entity.offers("mower", readable=entity.hears(source, read), writer=write if commands else None)
-    entity.listens(*(command for command, _ in commands.values()))
+    entity.listens_at(*(command for command, _ in commands.values()))
     return entity.described()
 
 

@@ -11,11 +11,12 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp
 from homebot.gateways.mqtt.homeassistant.rendered import number_of, numbers_of, whole_of
 from homebot.gateways.mqtt.light_color import CHANNELS, Channels, to_hue_saturation, white_kelvin
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["BasicState", "Remembered"]
 

@@ -15,7 +15,7 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
 from homebot.gateways.mqtt.homeassistant.rendered import number_of
 from homebot.gateways.mqtt.homeassistant.said import Said
@@ -27,6 +27,7 @@ from homebot.gateways.mqtt.light_color import (
     white_kelvin,
 )
 from homebot.gateways.mqtt.payload import clean_text, shown
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["build_json_light"]
 
@@ -48,7 +49,7 @@ def build_json_light(config: Config) -> DescribedPart:
     lamp.offer(entity, lambda _capability: bool(state_topic))
     if state_topic:
         entity.reads(state_topic, _State(lamp, scale, in_kelvin, config.encoding).read)
-    entity.listens(command)
+    entity.listens_at(command)
     return entity.described()
 
 

@@ -14,12 +14,13 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
 from homebot.gateways.mqtt.homeassistant.rendered import whole_of
 from homebot.gateways.mqtt.homeassistant.said import Said
 from homebot.gateways.mqtt.homeassistant.source import Source
 from homebot.gateways.mqtt.light_color import kelvin_mired, to_hue_saturation, white_kelvin
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["build_template_light"]
 
@@ -53,7 +54,7 @@ def build_template_light(config: Config) -> DescribedPart:
         if entity.hears_message(sources.get(key), read)
     }
     lamp.offer(entity, readable.__contains__)
-    entity.listens(on)
+    entity.listens_at(on)
     return entity.described()
 
 

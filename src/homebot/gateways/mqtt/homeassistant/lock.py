@@ -9,8 +9,9 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["build_lock"]
@@ -40,5 +41,5 @@ def build_lock(config: Config) -> DescribedPart:
 
     entity = Entity(config, "door_lock")
     entity.offers("lock", readable=entity.hears(config.source("state_topic"), read), writer=write)
-    entity.listens(command)
+    entity.listens_at(command)
     return entity.described()

@@ -14,8 +14,9 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["build_moment"]
 
@@ -48,7 +49,7 @@ def build_moment(config: Config) -> DescribedPart:
 
     entity = Entity(config, "x_setting", kind)
     entity.offers("text", readable=entity.hears(config.source("state_topic"), read), writer=write)
-    entity.listens(command)
+    entity.listens_at(command)
     return entity.described()
 
 

@@ -9,7 +9,8 @@ from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["build_select"]
@@ -33,5 +34,5 @@ def build_select(config: Config) -> DescribedPart:
 
     entity = Entity(config, "x_setting")
     entity.offers("option", readable=entity.hears(config.source("state_topic"), read), writer=write, options=options)
-    entity.listens(command)
+    entity.listens_at(command)
     return entity.described()

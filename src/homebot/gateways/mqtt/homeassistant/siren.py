@@ -14,8 +14,9 @@ from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
+from homebot.gateways.mqtt.readings import Readings
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["build_siren"]
@@ -44,7 +45,7 @@ def build_siren(config: Config) -> DescribedPart:
         entity.offers("siren_tone", readable=readable, writer=listens.sound, options=tones)
     if speaks.has_volume:
         entity.offers("volume", readable=readable, writer=listens.set_volume)
-    entity.listens(on)
+    entity.listens_at(on)
     return entity.described()
 
 

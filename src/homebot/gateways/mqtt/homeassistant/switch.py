@@ -8,7 +8,8 @@ from __future__ import annotations
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_flag
 
 __all__ = ["build_switch"]
@@ -32,5 +33,5 @@ def build_switch(config: Config) -> DescribedPart:
 
     entity = Entity(config, "plug" if config.text("device_class") == "outlet" else "switch")
     entity.offers("on_off", readable=entity.hears(config.source("state_topic"), read), writer=write)
-    entity.listens(command)
+    entity.listens_at(command)
     return entity.described()

@@ -12,8 +12,9 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["build_notify", "build_text"]
 
@@ -58,5 +59,5 @@ def _told(config: Config, least: int, most: int, read: _Read | None) -> Describe
     entity = Entity(config, "x_setting")
     is_readable = read is not None and entity.hears(config.source("state_topic"), read)
     entity.offers("text", readable=is_readable, writer=write)
-    entity.listens(command)
+    entity.listens_at(command)
     return entity.described()

@@ -13,9 +13,10 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Codec, DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of
 from homebot.gateways.mqtt.payload import clean_text, shown
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["build_update"]
 

@@ -13,9 +13,10 @@ from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.aspects import offer_push
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import Readings
 from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["build_vacuum"]
@@ -40,7 +41,7 @@ def build_vacuum(config: Config) -> DescribedPart:
         entity.offers("battery", readable=is_readable, unit="%")
     if "locate" in features and command:
         offer_push(entity, "locate", command, config.text("payload_locate", "locate"))
-    entity.listens(command, set_speed if speeds else None)
+    entity.listens_at(command, set_speed if speeds else None)
     return entity.described()
 
 

@@ -13,9 +13,10 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
-from homebot.gateways.mqtt.homeassistant.entity import NOTHING, Entity, Readings
+from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
 from homebot.gateways.mqtt.homeassistant.scale import Scale
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
 
 __all__ = ["build_valve"]
@@ -45,7 +46,7 @@ def build_valve(config: Config) -> DescribedPart:
     entity.offers("valve", readable=readable, writer=listens.move if listens else None)
     if has_position:
         entity.offers("position", readable=readable, writer=listens.set_position if listens else None)
-    entity.listens(command)
+    entity.listens_at(command)
     return entity.described()
 
 

@@ -13,7 +13,8 @@ from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.homie.told import add_flag, add_percent, add_temperature, add_words, percent_written
 from homebot.gateways.mqtt.homie.values import publication, read_plain
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart
+from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_option
 
 __all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_vacuum", "add_valve"]
@@ -39,7 +40,7 @@ _CLEANING = {
 _CLEANER_ORDERS = {"cleaning": "START", "paused": "PAUSE", "idle": "STOP", "returning": "HOME"}
 
 
-def add_cover(part: TabledPart, props: Props) -> None:
+def add_cover(part: BytesPart, props: Props) -> None:
     """Let *part* be a cover. One without orders in words is moved by its position."""
     position, state, order = props.get("position"), props.get("movement"), props.get("move")
     for capability in ("position", "tilt"):
@@ -72,7 +73,7 @@ def add_cover(part: TabledPart, props: Props) -> None:
         part.offers("movement", readable=state is not None, writer=writer, options=_OPENINGS)
 
 
-def add_lock(part: TabledPart, props: Props) -> None:
+def add_lock(part: BytesPart, props: Props) -> None:
     """Let *part* be a lock: locked where its state is true."""
     state, order = props.get("lock"), props.get("lock_action")
     orders = _words(order, _LOCK_WORDS)
@@ -97,7 +98,7 @@ def add_lock(part: TabledPart, props: Props) -> None:
     part.offers("lock", readable=state is not None, writer=write if is_settable else None)
 
 
-def add_valve(part: TabledPart, props: Props) -> None:
+def add_valve(part: BytesPart, props: Props) -> None:
     """Let *part* be a valve: open where its state is true."""
     state = props["valve"]
 
@@ -114,7 +115,7 @@ def add_valve(part: TabledPart, props: Props) -> None:
     part.offers("valve", writer=write if state.is_settable else None, options=("open", "closed"))
 
 
-def add_thermostat(part: TabledPart, props: Props) -> None:
+def add_thermostat(part: BytesPart, props: Props) -> None:
     """Let *part* be a thermostat."""
     for capability in ("heating_setpoint", "cooling_setpoint", "local_temperature"):
         if capability in props:
@@ -124,7 +125,7 @@ def add_thermostat(part: TabledPart, props: Props) -> None:
             add_words(part, capability, props[capability])
 
 
-def add_fan(part: TabledPart, props: Props) -> None:
+def add_fan(part: BytesPart, props: Props) -> None:
     """Let *part* be a fan."""
     if "on_off" in props:
         add_flag(part, props["on_off"])
@@ -132,7 +133,7 @@ def add_fan(part: TabledPart, props: Props) -> None:
         add_words(part, "fan_mode", props["fan_mode"])
 
 
-def add_vacuum(part: TabledPart, state: HomieProperty, order: HomieProperty) -> None:
+def add_vacuum(part: BytesPart, state: HomieProperty, order: HomieProperty) -> None:
     """Let *part* be a vacuum cleaner, as Valetudo announces it."""
     orders = {name: word for name, word in _CLEANER_ORDERS.items() if word in order.options}
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.tabled_part import number_in
+from homebot.gateways.mqtt.readings import number_in
 
 __all__ = ["COLOR_FORMS", "DATATYPES", "MAX_OPTIONS", "Range", "parse_options", "parse_range"]
 

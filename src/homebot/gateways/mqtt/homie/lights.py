@@ -15,7 +15,8 @@ from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.homie.told import add_flag, percent_of, percent_written
 from homebot.gateways.mqtt.homie.values import publication, read_color, read_plain, spell_color, spell_plain
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart
+from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers
 
 __all__ = ["LIGHT_ROLES", "add_light"]
@@ -27,7 +28,7 @@ _HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
 _KELVIN = (1000.0, 40_000.0)
 
 
-def add_light(part: TabledPart, props: Mapping[str, HomieProperty]) -> None:
+def add_light(part: BytesPart, props: Mapping[str, HomieProperty]) -> None:
     """Let *part* be a lamp made of *props*, which are by role."""
     lamp = _Lamp(props.get("on_off"))
     level, color, white = (props.get(role) for role in ("level", "color", "color_temperature"))
@@ -51,7 +52,7 @@ class _Lamp:
         return (publication(self.switch, "true" if on else "false"),)
 
 
-def _add_level(part: TabledPart, lamp: _Lamp, level: HomieProperty) -> None:
+def _add_level(part: BytesPart, lamp: _Lamp, level: HomieProperty) -> None:
     is_switch = lamp.switch is None
 
     def read(payload: bytes) -> Readings:
@@ -77,7 +78,7 @@ def _add_level(part: TabledPart, lamp: _Lamp, level: HomieProperty) -> None:
         part.offers("on_off", readable=level.is_retained, writer=switch if level.is_settable else None)
 
 
-def _add_color(part: TabledPart, lamp: _Lamp, color: HomieProperty, *, has_level: bool) -> None:
+def _add_color(part: BytesPart, lamp: _Lamp, color: HomieProperty, *, has_level: bool) -> None:
     def read(payload: bytes) -> Readings:
         told = read_color(color, payload)
         if told is None:
@@ -99,7 +100,7 @@ def _add_color(part: TabledPart, lamp: _Lamp, color: HomieProperty, *, has_level
         part.listens(f"{color.topic}/set")
 
 
-def _add_white(part: TabledPart, lamp: _Lamp, white: HomieProperty) -> None:
+def _add_white(part: BytesPart, lamp: _Lamp, white: HomieProperty) -> None:
     is_kelvin = white.unit.strip() == "K" or (white.range.most is not None and white.range.most > 1000)
 
     def read(payload: bytes) -> Readings:

@@ -24,7 +24,8 @@ from homebot.gateways.mqtt.homie.model import HomieDevice, HomieNode, HomiePrope
 from homebot.gateways.mqtt.homie.quantities import SENSOR_TYPES
 from homebot.gateways.mqtt.homie.roles import CONTROLS, NodeRoles, Role, find_roles
 from homebot.gateways.mqtt.homie.told import add_flag, add_plain, add_press, add_temperature
-from homebot.gateways.mqtt.tabled_part import TabledPart
+from homebot.gateways.mqtt.part_table import BytesPart, PartTable
+from homebot.gateways.mqtt.table_codec import raw_bytes
 
 __all__ = ["build_parts"]
 
@@ -34,7 +35,7 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     around = words_in(device.type, device.id, device.name)
     nodes = tuple(find_roles(node, around) for node in device.nodes)
     controls = [*_vacuums(nodes)]
-    others: list[TabledPart] = []
+    others: list[BytesPart] = []
     lamp = _lamp(device, nodes)
     if lamp:
         controls.append(_light(lamp))
@@ -51,7 +52,7 @@ _DIAGNOSTIC = frozenset({"battery", "battery_low", "signal_strength"})
 _SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float": "number", "enum": "option"}
 _OUTLETS = frozenset({"outlet", "plug", "socket"})
 _LAMP_WORDS = frozenset({"light", "lamp", "bulb", "luminaire", "lighting"})
-_Add = Callable[[TabledPart, Mapping[str, HomieProperty]], None]
+_Add = Callable[[BytesPart, Mapping[str, HomieProperty]], None]
 _ADDERS: Mapping[str, _Add] = {
     "window_covering": add_cover,
     "closure": add_cover,
@@ -65,7 +66,7 @@ _ADDERS: Mapping[str, _Add] = {
 }
 
 
-def _vacuums(nodes: tuple[NodeRoles, ...]) -> Iterator[TabledPart]:
+def _vacuums(nodes: tuple[NodeRoles, ...]) -> Iterator[BytesPart]:
     props = [(node, role.prop) for node in nodes for role in node.roles if role.prop.datatype == "enum"]
     states = [prop for _, prop in props if not prop.is_settable and {"docked", "cleaning"} <= set(prop.options)]
     orders = [(node, prop) for node, prop in props if prop.is_settable and {"START", "HOME"} <= set(prop.options)]
@@ -95,14 +96,14 @@ def _lights() -> frozenset[str]:
     return frozenset(name for name, kind in KINDS.items() if kind.service_type == "light")
 
 
-def _light(nodes: tuple[NodeRoles, ...]) -> TabledPart:
+def _light(nodes: tuple[NodeRoles, ...]) -> BytesPart:
     props = {role: prop for role in LIGHT_ROLES for node in nodes if (prop := node.prop(role)) is not None}
     part = _part(nodes[0].node, "light", guessed=any(node.is_guess for node in nodes))
     add_light(part, props)
     return part
 
 
-def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[TabledPart]:
+def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[BytesPart]:
     props = {role.name: role.prop for role in node.roles if role.name in CONTROLS}
     service_type = _service_type(device, node, props)
     if not service_type:
@@ -110,7 +111,7 @@ def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[TabledPart]:
     tag = KINDS[node.kind].tag if node.kind else ""
     part = _part(node.node, service_type, tag=tag, guessed=node.is_guess)
     _ADDERS[service_type](part, props)
-    if part.can:
+    if not part.is_empty:
         yield part
 
 
@@ -139,7 +140,7 @@ _NEEDED: Mapping[str, frozenset[str]] = {
 }
 
 
-def _meters(node: NodeRoles) -> Iterator[TabledPart]:
+def _meters(node: NodeRoles) -> Iterator[BytesPart]:
     roles = {role.name: role for role in reversed(node.roles) if role.name in _ELECTRICAL}
     if not roles:
         return
@@ -149,7 +150,7 @@ def _meters(node: NodeRoles) -> Iterator[TabledPart]:
     yield part
 
 
-def _singles(node: NodeRoles) -> Iterator[TabledPart]:
+def _singles(node: NodeRoles) -> Iterator[BytesPart]:
     """What is left of a node: sensors and settings, each a part."""
     has_thermostat = any(role.name in _NEEDED["thermostat"] for role in node.roles)
     metered: set[str] = set()
@@ -173,7 +174,7 @@ def _is_relative(prop: HomieProperty) -> bool:
 _RELATIVE = frozenset({"toggle", "brighter", "darker", "step-up", "step-down", "trigger"})
 
 
-def _sensor(node: HomieNode, role: Role) -> TabledPart:
+def _sensor(node: HomieNode, role: Role) -> BytesPart:
     category: Category = "diagnostic" if role.name in _DIAGNOSTIC else ""
     service_type = SENSOR_TYPES.get(role.name, "x_sensor")
     part = _part(node, service_type, suffix=role.prop.id, name=role.prop.name, category=category, guessed=role.is_guess)
@@ -186,7 +187,7 @@ def _sensor(node: HomieNode, role: Role) -> TabledPart:
     return part
 
 
-def _setting(node: HomieNode, prop: HomieProperty) -> TabledPart:
+def _setting(node: HomieNode, prop: HomieProperty) -> BytesPart:
     part = _part(node, "x_setting", suffix=prop.id, name=prop.name, category="config")
     add_plain(part, _SETTINGS.get(prop.datatype, "text"), prop)
     return part
@@ -201,8 +202,9 @@ def _part(
     tag: str = "",
     category: Category = "",
     guessed: bool = False,
-) -> TabledPart:
-    return TabledPart(
+) -> BytesPart:
+    return PartTable(
+        raw_bytes,
         "/".join(_filled((node.id, suffix))),
         service_type,
         name=" ".join(dict.fromkeys(_filled((node.name, name)))),

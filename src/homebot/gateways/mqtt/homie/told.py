@@ -10,8 +10,10 @@ from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.homie.quantities import factor_of
 from homebot.gateways.mqtt.homie.values import publication, read_plain, spell_plain
+from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, Writer
+from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.table_codec import Writer
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number
 
 __all__ = [
@@ -29,7 +31,7 @@ _FAHRENHEIT = frozenset({"F", "°F"})
 _PERCENT = 100.0
 
 
-def add_plain(part: TabledPart, capability: str, prop: HomieProperty) -> None:
+def add_plain(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     """Let *prop* be *capability* as it is, in the vocabulary's unit."""
     factor = factor_of(prop.unit) if capability not in {"number", "measurement"} else 1.0
 
@@ -53,7 +55,7 @@ def add_plain(part: TabledPart, capability: str, prop: HomieProperty) -> None:
     )
 
 
-def add_press(part: TabledPart, prop: HomieProperty) -> None:
+def add_press(part: BytesPart, prop: HomieProperty) -> None:
     """Let *prop* tell presses: the words of an enum, or a truth."""
 
     def read(payload: bytes) -> Readings:
@@ -66,7 +68,7 @@ def add_press(part: TabledPart, prop: HomieProperty) -> None:
     part.offers("press", options=("single",) if prop.datatype == "boolean" else prop.options)
 
 
-def add_flag(part: TabledPart, prop: HomieProperty) -> None:
+def add_flag(part: BytesPart, prop: HomieProperty) -> None:
     """Let *prop* be whether the part is on."""
 
     def read(payload: bytes) -> Readings:
@@ -80,7 +82,7 @@ def add_flag(part: TabledPart, prop: HomieProperty) -> None:
     part.offers("on_off", readable=prop.is_retained, writer=_writer(part, prop, write))
 
 
-def add_percent(part: TabledPart, capability: str, prop: HomieProperty) -> None:
+def add_percent(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     """Let *prop* be *capability* in percent of its range."""
 
     def read(payload: bytes) -> Readings:
@@ -94,7 +96,7 @@ def add_percent(part: TabledPart, capability: str, prop: HomieProperty) -> None:
     part.offers(capability, readable=prop.is_retained, writer=_writer(part, prop, write))
 
 
-def add_temperature(part: TabledPart, capability: str, prop: HomieProperty) -> None:
+def add_temperature(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     """Let *prop* be *capability* in degrees Celsius."""
     is_fahrenheit = prop.unit.strip() in _FAHRENHEIT
 
@@ -114,7 +116,7 @@ def add_temperature(part: TabledPart, capability: str, prop: HomieProperty) -> N
     part.offers(capability, writer=_writer(part, prop, write), bounds=bounds if prop.is_settable else ())
 
 
-def add_words(part: TabledPart, capability: str, prop: HomieProperty) -> None:
+def add_words(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     """Let the words of *prop* be *capability*, in small letters."""
     words = {option.casefold(): option for option in prop.options}
 
@@ -168,14 +170,14 @@ def _bounds(prop: HomieProperty) -> tuple[float, ...]:
     return (least, most) if least is not None and most is not None else ()
 
 
-def _hear(part: TabledPart, prop: HomieProperty, read: Callable[[bytes], Readings]) -> None:
+def _hear(part: BytesPart, prop: HomieProperty, read: Callable[[bytes], Readings]) -> None:
     if prop.is_retained:
         part.reads(prop.topic, read)
     elif not prop.is_settable:
         part.reads_events(prop.topic, read)
 
 
-def _writer(part: TabledPart, prop: HomieProperty, write: Writer) -> Writer | None:
+def _writer(part: BytesPart, prop: HomieProperty, write: Writer) -> Writer | None:
     if not prop.is_settable:
         return None
     part.listens(f"{prop.topic}/set")

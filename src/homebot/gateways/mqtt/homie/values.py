@@ -18,7 +18,7 @@ from homebot.gateways.mqtt.homie.formats import COLOR_FORMS
 from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_saturation
 from homebot.gateways.mqtt.payload import clean_text, shown
-from homebot.gateways.mqtt.tabled_part import number_in, text_in
+from homebot.gateways.mqtt.readings import number_in, text_in
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["publication", "read_color", "read_plain", "spell_color", "spell_plain"]

@@ -19,7 +19,7 @@ from homebot.gateways.mqtt.homie.described import describe
 from homebot.gateways.mqtt.homie.model import MAX_PROPERTIES, HomieDevice
 from homebot.gateways.mqtt.homie.state import STATES
 from homebot.gateways.mqtt.payload import clean_text, shown
-from homebot.gateways.mqtt.tabled_part import text_in
+from homebot.gateways.mqtt.readings import text_in
 
 __all__ = ["FILTERS", "Version4"]
 

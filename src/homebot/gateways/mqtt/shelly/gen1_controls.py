@@ -10,8 +10,10 @@ from types import MappingProxyType
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.part_table import BytesPart, PartTable
+from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in, text_in
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, number_in, text_in
+from homebot.gateways.mqtt.table_codec import raw_bytes
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
 __all__ = ["SWITCHED", "build_relay", "build_roller"]
@@ -32,7 +34,7 @@ _ORDERS = {"open": b"open", "closed": b"close", "stopped": b"stop"}
 _FULLY_OPEN = 100
 
 
-def build_relay(place: Gen1Place, index: int, *, is_plug: bool) -> TabledPart:
+def build_relay(place: Gen1Place, index: int, *, is_plug: bool) -> BytesPart:
     """Describe a relay: a plug where it is a socket."""
     topic = place.at(f"relay/{index}")
 
@@ -42,14 +44,14 @@ def build_relay(place: Gen1Place, index: int, *, is_plug: bool) -> TabledPart:
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return (Publication(f"{topic}/command", b"on" if wanted_flag("on_off", value) else b"off"),)
 
-    part = TabledPart(f"relay:{index}", "plug" if is_plug else "switch", advertised="relay")
+    part = PartTable(raw_bytes, f"relay:{index}", "plug" if is_plug else "switch", advertised="relay")
     part.reads(topic, read)
     part.listens(f"{topic}/command")
     part.offers("on_off", writer=write)
     return part
 
 
-def build_roller(place: Gen1Place, index: int) -> TabledPart:
+def build_roller(place: Gen1Place, index: int) -> BytesPart:
     """Describe a roller. One that was never calibrated does not know its position, and says -1."""
     topic = place.at(f"roller/{index}")
 
@@ -69,7 +71,7 @@ def build_roller(place: Gen1Place, index: int) -> TabledPart:
         position = round(wanted_number("position", value, 0, _FULLY_OPEN, "%"))
         return (Publication(f"{topic}/command/pos", b"%d" % position),)
 
-    part = TabledPart(f"roller:{index}", "window_covering", advertised="roller")
+    part = PartTable(raw_bytes, f"roller:{index}", "window_covering", advertised="roller")
     part.reads(topic, read)
     part.reads(f"{topic}/pos", read_position)
     part.listens(f"{topic}/command")

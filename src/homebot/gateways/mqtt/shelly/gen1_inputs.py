@@ -5,8 +5,10 @@ Source: Shelly Gen1 API, MQTT: ``input/<i>`` and ``input_event/<i>``.
 
 from __future__ import annotations
 
+from homebot.gateways.mqtt.part_table import BytesPart, PartTable
+from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, text_in
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, text_in
+from homebot.gateways.mqtt.table_codec import raw_bytes
 
 __all__ = ["build_input"]
 
@@ -48,9 +50,11 @@ class _Presses:
         return {"press": press} if is_new and press is not None else NOTHING
 
 
-def build_input(place: Gen1Place, index: int, *, has_state: bool, has_events: bool, counts_first: bool) -> TabledPart:
+def build_input(place: Gen1Place, index: int, *, has_state: bool, has_events: bool, counts_first: bool) -> BytesPart:
     """Describe an input: a button where it tells presses."""
-    part = TabledPart(f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input")
+    part = PartTable(
+        raw_bytes, f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input"
+    )
     if has_state:
         part.reads(place.at(f"input/{index}"), _read_state)
         part.offers("state")

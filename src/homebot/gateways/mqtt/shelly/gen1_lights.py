@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_saturation
+from homebot.gateways.mqtt.part_table import BytesPart, PartTable
+from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, number_in, text_in
 from homebot.gateways.mqtt.shelly.gen1_controls import SWITCHED
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, number_in, text_in
+from homebot.gateways.mqtt.table_codec import raw_bytes
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers
 
 __all__ = ["build_light"]
@@ -28,7 +30,7 @@ _HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
 _CHANNELS = ("red", "green", "blue")
 
 
-def build_light(place: Gen1Place, kind: str, index: int, model: str) -> TabledPart:
+def build_light(place: Gen1Place, kind: str, index: int, model: str) -> BytesPart:
     """Describe a lamp.
 
     Args:
@@ -38,7 +40,7 @@ def build_light(place: Gen1Place, kind: str, index: int, model: str) -> TabledPa
         model: Number of its device's model; empty where that is not known.
     """
     lamp = _Lamp(place.at(f"{kind}/{index}"), kind, _WHITES.get(model))
-    part = TabledPart(f"{kind}:{index}", "light", advertised=kind)
+    part = PartTable(raw_bytes, f"{kind}:{index}", "light", advertised=kind)
     part.reads(lamp.topic, _read_word)
     part.reads(f"{lamp.topic}/status", lamp.read)
     part.listens(f"{lamp.topic}/command")

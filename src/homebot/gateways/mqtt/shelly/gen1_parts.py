@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from homebot.gateways.mqtt.description import DescribedPart, Publication
+from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.shelly.gen1_controls import build_relay, build_roller
 from homebot.gateways.mqtt.shelly.gen1_inputs import build_input
 from homebot.gateways.mqtt.shelly.gen1_lights import build_light
@@ -17,7 +18,6 @@ from homebot.gateways.mqtt.shelly.gen1_models import Gen1Model
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.shelly.gen1_sensors import SENSORS, build_meter, build_sensor
 from homebot.gateways.mqtt.shelly.gen1_status import build_motion, build_valve
-from homebot.gateways.mqtt.tabled_part import TabledPart
 
 __all__ = ["MAX_CHANNELS", "build_parts", "is_known_topic"]
 
@@ -35,7 +35,7 @@ def is_known_topic(suffix: str) -> bool:
 
 def build_parts(place: Gen1Place, model: Gen1Model | None, suffixes: frozenset[str]) -> tuple[DescribedPart, ...]:
     """Return the parts of the device at *place* that publishes *suffixes*; first what it is there for."""
-    parts: list[TabledPart] = []
+    parts: list[BytesPart] = []
     for channel in _channels(suffixes):
         parts.extend(part for build in _BUILDERS[channel.kind] if (part := build(place, channel, suffixes, model)))
     if "relay/power" in suffixes and "relay/0/power" not in suffixes:
@@ -43,8 +43,9 @@ def build_parts(place: Gen1Place, model: Gen1Model | None, suffixes: frozenset[s
     parts.extend(build_sensor(place, SENSORS[suffix]) for suffix in SENSORS if suffix in suffixes)
     if "status" in suffixes:
         parts.extend(build_valve(place) if model is not None and model.name == "SHTRV-01" else build_motion(place))
-    asks = (Publication(f"{place.topic}/command", b"update"),)
-    return tuple(part.described(() if index else asks) for index, part in enumerate(parts))
+    for part in parts[:1]:
+        part.asks(Publication(f"{place.topic}/command", b"update"))
+    return tuple(part.described() for part in parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,7 @@ class _Channel:
         return f"{self.kind}/{self.index}"
 
 
-_Build = Callable[[Gen1Place, _Channel, frozenset[str], Gen1Model | None], TabledPart | None]
+_Build = Callable[[Gen1Place, _Channel, frozenset[str], Gen1Model | None], BytesPart | None]
 
 _CHANNEL = re.compile(
     r"(?P<kind>relay|roller|light|color|white|input|input_event|emeter|adc|ext_temperature|ext_humidity|ext_switch)"
@@ -91,19 +92,19 @@ def _channels(suffixes: frozenset[str]) -> tuple[_Channel, ...]:
     return tuple(sorted(found, key=lambda one: (order.index(one.kind), one.index)))
 
 
-def _relay(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> TabledPart:
+def _relay(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
     return build_relay(place, channel.index, is_plug=model is not None and model.is_plug)
 
 
-def _roller(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> TabledPart:
+def _roller(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
     return build_roller(place, channel.index)
 
 
-def _light(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> TabledPart:
+def _light(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
     return build_light(place, channel.kind, channel.index, "" if model is None else model.name)
 
 
-def _input(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], model: Gen1Model | None) -> TabledPart:
+def _input(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
     return build_input(
         place,
         channel.index,
@@ -113,25 +114,23 @@ def _input(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], model:
     )
 
 
-def _meter(
-    place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None
-) -> TabledPart | None:
+def _meter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart | None:
     topic = channel.topic
     told = {name: f"{topic}/{name}" for name in ("power", "energy") if f"{topic}/{name}" in suffixes}
     return build_meter(place, f"{channel.kind}:{channel.index}/meter", told) if told else None
 
 
-def _emeter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> TabledPart:
+def _emeter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
     names = {"power": "power", "voltage": "voltage", "current": "current", "total": "total"}
     told = {name: f"{channel.topic}/{rest}" for rest, name in names.items() if f"{channel.topic}/{rest}" in suffixes}
     return build_meter(place, f"emeter:{channel.index}", told)
 
 
-def _adc(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> TabledPart:
+def _adc(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
     return build_meter(place, f"adc:{channel.index}", {"voltage": channel.topic})
 
 
-def _external(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> TabledPart:
+def _external(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
     return build_sensor(place, SENSORS[channel.kind], channel.index)
 
 

@@ -11,8 +11,10 @@ from types import MappingProxyType
 
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.part_table import BytesPart, PartTable
+from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in, text_in
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, number_in, text_in
+from homebot.gateways.mqtt.table_codec import raw_bytes
 
 __all__ = ["SENSORS", "Gen1Sensor", "build_meter", "build_sensor"]
 
@@ -102,19 +104,19 @@ _METERED: Mapping[str, tuple[str, float]] = MappingProxyType(
 """The capability of what a meter tells, and what makes its unit of Shelly's: watt-minutes, watt-hours."""
 
 
-def build_sensor(place: Gen1Place, sensor: Gen1Sensor, index: int | None = None) -> TabledPart:
+def build_sensor(place: Gen1Place, sensor: Gen1Sensor, index: int | None = None) -> BytesPart:
     """Describe a sensor; where it is a channel, channel *index*."""
     part_id = sensor.suffix.removeprefix("sensor/")
     topic = place.at(sensor.suffix)
     if index is not None:
         part_id, topic = f"{part_id}:{index}", f"{topic}/{index}"
-    part = TabledPart(part_id, sensor.service_type, advertised=sensor.suffix, category=sensor.category)
+    part = PartTable(raw_bytes, part_id, sensor.service_type, advertised=sensor.suffix, category=sensor.category)
     part.reads(topic, sensor.read)
     part.offers(sensor.capability, unit=sensor.unit)
     return part
 
 
-def build_meter(place: Gen1Place, part_id: str, told: Mapping[str, str]) -> TabledPart:
+def build_meter(place: Gen1Place, part_id: str, told: Mapping[str, str]) -> BytesPart:
     """Describe a meter.
 
     Args:
@@ -122,7 +124,7 @@ def build_meter(place: Gen1Place, part_id: str, told: Mapping[str, str]) -> Tabl
         part_id: Of the part.
         told: Topics below the device's, by what is told there: power, energy, total, voltage, current.
     """
-    part = TabledPart(part_id, "electrical_meter", advertised="meter")
+    part = PartTable(raw_bytes, part_id, "electrical_meter", advertised="meter")
     for name, suffix in told.items():
         capability, factor = _METERED[name]
         part.reads(place.at(suffix), _measuring(capability, factor))

@@ -10,8 +10,10 @@ from collections.abc import Callable, Mapping
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.part_table import BytesPart, PartTable
+from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, number_in
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, number_in
+from homebot.gateways.mqtt.table_codec import raw_bytes
 from homebot.gateways.mqtt.wanted import wanted_number
 
 __all__ = ["build_motion", "build_valve"]
@@ -20,7 +22,7 @@ _VALVE_BOUNDS = (4.0, 31.0)
 _UNCLEAR = object()
 
 
-def build_motion(place: Gen1Place) -> tuple[TabledPart, ...]:
+def build_motion(place: Gen1Place) -> tuple[BytesPart, ...]:
     """Describe what a motion sensor tells in its one ``status``."""
     return tuple(
         _status_part(place, part_id, service_type, capability, find, category)
@@ -28,7 +30,7 @@ def build_motion(place: Gen1Place) -> tuple[TabledPart, ...]:
     )
 
 
-def build_valve(place: Gen1Place) -> tuple[TabledPart, ...]:
+def build_valve(place: Gen1Place) -> tuple[BytesPart, ...]:
     """Describe a radiator valve."""
     topic = place.at("thermostat/0/command/target_t")
 
@@ -36,7 +38,7 @@ def build_valve(place: Gen1Place) -> tuple[TabledPart, ...]:
         celsius = wanted_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C")
         return (Publication(topic, f"{round(celsius, 1):g}".encode()),)
 
-    part = TabledPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
+    part = PartTable(raw_bytes, "thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
     part.reads(place.at("status"), _read_valve)
     part.reads(place.at("info"), _read_valve)
     part.listens(topic)
@@ -80,13 +82,13 @@ _MOTION: tuple[tuple[str, str, str, _Find, Category], ...] = (
 
 def _status_part(
     place: Gen1Place, part_id: str, service_type: str, capability: str, find: _Find, category: Category
-) -> TabledPart:
+) -> BytesPart:
     def read(payload: bytes) -> Readings:
         told = json_in(payload)
         value = find(told) if isinstance(told, dict) else _UNCLEAR
         return {capability: value} if value is None or isinstance(value, (bool, float)) else NOTHING
 
-    part = TabledPart(part_id, service_type, advertised="status", category=category)
+    part = PartTable(raw_bytes, part_id, service_type, advertised="status", category=category)
     for topic in ("status", "info") if part_id == "battery" else ("status",):
         part.reads(place.at(topic), read)
     part.offers(capability)

@@ -19,12 +19,12 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.bounded import Bounded
 from homebot.gateways.mqtt.description import Availability, Described, DescribedPart, Heard, Question, Withdrawn
 from homebot.gateways.mqtt.payload import clean_text, parse_object, shown
+from homebot.gateways.mqtt.readings import json_in, number_in
 from homebot.gateways.mqtt.shelly.gen2_answers import fields_in, is_prefix, kind_of, sleeps, tells_change, text_of
 from homebot.gateways.mqtt.shelly.gen2_component import Fields, Gen2Place
 from homebot.gateways.mqtt.shelly.gen2_parts import build_parts
 from homebot.gateways.mqtt.shelly.online import OnlineTopic
 from homebot.gateways.mqtt.shelly.rpc import call
-from homebot.gateways.mqtt.tabled_part import json_in, number_in
 
 __all__ = ["MAX_ANSWER_BYTES", "Gen2"]
 

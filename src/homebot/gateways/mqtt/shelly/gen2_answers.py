@@ -6,8 +6,8 @@ Source: Shelly Gen2+ API, Shelly.GetDeviceInfo, Shelly.GetConfig, Shelly.GetStat
 from __future__ import annotations
 
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Fields
-from homebot.gateways.mqtt.tabled_part import number_in
 
 __all__ = ["fields_in", "is_prefix", "kind_of", "sleeps", "tells_change", "text_of"]
 

@@ -16,9 +16,11 @@ from typing import TypeAlias
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.part_table import BytesPart, PartTable
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, number_in
 from homebot.gateways.mqtt.shelly.rpc import call
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, json_in, number_in
+from homebot.gateways.mqtt.table_codec import raw_bytes
 
 __all__ = ["Component", "Fields", "Gen2Place", "Told", "flag", "measured"]
 
@@ -80,7 +82,7 @@ class Component:
         name = self.config.get("name")
         return clean_text(name) if isinstance(name, str) else ""
 
-    def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> TabledPart:
+    def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> BytesPart:
         """Return a part of it without capabilities.
 
         Args:
@@ -90,9 +92,11 @@ class Component:
             category: See :attr:`homebot.devices.Part.category`.
         """
         part_id = f"{self.key}/{suffix}" if suffix else self.key
-        return TabledPart(part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category)
+        return PartTable(
+            raw_bytes, part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category
+        )
 
-    def tells(self, part: TabledPart, told: Told, key: str = "") -> None:
+    def tells(self, part: BytesPart, told: Told, key: str = "") -> None:
         """Have *part* read the component, or the one called *key*, with *told*."""
         key = key or self.key
         prefix = self.place.prefix
@@ -100,13 +104,13 @@ class Component:
         part.reads(f"{prefix}/status/{key}", lambda payload: _read_status(payload, told))
         part.reads(self.place.answers, lambda payload: _read(payload, "result", key, told))
 
-    def hears_presses(self, part: TabledPart, presses: Mapping[str, str]) -> None:
+    def hears_presses(self, part: BytesPart, presses: Mapping[str, str]) -> None:
         """Have *part* read its events, named as in *presses*."""
         key = self.key
         part.reads_events(f"{self.place.prefix}/events/rpc", lambda payload: _read_events(payload, key, presses))
         part.offers("press", options=tuple(presses.values()))
 
-    def listens(self, part: TabledPart) -> None:
+    def listens(self, part: BytesPart) -> None:
         """Name the topic that commands to *part* go to."""
         part.listens(f"{self.place.prefix}/rpc")
 

@@ -5,8 +5,9 @@ Source: Shelly Gen2+ API, components PM1, EM, EM1, EMData, EM1Data, and the meas
 
 from __future__ import annotations
 
+from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, measured
-from homebot.gateways.mqtt.tabled_part import NOTHING, Readings, TabledPart, number_in
 
 __all__ = ["build_meters", "build_own_temperature"]
 
@@ -24,7 +25,7 @@ _PHASES = ("a", "b", "c")
 _TOTALS = (("total_act_power", "power"), ("total_current", "current"))
 
 
-def build_meters(component: Component) -> tuple[TabledPart, ...]:
+def build_meters(component: Component) -> tuple[BytesPart, ...]:
     """Describe what a component measures of the electricity through it; nothing where it does not."""
     if component.kind == "em":
         return _build_phases(component)
@@ -45,7 +46,7 @@ def build_meters(component: Component) -> tuple[TabledPart, ...]:
     return (part,)
 
 
-def build_own_temperature(component: Component) -> tuple[TabledPart, ...]:
+def build_own_temperature(component: Component) -> tuple[BytesPart, ...]:
     """Describe how warm the device itself is, where the component tells."""
     if not isinstance(component.status.get("temperature"), dict):
         return ()
@@ -61,7 +62,7 @@ def build_own_temperature(component: Component) -> tuple[TabledPart, ...]:
     return (part,)
 
 
-def _build_phases(component: Component) -> tuple[TabledPart, ...]:
+def _build_phases(component: Component) -> tuple[BytesPart, ...]:
     total = component.part("", "electrical_meter")
     for field, capability in _TOTALS:
         component.tells(total, measured(field, capability))

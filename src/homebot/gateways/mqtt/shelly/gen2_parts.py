@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping
 
 from homebot.gateways.mqtt.description import DescribedPart
+from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, Gen2Place
 from homebot.gateways.mqtt.shelly.gen2_controls import (
     build_cover,
@@ -24,7 +25,6 @@ from homebot.gateways.mqtt.shelly.gen2_sensors import (
 )
 from homebot.gateways.mqtt.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button
 from homebot.gateways.mqtt.shelly.rpc import call
-from homebot.gateways.mqtt.tabled_part import TabledPart
 
 __all__ = ["MAX_COMPONENTS", "build_parts"]
 
@@ -40,16 +40,17 @@ def build_parts(place: Gen2Place, status: Fields, config: Fields) -> tuple[Descr
         status: By component, as it answers ``Shelly.GetStatus``.
         config: By component, as it answers ``Shelly.GetConfig``; empty where it did not.
     """
-    parts: list[TabledPart] = []
+    parts: list[BytesPart] = []
     for component in _components(place, status, config):
         for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
-    asks = (call(place.prefix, place.answers.removesuffix("/rpc"), "Shelly.GetStatus"),)
-    return tuple(part.described(() if index else asks) for index, part in enumerate(parts))
+    for part in parts[:1]:
+        part.asks(call(place.prefix, place.answers.removesuffix("/rpc"), "Shelly.GetStatus"))
+    return tuple(part.described() for part in parts)
 
 
 _KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
-_Build = Callable[[Component], tuple[TabledPart, ...]]
+_Build = Callable[[Component], tuple[BytesPart, ...]]
 _LOAD: tuple[_Build, ...] = (build_meters, build_own_temperature)
 _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     "thermostat": (build_thermostat,),

@@ -11,7 +11,7 @@ from __future__ import annotations
 import colorsys
 from dataclasses import dataclass
 
-from homebot.gateways.mqtt.json_part import finite_number
+from homebot.gateways.mqtt.readings import finite_number
 
 __all__ = ["Change", "Shown", "speed"]
 

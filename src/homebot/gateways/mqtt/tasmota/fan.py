@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
+from homebot.gateways.mqtt.part_table import JsonPart
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
 from homebot.gateways.mqtt.tasmota.lines import Lines
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number
 
@@ -17,7 +18,8 @@ __all__ = ["offer_fan"]
 def offer_fan(part: JsonPart, lines: Lines) -> None:
     """Have *part* be the fan."""
     fan = _Fan(lines)
-    part.hears(fan.read, *lines.states)
+    for topic in lines.states:
+        part.reads(topic, fan.read)
     part.offers("on_off", writer=fan.switch)
     part.offers("fan_speed", writer=fan.set_speed)
     part.listens(lines.topic(_COMMAND))

@@ -9,8 +9,10 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 
 from homebot.gateways.mqtt.description import DescribedPart, Fade
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
+from homebot.gateways.mqtt.part_table import PartTable
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
+from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
 
 __all__ = ["describe_inputs"]
@@ -75,14 +77,15 @@ def _switch_name(lines: Lines, index: int) -> str:
 
 def _contact(lines: Lines, index: int, mode: int) -> DescribedPart:
     name = _switch_name(lines, index)
-    part = JsonPart(f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch")
+    part = PartTable(json_object, f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch")
     read = partial(_read_state, lines.config.words[0], lines.config.words[1], name)
     part.offers("state")
     if mode in _PULSES:
-        part.hears_events(read, lines.states[0])
+        part.reads_events(lines.states[0], read)
         part.fades(Fade("state", _PULSE_SECONDS, value=False, only=True))
     else:
-        part.hears(read, lines.states[0], *lines.sensors)
+        for topic in (lines.states[0], *lines.sensors):
+            part.reads(topic, read)
         part.asks(*lines.asks_sensors)
     return part.described()
 
@@ -105,8 +108,8 @@ def _button_words(lines: Lines) -> Mapping[str, str]:
 
 
 def _presses(lines: Lines, part_id: str, name: str, words: Mapping[str, str]) -> DescribedPart:
-    part = JsonPart(part_id, "generic_switch", name=clean_text(name), advertised="button")
-    part.hears_events(partial(_read_press, name, words), lines.states[0])
+    part = PartTable(json_object, part_id, "generic_switch", name=clean_text(name), advertised="button")
+    part.reads_events(lines.states[0], partial(_read_press, name, words))
     part.offers("press", options=tuple(dict.fromkeys(words.values())))
     return part.described()
 

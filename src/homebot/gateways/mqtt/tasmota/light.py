@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
 from homebot.gateways.mqtt.light_color import kelvin_mired
+from homebot.gateways.mqtt.part_table import JsonPart
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
 from homebot.gateways.mqtt.tasmota.config import LIGHT, TasmotaConfig
 from homebot.gateways.mqtt.tasmota.fading import Change, Shown, speed
 from homebot.gateways.mqtt.tasmota.lines import Lines
@@ -25,7 +26,8 @@ __all__ = ["offer_light"]
 def offer_light(part: JsonPart, lines: Lines, index: int) -> None:
     """Have *part* be the lamp at the output *index*."""
     lamp = _lamp(lines, index)
-    part.hears(lamp.read, *lines.states)
+    for topic in lines.states:
+        part.reads(topic, lamp.read)
     part.listens(lines.topic("Backlog"))
     part.offers("on_off", writer=lamp.switch)
     if lamp.kind != _ON_OFF:

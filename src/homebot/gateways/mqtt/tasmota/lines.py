@@ -10,7 +10,8 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
+from homebot.gateways.mqtt.part_table import JsonPart
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
 from homebot.gateways.mqtt.tasmota.config import TasmotaConfig
 from homebot.gateways.mqtt.wanted import wanted_flag
 
@@ -66,7 +67,8 @@ class Lines:
 
     def offer_power(self, part: JsonPart, index: int) -> None:
         """Have *part* be switched as the output *index*, by a command of its own."""
-        part.hears(partial(self.read_power, index), *self.states)
+        for topic in self.states:
+            part.reads(topic, partial(self.read_power, index))
         part.offers("on_off", writer=partial(self._switch, index))
         part.listens(self.topic(f"Power{index + 1}"))
         part.asks(*self.asks_state)

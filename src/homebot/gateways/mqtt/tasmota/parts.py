@@ -9,7 +9,8 @@ from collections.abc import Iterable
 from itertools import chain
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.json_part import JsonPart, with_own_ids
+from homebot.gateways.mqtt.part_table import PartTable, with_own_ids
+from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.tasmota.config import LIGHT, RELAY, TasmotaConfig
 from homebot.gateways.mqtt.tasmota.fan import offer_fan
 from homebot.gateways.mqtt.tasmota.inputs import describe_inputs
@@ -45,22 +46,22 @@ def _outputs(lines: Lines) -> Iterable[DescribedPart]:
             if index == 0:
                 yield _relay(lines, index, "light", name)
         elif output == LIGHT:
-            part = JsonPart(f"light_{index + 1}", "light", name=name, advertised="light")
+            part = PartTable(json_object, f"light_{index + 1}", "light", name=name, advertised="light")
             offer_light(part, lines, index)
             yield part.described()
         elif output == RELAY:
             yield _relay(lines, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
     for index in range(count_shutters(config.outputs)):
-        part = JsonPart(f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
+        part = PartTable(json_object, f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
         offer_shutter(part, lines, index)
         yield part.described()
     if config.is_fan:
-        part = JsonPart("fan", "fan", advertised="fan")
+        part = PartTable(json_object, "fan", "fan", advertised="fan")
         offer_fan(part, lines)
         yield part.described()
 
 
 def _relay(lines: Lines, index: int, service_type: str, name: str) -> DescribedPart:
-    part = JsonPart(f"power_{index + 1}", service_type, name=name, advertised="relay")
+    part = PartTable(json_object, f"power_{index + 1}", service_type, name=name, advertised="relay")
     lines.offer_power(part, index)
     return part.described()

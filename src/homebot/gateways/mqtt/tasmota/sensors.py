@@ -11,8 +11,10 @@ from functools import partial
 from typing import TypeAlias
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.part_table import PartTable
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
 from homebot.gateways.mqtt.tasmota.quantities import Quantity, quantity_of
 
@@ -62,14 +64,16 @@ def describe_sensors(lines: Lines, leaves: Iterable[Leaf]) -> Iterable[Described
     for leaf in leaves:
         what = leaf.quantity
         is_number = leaf.is_number or what.capability != "measurement"
-        part = JsonPart(
+        part = PartTable(
+            json_object,
             clean_text("_".join(map(str, leaf.path)), _MAX_ID),
             what.service_type,
             name=clean_text(" ".join(map(str, leaf.path))),
             advertised=clean_text(str(leaf.path[-1 if isinstance(leaf.path[-1], str) else -2])),
         )
         capability = what.capability if is_number else "value"
-        part.hears(partial(_read, leaf.path, capability, what), *lines.sensors)
+        for topic in lines.sensors:
+            part.reads(topic, partial(_read, leaf.path, capability, what))
         part.offers(capability, unit=what.unit if is_number else "")
         part.asks(*lines.asks_sensors)
         yield part.described()
@@ -130,8 +134,8 @@ def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
 
 
 def _signal(lines: Lines) -> DescribedPart:
-    part = JsonPart("wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
-    part.hears(_read_signal, lines.states[1])
+    part = PartTable(json_object, "wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
+    part.reads(lines.states[1], _read_signal)
     part.offers("signal_strength")
     return part.described()
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.part_table import JsonPart
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
 from homebot.gateways.mqtt.tasmota.config import SHUTTER, Tilt
 from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
 from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
@@ -37,7 +38,8 @@ def offer_shutter(part: JsonPart, lines: Lines, index: int) -> None:
     options = config.shutter_options[index] if index < len(config.shutter_options) else 0
     tilt = config.tilts[index] if index < len(config.tilts) else None
     shutter = _Shutter(lines, index + 1, bool(options & _INVERTED), tilt)
-    part.hears(shutter.read, lines.states[0], *lines.sensors)
+    for topic in (lines.states[0], *lines.sensors):
+        part.reads(topic, shutter.read)
     part.offers("movement", writer=shutter.move)
     part.offers("position", writer=shutter.set_position)
     if tilt is not None:

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.json_part import JsonPart
+from homebot.gateways.mqtt.part_table import JsonPart, PartTable
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import offer_enum, offer_number
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
@@ -40,7 +41,7 @@ def build_thermometer(lines: Lines, climate: Expose) -> DescribedPart | None:
     local = climate.feature("local_temperature")
     if local is None or not local.is_said:
         return None
-    part = JsonPart(clean_text(local.key), "temperature_sensor", name=local.label, advertised=local.name)
+    part = PartTable(json_object, clean_text(local.key), "temperature_sensor", name=local.label, advertised=local.name)
     offer_number(part, lines, local, "temperature")
     return part.described()
 

@@ -12,7 +12,8 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.part_table import JsonPart
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
 from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import hear
@@ -35,7 +36,7 @@ def build_cover(part: JsonPart, lines: Lines, cover: Expose, motor: Expose | Non
     state, position, tilt = (cover.feature(name) for name in ("state", "position", "tilt"))
     part.listens(lines.told)
     if state is not None:
-        part.hears(_Movement(state.key, position.key if position else "", motor).read, lines.said)
+        part.reads(lines.said, _Movement(state.key, position.key if position else "", motor).read)
         writer = partial(_move, lines, state.key) if state.is_settable else None
         part.offers("movement", readable=state.is_said, writer=writer)
     for name, feature in (("position", position), ("tilt", tilt)):

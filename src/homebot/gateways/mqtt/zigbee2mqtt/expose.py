@@ -12,8 +12,8 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from homebot.devices.part import Category
-from homebot.gateways.mqtt.json_part import finite_number
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import finite_number
 
 __all__ = ["SPECIFIC_TYPES", "Expose", "Scalar", "read_exposes"]
 

@@ -11,7 +11,8 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.json_part import JsonPart, finite_number
+from homebot.gateways.mqtt.part_table import JsonPart
+from homebot.gateways.mqtt.readings import finite_number
 from homebot.gateways.mqtt.wanted import wanted_number
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import hear, offer_enum, offer_flag

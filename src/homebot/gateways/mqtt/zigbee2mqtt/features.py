@@ -7,8 +7,10 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, Writer, finite_number
+from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.table_codec import Writer
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose, Scalar
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines, whole_or_not
@@ -40,7 +42,7 @@ def hear(part: JsonPart, lines: Lines, feature: Expose, capability: str, read: C
         capability: What it is then.
         read: Returns what a value means, None where it means nothing.
     """
-    part.hears(partial(_read, feature.key, capability, read), lines.said)
+    part.reads(lines.said, partial(_read, feature.key, capability, read))
 
 
 def offer_flag(part: JsonPart, lines: Lines, feature: Expose | None, capability: str) -> None:

@@ -13,8 +13,10 @@ from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
+from homebot.gateways.mqtt.part_table import JsonPart, PartTable
 from homebot.gateways.mqtt.payload import clean_text, shown
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.wanted import wanted_flag
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import (
@@ -44,12 +46,14 @@ def build_generic(lines: Lines, expose: Expose) -> DescribedPart | None:
 
 
 def _part(expose: Expose, service_type: str, category: Category) -> JsonPart:
-    return JsonPart(clean_text(expose.key), service_type, name=expose.label, advertised=expose.name, category=category)
+    return PartTable(
+        json_object, clean_text(expose.key), service_type, name=expose.label, advertised=expose.name, category=category
+    )
 
 
 def _buttons(lines: Lines, action: Expose) -> DescribedPart:
     part = _part(action, "generic_switch", "")
-    part.hears_events(partial(_read_action, action.key), lines.said)
+    part.reads_events(lines.said, partial(_read_action, action.key))
     part.offers("press", options=tuple(action.options))
     return part.described()
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, finite_number
 from homebot.gateways.mqtt.light_color import (
     CHANNELS,
     KelvinRange,
@@ -19,6 +18,8 @@ from homebot.gateways.mqtt.light_color import (
     kelvin_mired,
     to_hue_saturation,
 )
+from homebot.gateways.mqtt.part_table import JsonPart
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose, Scalar
 from homebot.gateways.mqtt.zigbee2mqtt.features import flag_of, text_of
@@ -42,7 +43,7 @@ def build_light(part: JsonPart, lines: Lines, light: Expose, effect: Expose | No
     lamp = _Lamp(lines, features, light.suffix, _color_mode(light), effect)
     state = features.get("state")
     is_said = state is not None and state.is_said
-    part.hears(lamp.read, lines.said)
+    part.reads(lines.said, lamp.read)
     part.listens(lines.told)
     part.offers("on_off", readable=is_said, writer=lamp.switch)
     if "brightness" in features:

@@ -10,7 +10,8 @@ from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings
+from homebot.gateways.mqtt.part_table import JsonPart
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
 from homebot.gateways.mqtt.wanted import wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import same_scalar
@@ -24,7 +25,7 @@ FEATURES_OF_LOCK = frozenset({"state", "lock_state"})
 def build_lock(part: JsonPart, lines: Lines, lock: Expose) -> DescribedPart:
     """Describe a lock. A bolt that is not fully out counts as unlocked, which is the careful reading."""
     state, bolt = lock.feature("state"), lock.feature("lock_state")
-    part.hears(partial(_read, state, bolt), lines.said)
+    part.reads(lines.said, partial(_read, state, bolt))
     writer = partial(_write, lines, state) if state is not None and state.is_settable else None
     is_said = any(one is not None and one.is_said for one in (state, bolt))
     part.offers("lock", readable=is_said, writer=writer, options=("locked", "unlocked"))

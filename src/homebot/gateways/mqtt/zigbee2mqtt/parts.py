@@ -8,8 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.json_part import NOTHING, JsonMessage, JsonPart, Readings, with_own_ids
+from homebot.gateways.mqtt.part_table import PartTable, with_own_ids
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
+from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.zigbee2mqtt.bridge_device import BridgeDevice
 from homebot.gateways.mqtt.zigbee2mqtt.climate import (
     FEATURES_OF_CLIMATE,
@@ -60,7 +62,9 @@ def _described(device: BridgeDevice, lines: Lines, exposes: tuple[Expose, ...]) 
                 yield thermometer
             rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
         elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
-            yield build_siren(JsonPart("siren" + expose.suffix, "siren", advertised="warning"), lines, expose)
+            yield build_siren(
+                PartTable(json_object, "siren" + expose.suffix, "siren", advertised="warning"), lines, expose
+            )
             rest = []
         else:
             rest = [] if expose is beside.get("effect") else [expose]
@@ -87,7 +91,8 @@ def _specific(device: BridgeDevice, lines: Lines, expose: Expose, beside: Mappin
     if expose.type == "switch":
         return _switch(lines, expose)
     service_type = climate_type(expose) if expose.type == "climate" else _SERVICES[expose.type]
-    part = JsonPart(
+    part = PartTable(
+        json_object,
         expose.type + expose.suffix,
         service_type,
         name=clean_text(expose.endpoint),
@@ -114,7 +119,8 @@ def _switch(lines: Lines, expose: Expose) -> DescribedPart:
     """Describe a relay. One whose property is no state, such as ``window_detection``, is a setting."""
     state = expose.feature("state")
     is_setting = state is not None and not state.key.startswith("state")
-    part = JsonPart(
+    part = PartTable(
+        json_object,
         clean_text(state.key) if state is not None and is_setting else "switch" + expose.suffix,
         "x_setting" if is_setting else "switch",
         name=clean_text(expose.label if is_setting else expose.endpoint),
@@ -127,8 +133,8 @@ def _switch(lines: Lines, expose: Expose) -> DescribedPart:
 
 
 def _update(lines: Lines) -> DescribedPart:
-    part = JsonPart("update", "x_update", advertised="update", category="diagnostic")
-    part.hears(_read_update, lines.said)
+    part = PartTable(json_object, "update", "x_update", advertised="update", category="diagnostic")
+    part.reads(lines.said, _read_update)
     for capability in ("version", "latest_version", "update_available"):
         part.offers(capability)
     return part.described()
@@ -146,8 +152,8 @@ def _read_update(message: JsonMessage) -> Readings:
 
 
 def _unknown(lines: Lines) -> DescribedPart:
-    part = JsonPart("", "x_unknown")
-    part.hears(_read_raw, lines.said)
+    part = PartTable(json_object, "", "x_unknown")
+    part.reads(lines.said, _read_raw)
     part.offers("raw")
     return part.described()
 

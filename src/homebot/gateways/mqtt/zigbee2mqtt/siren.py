@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.json_part import JsonPart
+from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines

@@ -1,0 +1,108 @@
+"""A codec that is tables: what each topic tells, and how each capability is told. Pure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Generic, Protocol, TypeAlias, TypeVar
+
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.payload import MAX_STATE_BYTES, shown
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, json_in
+from homebot.mqtt.topics import topic_matches
+
+__all__ = ["Opener", "Reader", "TableCodec", "Writer", "json_object", "raw_bytes"]
+
+MessageT = TypeVar("MessageT")
+MessageT_co = TypeVar("MessageT_co", covariant=True)
+
+Reader: TypeAlias = Callable[[MessageT], Readings]
+"""What one opened message tells. Never raises."""
+
+Writer: TypeAlias = Callable[[PlainValue, float], tuple[Publication, ...]]
+"""What to publish for a value and a transition in seconds; raises RefusedError."""
+
+
+class Opener(Protocol[MessageT_co]):
+    """How a payload becomes what the readers of a part are given."""
+
+    def __call__(self, payload: bytes, *, retained: bool) -> MessageT_co | None:
+        """Return the message; None where the payload is none. Never raises."""
+        ...
+
+
+def raw_bytes(payload: bytes, *, retained: bool) -> bytes:
+    """Open a payload for readers of bytes: as it is."""
+    del retained
+    return payload
+
+
+def json_object(payload: bytes, *, retained: bool) -> JsonMessage | None:
+    """Open a payload for readers of a JSON object, which they share."""
+    del retained
+    message = json_in(payload) if len(payload) <= MAX_STATE_BYTES else None
+    return message if isinstance(message, dict) else None
+
+
+class TableCodec(Generic[MessageT]):
+    """How one part speaks and listens; see :class:`homebot.gateways.mqtt.description.Codec`.
+
+    Args:
+        opened: What the readers are given of a payload.
+        readers: By topic, or filter where the device declared one; every topic is here.
+        event_readers: By topic; they are not given what the broker had kept.
+        writers: By capability.
+    """
+
+    __slots__ = ("_event_readers", "_opened", "_readers", "_wild", "_writers")
+
+    def __init__(
+        self,
+        opened: Opener[MessageT],
+        readers: Mapping[str, tuple[Reader[MessageT], ...]],
+        event_readers: Mapping[str, tuple[Reader[MessageT], ...]],
+        writers: Mapping[str, Writer],
+    ) -> None:
+        self._opened = opened
+        self._readers = readers
+        self._event_readers = event_readers
+        self._writers = writers
+        self._wild = tuple(topic for topic in readers if "+" in topic or "#" in topic)
+
+    def topics(self) -> tuple[str, ...]:
+        """Return the topic filters that it speaks on."""
+        return tuple(self._readers)
+
+    def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
+        """Return what a message tells."""
+        readers = self._readers_on(topic, retained=retained)
+        for wild in self._wild:
+            if topic_matches(wild, topic):
+                readers += self._readers_on(wild, retained=retained)
+        message = self._opened(payload, retained=retained) if readers else None
+        if message is None:
+            return NOTHING
+        if len(readers) == 1:
+            return readers[0](message)
+        found: dict[str, PlainValue] = {}
+        for read in readers:
+            found.update(read(message))
+        return found
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+        """Return what to publish so that *capability* becomes *value*."""
+        writer = self._writers.get(capability)
+        if writer is None:
+            known = ", ".join(sorted(self._writers)) or "nothing"
+            raise RefusedError(shown(capability), f"this part takes {known}")
+        if not (math.isfinite(transition) and transition >= 0):
+            raise RefusedError(f"transition {shown(transition)}", "it takes seconds from 0")
+        return writer(value, transition)
+
+    def _readers_on(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
+        readers = self._readers.get(topic, ())
+        if retained or not self._event_readers:
+            return readers
+        return readers + self._event_readers.get(topic, ())
