@@ -199,3 +199,18 @@ async def test_a_live_query_that_is_not_understood_is_refused_at_once() -> None:
     async with directory() as house:
         with pytest.raises(UsageError, match="never closed"):
             Follow(house.asker, query="(light")
+
+
+async def test_a_restarted_directory_knows_what_devices_told(lamp: Sighting, tell: Tell) -> None:
+    """Gateways keep announcements and reports for late joiners; the one is read before the other."""
+    graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
+    kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    async with Node(graph, "mqtt", namespace="/gateway") as gateway:
+        gateway.create_publisher(Report, names.readings, kept).publish(tell(lamp, "level", 30.0, part="l"))
+        gateway.create_publisher(Sighting, names.received_topics, kept).publish(lamp)
+        async with Node(graph, "discovery") as node, anyio.create_task_group() as tasks:
+            made = Directory(node, DirectorySettings())
+            await tasks.start(made.serve)
+            (device,) = made.index.devices()
+            tasks.cancel_scope.cancel()
+    assert [one.value.plain() for one in device.states] == [30.0]
