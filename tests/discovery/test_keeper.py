@@ -107,3 +107,21 @@ async def test_a_file_of_a_newer_homebot_is_not_used(path: Path) -> None:
         async with directory_with(path):
             pass
     assert "discovery.index_file_not_used" in [line["event"] for line in lines]
+
+
+async def test_what_could_not_be_written_is_written_when_it_can_be(
+    path: Path, announce: Announce, part: MakePart
+) -> None:
+    """As with a full disk: here a folder stands where the file should be."""
+    path.mkdir()
+    with capture_logs() as lines:
+        async with directory_with(path) as directory:
+            directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
+            assert "lamp" in directory.index.unsaved
+            path.rmdir()
+    assert [line["event"] for line in lines if "index_file" in line["event"]] == [
+        "discovery.index_file_not_written",
+        "discovery.index_file_written_again",
+    ]
+    async with directory_with(path) as directory:
+        assert [one.id for one in directory.index.devices()] == ["lamp"]
