@@ -1,4 +1,4 @@
-"""homebot's gateway and directory against a broker full of retained configs.
+"""homebot's gateway and directory against a broker full of retained configs, as ``homebot run`` has them.
 
 ``python ingest_homebot.py PORT COUNT`` prints one JSON line, as the other ingest workers.
 """
@@ -6,14 +6,17 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import json
 import resource
 import sys
 
 from bench_ingest import ingest
+from homebot.cli.commands.run import COLLECT_AFTER
 from homebot.log import configure_logging
 
 configure_logging(level="error")
+gc.set_threshold(*COLLECT_AFTER)
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 found, seconds, cpu = asyncio.run(ingest(int(sys.argv[1]), int(sys.argv[2]), with_directory=True))
 grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024

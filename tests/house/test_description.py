@@ -100,6 +100,11 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
             f"must be one of {', '.join(DIALECTS)}, got 'klingon'",
         ),
         (
+            "[rooms.hall]\n[devices.r2]\nkind = 'robot'\nroom = 'hall'\ndialect = 'shelly_rpc'\n",
+            "devices.r2.dialect",
+            "'shelly_rpc' has no robot, only cover, lamp, window",
+        ),
+        (
             f"{LAMP}dialect = 'klingon'\n",
             "devices.lamp.dialect",
             f"must be one of {', '.join(DIALECTS)}, got 'klingon'",

@@ -23,6 +23,7 @@ from homebot.house import Lamp, SimulatedHouse, WindowMotor, World
 from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
 from homebot.house.device import Machine
+from homebot.house.devices import DoorLock
 from homebot.house.dialect import Dialect, Nameplate, Outgoing
 from homebot.house.dialects import DIALECTS
 from homebot.house.dialects.thesis import ThesisDialect
@@ -340,6 +341,11 @@ async def test_a_power_failure_leaves_the_will() -> None:
         (World.of(Lamp("a/b")), 1.0, "'a/b' cannot be a level of a topic"),
         (World.of(Lamp("a\ud800")), 1.0, "cannot be written in UTF-8"),
         (World(Rooms({"hall": Room()}, []), [Placed(Lamp("lamp"), "hall", dialect="x")]), 1.0, "'lamp' speaks 'x'"),
+        (
+            World(Rooms({"hall": Room()}, []), [Placed(DoorLock("bolt"), "hall", dialect="tasmota")]),
+            1.0,
+            "'bolt' speaks 'tasmota', which has no lock",
+        ),
     ],
 )
 async def test_what_cannot_be_carried_is_refused(world: World, heartbeat: float, words: str) -> None:

@@ -1,0 +1,84 @@
+"""Dialects take whatever comes over a wire, and any word that a broken device may say."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.house.condition import condition_of
+from homebot.house.devices import CoverMotor, Lamp, Machine, Thermostat
+from homebot.house.dialect import Nameplate
+from homebot.house.dialects import DIALECTS
+from homebot.house.dialects.wire import as_number, as_object, cover_order, hardware_address, lamp_order, node_name
+from homebot.mqtt.topics import validate_topic
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
+    max_leaves=6,
+)
+KEYS = st.sampled_from(
+    ["state", "brightness", "color_temp", "position", "turn", "temp", "method", "params", "src", "id", "on", "pos"]
+)
+MESSAGES = st.dictionaries(KEYS, VALUES | st.just("homebot") | st.just("Light.Set"), max_size=5).map(json.dumps)
+WORDS = st.sampled_from(["on", "off", "open", "stop", "announce", "update", "10", "nan", "1e999", "-5", "LOCK"])
+PAYLOADS = st.binary(max_size=40) | MESSAGES.map(str.encode) | WORDS.map(str.encode)
+LEVELS = st.sampled_from(["Backlog", "Power1", "Dimmer", "CT", "ShutterPosition1", "Status", "state", "value", "é"])
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+@given(payload=PAYLOADS, level=LEVELS, said=st.text(max_size=12))
+def test_no_message_and_no_word_is_too_odd(name: str, payload: bytes, level: str, said: str) -> None:
+    """Commands that mean nothing give nothing; what is said can always be published."""
+    dialect = DIALECTS[name]
+    machines: tuple[Machine, ...] = (Lamp("desk"), CoverMotor("blind"), Thermostat("heat"))
+    for machine in machines:
+        if machine.kind not in dialect.kinds:
+            continue
+        plate = Nameplate("villa", machine.kind, machine.device_id, machine.service_type, "study")
+        condition = condition_of(machine, said)
+        for topic_filter in dialect.filters(plate):
+            topic = topic_filter.replace("+", level)
+            for command in dialect.told(plate, topic, payload):
+                machine.obey(command, 1.0)
+            for message in (*dialect.said(plate, condition), *dialect.answers(plate, condition, topic, payload)):
+                validate_topic(message.topic)
+
+
+@pytest.mark.parametrize(
+    ("payload", "found"), [(b'{"a": 1}', {"a": 1}), (b"[1]", {}), (b"\xff", {}), (b"[" * 9999, {}), (b"{" * 99_999, {})]
+)
+def test_what_is_no_object_is_an_empty_one(payload: bytes, found: dict[str, object]) -> None:
+    assert as_object(payload) == found
+
+
+@pytest.mark.parametrize(
+    ("value", "found"),
+    [(1, 1.0), ("2.5", 2.5), (True, None), ("inf", None), (10**400, None), ("x", None), (None, None), ([1], None)],
+)
+def test_only_finite_numbers_are_numbers(value: object, found: float | None) -> None:
+    assert as_number(value) == found
+
+
+def test_a_message_to_a_lamp_may_hold_several_commands() -> None:
+    """Off wins over a brightness; warmth comes first, so that it shines as it shall."""
+    assert lamp_order(is_on=True, brightness=0.5, kelvin=2700.0) == ("2700 K", "0.5")
+    assert lamp_order(is_on=False, brightness=0.5) == ("off",)
+    assert lamp_order(is_on=True) == ("on",)
+    assert lamp_order() == ()
+    assert (cover_order("OPEN"), cover_order("ajar")) == (("open",), ())
+
+
+def test_devices_have_names_and_addresses_of_their_own() -> None:
+    """Whatever they are called, and the same in every run."""
+    desk = Nameplate("villa", "lamp", "desk", "lights", "study")
+    odd = Nameplate("a/b", "lamp", "Küche 1", "lights", "kitchen")
+    assert hardware_address(desk) == hardware_address(desk)
+    assert hardware_address(desk) != hardware_address(odd)
+    assert (len(hardware_address(desk, 16)), hardware_address(desk)[:2]) == (16, "02")
+    assert node_name(desk) == "villa-desk"
+    assert node_name(odd).isascii()
+    assert not set(node_name(odd)) & set("/ +#")
