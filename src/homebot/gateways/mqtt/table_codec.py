@@ -9,7 +9,7 @@ from typing import Generic, Protocol, TypeAlias, TypeVar
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.payload import MAX_STATE_BYTES, shown
+from homebot.gateways.mqtt.payload import shown
 from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, json_in
 from homebot.mqtt.topics import topic_matches
 
@@ -42,7 +42,7 @@ def raw_bytes(payload: bytes, *, retained: bool) -> bytes:
 def json_object(payload: bytes, *, retained: bool) -> JsonMessage | None:
     """Open a payload for readers of a JSON object, which they share."""
     del retained
-    message = json_in(payload) if len(payload) <= MAX_STATE_BYTES else None
+    message = json_in(payload)
     return message if isinstance(message, dict) else None
 
 
@@ -77,10 +77,11 @@ class TableCodec(Generic[MessageT]):
 
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
         """Return what a message tells."""
-        readers = self._readers_on(topic, retained=retained)
-        for wild in self._wild:
-            if topic_matches(wild, topic):
-                readers += self._readers_on(wild, retained=retained)
+        readers = self._readers.get(topic, ())
+        if self._event_readers and not retained:
+            readers += self._event_readers.get(topic, ())
+        if self._wild:
+            readers += self._readers_on_filters(topic, retained=retained)
         message = self._opened(payload, retained=retained) if readers else None
         if message is None:
             return NOTHING
@@ -101,8 +102,7 @@ class TableCodec(Generic[MessageT]):
             raise RefusedError(f"transition {shown(transition)}", "it takes seconds from 0")
         return writer(value, transition)
 
-    def _readers_on(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
-        readers = self._readers.get(topic, ())
-        if retained or not self._event_readers:
-            return readers
-        return readers + self._event_readers.get(topic, ())
+    def _readers_on_filters(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
+        matching = tuple(wild for wild in self._wild if topic_matches(wild, topic))
+        tables = (self._readers,) if retained else (self._readers, self._event_readers)
+        return tuple(reader for wild in matching for table in tables for reader in table.get(wild, ()))

@@ -16,11 +16,11 @@ from typing import TypeAlias
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.part_table import BytesPart, PartTable
+from homebot.gateways.mqtt.part_table import JsonPart, PartTable
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, number_in
+from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
 from homebot.gateways.mqtt.shelly.rpc import call
-from homebot.gateways.mqtt.table_codec import raw_bytes
+from homebot.gateways.mqtt.table_codec import json_object
 
 __all__ = ["Component", "Fields", "Gen2Place", "Told", "flag", "measured"]
 
@@ -82,7 +82,7 @@ class Component:
         name = self.config.get("name")
         return clean_text(name) if isinstance(name, str) else ""
 
-    def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> BytesPart:
+    def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> JsonPart:
         """Return a part of it without capabilities.
 
         Args:
@@ -93,24 +93,24 @@ class Component:
         """
         part_id = f"{self.key}/{suffix}" if suffix else self.key
         return PartTable(
-            raw_bytes, part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category
+            json_object, part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category
         )
 
-    def tells(self, part: BytesPart, told: Told, key: str = "") -> None:
+    def tells(self, part: JsonPart, told: Told, key: str = "") -> None:
         """Have *part* read the component, or the one called *key*, with *told*."""
         key = key or self.key
         prefix = self.place.prefix
-        part.reads(f"{prefix}/events/rpc", lambda payload: _read(payload, "params", key, told))
-        part.reads(f"{prefix}/status/{key}", lambda payload: _read_status(payload, told))
-        part.reads(self.place.answers, lambda payload: _read(payload, "result", key, told))
+        part.reads(f"{prefix}/events/rpc", lambda frame: _read(frame, "params", key, told))
+        part.reads(f"{prefix}/status/{key}", told)
+        part.reads(self.place.answers, lambda frame: _read(frame, "result", key, told))
 
-    def hears_presses(self, part: BytesPart, presses: Mapping[str, str]) -> None:
+    def hears_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
         """Have *part* read its events, named as in *presses*."""
         key = self.key
-        part.reads_events(f"{self.place.prefix}/events/rpc", lambda payload: _read_events(payload, key, presses))
+        part.reads_events(f"{self.place.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses))
         part.offers("press", options=tuple(presses.values()))
 
-    def listens(self, part: BytesPart) -> None:
+    def listens(self, part: JsonPart) -> None:
         """Name the topic that commands to *part* go to."""
         part.listens(f"{self.place.prefix}/rpc")
 
@@ -143,14 +143,8 @@ def flag(field: str, capability: str) -> Told:
     return told
 
 
-def _read_status(payload: bytes, told: Told) -> Readings:
-    status = json_in(payload)
-    return told(status) if isinstance(status, dict) else NOTHING
-
-
-def _read(payload: bytes, member: str, key: str, told: Told) -> Readings:
-    frame = json_in(payload)
-    components = frame.get(member) if isinstance(frame, dict) else None
+def _read(frame: Fields, member: str, key: str, told: Told) -> Readings:
+    components = frame.get(member)
     status = components.get(key) if isinstance(components, dict) else None
     return told(status) if isinstance(status, dict) else NOTHING
 
@@ -158,9 +152,8 @@ def _read(payload: bytes, member: str, key: str, told: Told) -> Readings:
 _MOST_EVENTS = 32
 
 
-def _read_events(payload: bytes, key: str, presses: Mapping[str, str]) -> Readings:
-    frame = json_in(payload)
-    params = frame.get("params") if isinstance(frame, dict) else None
+def _read_events(frame: Fields, key: str, presses: Mapping[str, str]) -> Readings:
+    params = frame.get("params")
     events = params.get("events") if isinstance(params, dict) else None
     if not isinstance(events, list):
         return NOTHING

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, flag, measured
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
@@ -30,7 +30,7 @@ _VALVE_BOUNDS = (4.0, 30.0)
 _MODES = ("off", "heat")
 
 
-def build_switch(component: Component) -> tuple[BytesPart, ...]:
+def build_switch(component: Component) -> tuple[JsonPart, ...]:
     """Describe a relay: a plug where it is a socket."""
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
@@ -43,7 +43,7 @@ def build_switch(component: Component) -> tuple[BytesPart, ...]:
     return (part,)
 
 
-def build_cover(component: Component) -> tuple[BytesPart, ...]:
+def build_cover(component: Component) -> tuple[JsonPart, ...]:
     """Describe a cover. Its position is known and settable once it is calibrated, its slats where it has some."""
 
     def move(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
@@ -67,7 +67,7 @@ def build_cover(component: Component) -> tuple[BytesPart, ...]:
     return (part,)
 
 
-def build_thermostat(component: Component) -> tuple[BytesPart, ...]:
+def build_thermostat(component: Component) -> tuple[JsonPart, ...]:
     """Describe the thermostat of a wall display."""
 
     def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
@@ -88,7 +88,7 @@ def build_thermostat(component: Component) -> tuple[BytesPart, ...]:
     return (part,)
 
 
-def build_radiator_valve(component: Component) -> tuple[BytesPart, ...]:
+def build_radiator_valve(component: Component) -> tuple[JsonPart, ...]:
     """Describe a radiator valve that a gateway reaches by Bluetooth."""
 
     def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_saturation
-from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.readings import Readings, number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers
@@ -45,7 +45,7 @@ LIGHTS: Mapping[str, _Kind] = MappingProxyType(
 """The components that are lamps."""
 
 
-def build_light(component: Component) -> tuple[BytesPart, ...]:
+def build_light(component: Component) -> tuple[JsonPart, ...]:
     """Describe a lamp."""
     lamp = _Lamp(component, LIGHTS[component.kind], _white_range(component.config))
     part = component.part("", "light")

@@ -5,7 +5,7 @@ Source: Shelly Gen2+ API, components PM1, EM, EM1, EMData, EM1Data, and the meas
 
 from __future__ import annotations
 
-from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, measured
 
@@ -25,7 +25,7 @@ _PHASES = ("a", "b", "c")
 _TOTALS = (("total_act_power", "power"), ("total_current", "current"))
 
 
-def build_meters(component: Component) -> tuple[BytesPart, ...]:
+def build_meters(component: Component) -> tuple[JsonPart, ...]:
     """Describe what a component measures of the electricity through it; nothing where it does not."""
     if component.kind == "em":
         return _build_phases(component)
@@ -46,7 +46,7 @@ def build_meters(component: Component) -> tuple[BytesPart, ...]:
     return (part,)
 
 
-def build_own_temperature(component: Component) -> tuple[BytesPart, ...]:
+def build_own_temperature(component: Component) -> tuple[JsonPart, ...]:
     """Describe how warm the device itself is, where the component tells."""
     if not isinstance(component.status.get("temperature"), dict):
         return ()
@@ -62,7 +62,7 @@ def build_own_temperature(component: Component) -> tuple[BytesPart, ...]:
     return (part,)
 
 
-def _build_phases(component: Component) -> tuple[BytesPart, ...]:
+def _build_phases(component: Component) -> tuple[JsonPart, ...]:
     total = component.part("", "electrical_meter")
     for field, capability in _TOTALS:
         component.tells(total, measured(field, capability))

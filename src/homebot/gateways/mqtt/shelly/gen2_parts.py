@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, Gen2Place
 from homebot.gateways.mqtt.shelly.gen2_controls import (
     build_cover,
@@ -40,7 +40,7 @@ def build_parts(place: Gen2Place, status: Fields, config: Fields) -> tuple[Descr
         status: By component, as it answers ``Shelly.GetStatus``.
         config: By component, as it answers ``Shelly.GetConfig``; empty where it did not.
     """
-    parts: list[BytesPart] = []
+    parts: list[JsonPart] = []
     for component in _components(place, status, config):
         for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
@@ -50,7 +50,7 @@ def build_parts(place: Gen2Place, status: Fields, config: Fields) -> tuple[Descr
 
 
 _KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
-_Build = Callable[[Component], tuple[BytesPart, ...]]
+_Build = Callable[[Component], tuple[JsonPart, ...]]
 _LOAD: tuple[_Build, ...] = (build_meters, build_own_temperature)
 _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     "thermostat": (build_thermostat,),

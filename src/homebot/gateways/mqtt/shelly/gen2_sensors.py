@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, Told, flag, measured
 
@@ -79,7 +79,7 @@ _BLUETOOTH: Mapping[int, tuple[str, str, Category]] = MappingProxyType(
 )
 
 
-def build_sensor(component: Component) -> tuple[BytesPart, ...]:
+def build_sensor(component: Component) -> tuple[JsonPart, ...]:
     """Describe a component that is one sensor."""
     sensor = SENSORS[component.kind]
     part = component.part("", sensor.service_type, category=sensor.category)
@@ -88,7 +88,7 @@ def build_sensor(component: Component) -> tuple[BytesPart, ...]:
     return (part,)
 
 
-def build_power(component: Component) -> tuple[BytesPart, ...]:
+def build_power(component: Component) -> tuple[JsonPart, ...]:
     """Describe a battery, where the device has one."""
     part = component.part("", "x_battery", category="diagnostic")
     component.tells(part, _told_by_power)
@@ -98,7 +98,7 @@ def build_power(component: Component) -> tuple[BytesPart, ...]:
     return (part,)
 
 
-def build_input(component: Component) -> tuple[BytesPart, ...]:
+def build_input(component: Component) -> tuple[JsonPart, ...]:
     """Describe an input: a button, a switch, an analogue value or a counter, as it is set up."""
     kind = component.config.get("type")
     if component.config.get("enable") is False:
@@ -123,7 +123,7 @@ def build_input(component: Component) -> tuple[BytesPart, ...]:
     return (part,)
 
 
-def build_bluetooth_sensor(component: Component) -> tuple[BytesPart, ...]:
+def build_bluetooth_sensor(component: Component) -> tuple[JsonPart, ...]:
     """Describe one value that a gateway hears by Bluetooth; nothing where it is not known what it means."""
     object_id = component.config.get("obj_id")
     known = _BLUETOOTH.get(object_id) if isinstance(object_id, int) else None

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.payload import clean_text, shown
 from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields
@@ -26,7 +26,7 @@ _LONGEST_TEXT = 255
 _MOST_OPTIONS = 100
 
 
-def build_virtual(component: Component) -> tuple[BytesPart, ...]:
+def build_virtual(component: Component) -> tuple[JsonPart, ...]:
     """Describe a value as a setting."""
     capability = VIRTUAL[component.kind]
     options = _options(component.config)
@@ -62,7 +62,7 @@ def build_virtual(component: Component) -> tuple[BytesPart, ...]:
     return (part,)
 
 
-def build_virtual_button(component: Component) -> tuple[BytesPart, ...]:
+def build_virtual_button(component: Component) -> tuple[JsonPart, ...]:
     """Describe a button that can be pressed by command."""
 
     def push(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
