@@ -23,8 +23,8 @@ VERSION = 2
 """Of the schema, kept as SQLite's ``user_version``."""
 
 _SCHEMA = (
-    "CREATE TABLE devices (id TEXT PRIMARY KEY, record TEXT NOT NULL) WITHOUT ROWID",
-    "CREATE TABLE tombstones (id TEXT PRIMARY KEY, record TEXT NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE devices (id TEXT PRIMARY KEY, record TEXT NOT NULL)",
+    "CREATE TABLE tombstones (id TEXT PRIMARY KEY, record TEXT NOT NULL)",
 )
 
 _MIGRATIONS: dict[int, Sequence[str]] = {
