@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Generic, Protocol, TypeAlias, TypeVar
 
@@ -11,6 +10,7 @@ from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.payload import shown
 from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, json_in
+from homebot.gateways.mqtt.wanted import wanted_transition
 from homebot.mqtt.topics import topic_matches
 
 __all__ = ["Opener", "Reader", "TableCodec", "Writer", "json_object", "raw_bytes"]
@@ -98,9 +98,7 @@ class TableCodec(Generic[MessageT]):
         if writer is None:
             known = ", ".join(sorted(self._writers)) or "nothing"
             raise RefusedError(shown(capability), f"this part takes {known}")
-        if not (math.isfinite(transition) and transition >= 0):
-            raise RefusedError(f"transition {shown(transition)}", "it takes seconds from 0")
-        return writer(value, transition)
+        return writer(value, wanted_transition(transition))
 
     def _readers_on_filters(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
         matching = tuple(wild for wild in self._wild if topic_matches(wild, topic))

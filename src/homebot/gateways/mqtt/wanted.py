@@ -9,9 +9,17 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.payload import shown
 
-__all__ = ["wanted_flag", "wanted_number", "wanted_numbers", "wanted_option"]
+__all__ = [
+    "wanted_color",
+    "wanted_flag",
+    "wanted_number",
+    "wanted_numbers",
+    "wanted_option",
+    "wanted_transition",
+]
 
 _MOST_NAMED = 20
+_HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
 
 
 def wanted_flag(capability: str, value: PlainValue) -> bool:
@@ -51,6 +59,28 @@ def wanted_numbers(capability: str, value: PlainValue, bounds: tuple[tuple[float
         return tuple(float(one) for one in value)
     pairs = ", ".join(f"{least:g} to {most:g}" for least, most in bounds)
     raise RefusedError(f"{capability} {shown(value)}", f"it takes numbers from {pairs}")
+
+
+def wanted_color(value: PlainValue) -> tuple[float, float]:
+    """Return the hue and the saturation that *value* is.
+
+    Raises:
+        RefusedError: It is something else, or one is outside 0 to 360 or 0 to 100.
+    """
+    hue, saturation = wanted_numbers("color", value, _HUE_SATURATION)
+    return hue, saturation
+
+
+def wanted_transition(seconds: float, most: float = math.inf) -> float:
+    """Return *seconds* where a change can take so long.
+
+    Raises:
+        RefusedError: They are none, or more than *most*.
+    """
+    if math.isfinite(seconds) and 0 <= seconds <= most:
+        return seconds
+    takes = "0 or more seconds" if math.isinf(most) else f"0 to {most:g} s"
+    raise RefusedError(f"a transition of {seconds:g} s", f"it takes {takes}")
 
 
 def wanted_option(capability: str, value: PlainValue, options: Iterable[str]) -> str:

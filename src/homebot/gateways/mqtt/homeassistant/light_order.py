@@ -5,13 +5,11 @@ Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the servic
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
@@ -21,11 +19,11 @@ from homebot.gateways.mqtt.light_color import (
     from_hue_saturation,
     kelvin_mired,
 )
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
+from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number, wanted_option, wanted_transition
 
 __all__ = ["Lamp", "LightOrder", "read_white_range"]
 
-MOST_SECONDS = 6_553.0
+_MOST_SECONDS = 6_553.0
 """Longest transition that Home Assistant lets pass."""
 
 
@@ -109,9 +107,8 @@ class Lamp:
             entity.offers("effect", readable=readable("effect"), writer=self._effect, options=self.effects)
 
     def _tell(self, order: LightOrder, transition: float) -> tuple[Publication, ...]:
-        if not math.isfinite(transition) or not 0 <= transition <= MOST_SECONDS:
-            raise RefusedError(f"a transition of {transition:g} s", f"it takes 0 to {MOST_SECONDS:g} s")
-        return self.publish(replace(order, transition=transition) if transition else order)
+        seconds = wanted_transition(transition, _MOST_SECONDS)
+        return self.publish(replace(order, transition=seconds) if seconds else order)
 
     def _on_off(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         return self._tell(LightOrder(on=wanted_flag("on_off", value)), transition)
@@ -126,7 +123,7 @@ class Lamp:
         return self._tell(LightOrder(on=True, kelvin=int(kelvin)), transition)
 
     def _color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_numbers("color", value, ((0, 360), (0, 100)))
+        hue, saturation = wanted_color(value)
         color = from_hue_saturation(self.color_mode, hue, saturation, self.white)
         return self._tell(LightOrder(on=True, mode=self.color_mode, color=color), transition)
 

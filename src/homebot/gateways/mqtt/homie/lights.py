@@ -17,14 +17,13 @@ from homebot.gateways.mqtt.homie.told import add_flag, percent_of, percent_writt
 from homebot.gateways.mqtt.homie.values import publication, read_color, read_plain, spell_color, spell_plain
 from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers
+from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number
 
 __all__ = ["LIGHT_ROLES", "add_light"]
 
 LIGHT_ROLES = ("on_off", "level", "color", "color_temperature")
 """What a lamp may have, each once."""
 
-_HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
 _KELVIN = (1000.0, 40_000.0)
 
 
@@ -89,7 +88,7 @@ def _add_color(part: BytesPart, lamp: _Lamp, color: HomieProperty, *, has_level:
         return {"color": (hue, saturation), "level": brightness}
 
     def paint(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_numbers("color", value, _HUE_SATURATION)
+        hue, saturation = wanted_color(value)
         return (publication(color, spell_color(color, hue, saturation)), *lamp.switched(on=True))
 
     part.reads(color.topic, read)

@@ -17,7 +17,7 @@ from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, number_in
 from homebot.gateways.mqtt.shelly.gen1_controls import SWITCHED
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.table_codec import raw_bytes
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers
+from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number
 
 __all__ = ["build_light"]
 
@@ -26,7 +26,6 @@ _WHITES: Mapping[str, tuple[int, int]] = {"SHBDUO-1": (2700, 6500), "SHBLB-1": (
 
 _ANY_WHITE = (2000, 6500)
 _LONGEST_TRANSITION = 5000
-_HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
 _CHANNELS = ("red", "green", "blue")
 
 
@@ -101,7 +100,7 @@ class _Lamp:
         return self._set({"turn": "on", **mode, "temp": kelvin}, transition)
 
     def paint(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_numbers("color", value, _HUE_SATURATION)
+        hue, saturation = wanted_color(value)
         rgb = from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)
         mode = {} if self.white is None else {"mode": "color"}
         channels = {name: int(one) for name, one in zip(_CHANNELS, rgb, strict=True)}

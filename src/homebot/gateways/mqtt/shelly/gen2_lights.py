@@ -15,12 +15,11 @@ from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_satura
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.readings import Readings, number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers
+from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number
 
 __all__ = ["LIGHTS", "build_light"]
 
 _ANY_WHITE = (2700, 6500)
-_HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
 _LEAST_TRANSITION = 0.5
 _CHANNELS = 3
 
@@ -95,7 +94,7 @@ class _Lamp:
         return self._set(transition, on=True, **mode, ct=kelvin)
 
     def paint(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_numbers("color", value, _HUE_SATURATION)
+        hue, saturation = wanted_color(value)
         rgb = [int(one) for one in from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)]
         mode = {} if self.kind.modes is None else {"mode": self.kind.modes[1]}
         white = {"white": 0} if self.kind.namespace == "RGBW" else {}

@@ -6,11 +6,9 @@ Source: tasmota.github.io/docs, Lights; hatasmota 0.10.2, ``light.py``; rounding
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.light_color import kelvin_mired
 from homebot.gateways.mqtt.part_table import JsonPart
@@ -18,7 +16,7 @@ from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finit
 from homebot.gateways.mqtt.tasmota.config import LIGHT, TasmotaConfig
 from homebot.gateways.mqtt.tasmota.fading import Change, Shown, speed
 from homebot.gateways.mqtt.tasmota.lines import Lines
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
+from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number, wanted_option
 
 __all__ = ["offer_light"]
 
@@ -119,7 +117,7 @@ class _Lamp:
         return self._tell([self._power(on=True), ("CT", mired)], transition, Change(mired=mired))
 
     def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_numbers("color", value, ((0, 360), (0, 100)))
+        hue, saturation = wanted_color(value)
         told: list[tuple[str, str | int]] = [("HsbColor1", round(hue)), ("HsbColor2", round(saturation))]
         return self._tell([self._power(on=True), *told], transition, Change(color=(hue, saturation)))
 
@@ -134,8 +132,6 @@ class _Lamp:
         self, commands: list[tuple[str, str | int]], transition: float, change: Change
     ) -> tuple[Publication, ...]:
         """Tell it to fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
-        if not math.isfinite(transition) or transition < 0:
-            raise RefusedError(f"a transition of {transition:g} s", "it takes 0 or more")
         if not transition or self.kind == _ON_OFF or self.lines.config.is_tuya:
             return self.lines.tell_all(commands)
         is_whole = self.lines.config.option(_FIXED_FADE_OPTION)

@@ -20,7 +20,7 @@ from homebot.gateways.mqtt.light_color import (
 )
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_numbers, wanted_option
+from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose, Scalar
 from homebot.gateways.mqtt.zigbee2mqtt.features import flag_of, text_of
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
@@ -112,7 +112,7 @@ class _Lamp:
         return self._tell({self.features["color_temp"].key: kelvin_mired(int(kelvin))}, transition)
 
     def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_numbers("color", value, ((0, 360), (0, 100)))
+        hue, saturation = wanted_color(value)
         channels = from_hue_saturation(self.mode, hue, saturation, _NO_WHITE)
         color = dict(zip(CHANNELS[self.mode], channels, strict=True))
         return self._tell({self._color_property: color}, transition)

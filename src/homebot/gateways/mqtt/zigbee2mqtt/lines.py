@@ -6,17 +6,17 @@ Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.wanted import wanted_transition
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 
-__all__ = ["MOST_SECONDS", "Lines", "whole_or_not"]
+__all__ = ["Lines", "whole_or_not"]
 
-MOST_SECONDS = 6_553.0
+_MOST_SECONDS = 6_553.0
 """Longest transition that fits into a Zigbee frame: 65,535 tenths of a second, less those that mean "as you like"."""
 
 
@@ -47,9 +47,8 @@ class Lines:
         Raises:
             RefusedError: *transition* is out of bounds, or a text cannot be written in UTF-8.
         """
-        if not math.isfinite(transition) or not 0 <= transition <= MOST_SECONDS:
-            raise RefusedError(f"a transition of {transition:g} s", f"it takes 0 to {MOST_SECONDS:g} s")
-        fields = {**message, "transition": whole_or_not(transition)} if transition else message
+        seconds = wanted_transition(transition, _MOST_SECONDS)
+        fields = {**message, "transition": whole_or_not(seconds)} if seconds else message
         try:
             payload = json.dumps(fields, ensure_ascii=False, separators=(",", ":")).encode()
         except UnicodeEncodeError:
