@@ -58,14 +58,14 @@ class DirectorySettings(BaseModel):
     """The table ``[discovery]``.
 
     Attributes:
-        forget_after: Seconds for which a stale device stays listed before it is removed; a day by default.
+        forget_after: Seconds for which a stale device stays listed before it is removed; a week by default, since many lamps say nothing for days.
         max_devices: How many devices are listed; further ones are counted and told.
         persist: Whether devices are remembered in a file over a restart, where the program has a place for it.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    forget_after: Seconds = Field(default=86_400.0)
+    forget_after: Seconds = Field(default=604_800.0)
     max_devices: int = Field(default=MAX_DEVICES, ge=1)
     persist: bool = True
 
