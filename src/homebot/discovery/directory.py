@@ -58,7 +58,8 @@ class DirectorySettings(BaseModel):
     """The table ``[discovery]``.
 
     Attributes:
-        forget_after: Seconds for which a stale device stays listed before it is removed; a week by default, since many lamps say nothing for days.
+        forget_after: Seconds for which a stale device stays listed before it is removed; a week by default, since many
+            lamps say nothing for days.
         max_devices: How many devices are listed; further ones are counted and told.
         persist: Whether devices are remembered in a file over a restart, where the program has a place for it.
     """
