@@ -9,18 +9,14 @@ Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0.
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, field
-
-from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 from homebot.gateways.mqtt.bounded import Bounded
-from homebot.gateways.mqtt.description import Availability, Described, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.description import Heard, Publication, Withdrawn
 from homebot.gateways.mqtt.payload import clean_text, parse_object, shown
-from homebot.gateways.mqtt.shelly.gen1_models import Gen1Model, find_model
-from homebot.gateways.mqtt.shelly.gen1_parts import build_parts, is_known_topic
+from homebot.gateways.mqtt.shelly.gen1_device import Gen1Device
+from homebot.gateways.mqtt.shelly.gen1_models import find_model
+from homebot.gateways.mqtt.shelly.gen1_parts import is_known_topic
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
-from homebot.gateways.mqtt.shelly.online import OnlineTopic
 
 __all__ = ["BIRTHS", "FILTERS", "Gen1"]
 
@@ -43,24 +39,8 @@ FILTERS = (
 
 _MAX_DEVICES = 5000
 _LONGEST_NAME = 100
-_HARDWARE_ID = re.compile(r"shelly[a-z0-9-]*-(?:[0-9a-f]{6}|[0-9a-f]{12})", re.IGNORECASE)
 _NO_NAMES = frozenset({"announce", "command"})
 _LEVELS = 3
-
-
-@dataclass(slots=True)
-class _Device:
-    place: Gen1Place
-    suffixes: set[str] = field(default_factory=set)
-    model: Gen1Model | None = None
-    model_name: str = ""
-    mode: str = ""
-    mac: str = ""
-    version: str = ""
-    address: str = ""
-    is_announced: bool = False
-    is_online: bool = False
-    topic: str = ""
 
 
 class Gen1:
@@ -70,7 +50,7 @@ class Gen1:
     """
 
     def __init__(self) -> None:
-        self._devices: Bounded[_Device] = Bounded(_MAX_DEVICES)
+        self._devices: Bounded[Gen1Device] = Bounded(_MAX_DEVICES)
         self._names: dict[str, str] = {}
 
     @property
@@ -110,17 +90,10 @@ class Gen1:
         if device is None:
             return ()
         gone = self._renamed(mac, device.place.name)
-        before = _said(device)
-        model_name, mode = told.get("model"), told.get("mode")
-        device.model_name = clean_text(model_name, 40) if isinstance(model_name, str) else ""
-        device.model = find_model(device.model_name, device_id)
-        device.mode = mode if isinstance(mode, str) else ""
-        device.mac = mac
-        device.version = _text(told.get("fw_ver"))
-        device.address = _text(told.get("ip"))
+        is_news = device.announce(device_id, mac, told)
         if not device.is_announced:
             device.is_announced, device.topic = True, topic
-        elif not gone and topic != device.topic and _said(device) == before:
+        elif not gone and topic != device.topic and not is_news:
             return ()
         return gone + self._described(device, topic)
 
@@ -137,16 +110,15 @@ class Gen1:
         device = self._device(name)
         if device is None or suffix in device.suffixes:
             return ()
-        known = _known(device)
+        known = device.known()
         device.suffixes.add(suffix)
-        is_news = _known(device) != known or not device.topic
+        is_news = device.known() != known or not device.topic
         return self._described(device, topic) if is_news else ()
 
-    def _device(self, name: str) -> _Device | None:
+    def _device(self, name: str) -> Gen1Device | None:
         device = self._devices.get(name)
         if device is None:
-            device = _Device(Gen1Place(name))
-            device.model = find_model("", name)
+            device = Gen1Device(Gen1Place(name), find_model("", name))
             if not self._devices.add(name, device):
                 return None
         return device
@@ -162,63 +134,12 @@ class Gen1:
             return ()
         return (Withdrawn(f"shellies/{before}", f"it is called {name} now"),)
 
-    def _described(self, device: _Device, topic: str) -> tuple[Heard, ...]:
+    def _described(self, device: Gen1Device, topic: str) -> tuple[Heard, ...]:
         if not (device.is_announced or device.is_online):
             return ()
-        place = device.place
-        parts = build_parts(place, device.model, _known(device))
-        if not parts:
+        described = device.describe(topic)
+        if not described.parts:
             return ()
-        self._devices.keep(place.name)
-        device.topic = device.topic or topic
-        sleeps = device.model is not None and device.model.sleeps
-        declared = (device.mac, place.name if _HARDWARE_ID.fullmatch(place.name) else "")
-        return (
-            Described(
-                key=place.topic,
-                convention="shelly",
-                identifiers=identifiers(declared),
-                name=clean_text(place.name),
-                parts=parts,
-                topic=device.topic,
-                facts=_facts(device),
-                availability=None if sleeps else Availability((OnlineTopic(place.at("online")),)),
-                is_sighting=True,
-            ),
-        )
-
-
-def _known(device: _Device) -> frozenset[str]:
-    """What the device publishes: what is sure of its model, and what was heard."""
-    model = device.model
-    if model is None:
-        return frozenset(device.suffixes)
-    mode = model.modes.get(device.mode)
-    if mode is not None:
-        others = {kind for topics in model.modes.values() for kind in map(_kind, topics)}
-        wrong = others - set(map(_kind, mode)) - {"input", "input_event"}
-        return model.topics | mode | {suffix for suffix in device.suffixes if _kind(suffix) not in wrong}
-    return model.topics | device.suffixes
-
-
-def _said(device: _Device) -> tuple[str, ...]:
-    return device.model_name, device.mode, device.mac, device.version, device.address
-
-
-def _kind(suffix: str) -> str:
-    return suffix.partition("/")[0]
-
-
-def _facts(device: _Device) -> dict[str, str]:
-    facts = {
-        "manufacturer": "Shelly",
-        "model": device.model_name or (device.model.name if device.model is not None else ""),
-        "sw_version": device.version,
-        "ip_address": device.address,
-        "mode": clean_text(device.mode, 20),
-    }
-    return {name: value for name, value in facts.items() if value}
-
-
-def _text(value: object) -> str:
-    return clean_text(value) if isinstance(value, str) else ""
+        self._devices.keep(device.place.name)
+        device.topic = described.topic
+        return (described,)

@@ -9,21 +9,14 @@ Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from types import MappingProxyType
-
-from homebot.devices.identity import identifiers
-from homebot.devices.part import Part
 from homebot.errors import WireError
 from homebot.gateways.mqtt.bounded import Bounded
-from homebot.gateways.mqtt.description import Availability, Described, DescribedPart, Heard, Question, Withdrawn
-from homebot.gateways.mqtt.payload import clean_text, parse_object, shown
-from homebot.gateways.mqtt.readings import json_in, number_in
-from homebot.gateways.mqtt.shelly.gen2_answers import fields_in, is_prefix, kind_of, sleeps, tells_change, text_of
-from homebot.gateways.mqtt.shelly.gen2_component import Fields, Gen2Place
-from homebot.gateways.mqtt.shelly.gen2_parts import build_parts
-from homebot.gateways.mqtt.shelly.online import OnlineTopic
+from homebot.gateways.mqtt.description import Heard, Question, Withdrawn
+from homebot.gateways.mqtt.payload import parse_object, shown
+from homebot.gateways.mqtt.readings import json_in
+from homebot.gateways.mqtt.shelly.gen2_answers import is_prefix, kind_of, tells_change, text_of
+from homebot.gateways.mqtt.shelly.gen2_component import Fields
+from homebot.gateways.mqtt.shelly.gen2_device import Gen2Device, looks
 from homebot.gateways.mqtt.shelly.rpc import call
 
 __all__ = ["MAX_ANSWER_BYTES", "Gen2"]
@@ -34,19 +27,6 @@ MAX_ANSWER_BYTES = 128 * 1024
 _MAX_DEVICES = 3000
 _MAX_KEPT_BYTES = 32 * 1024 * 1024
 _QUESTIONS = ("Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus")
-_NOTHING: Fields = MappingProxyType({})
-_PLUGS = ("plug", "pstrip", "powerstrip", "outdoors")
-
-
-@dataclass(slots=True)
-class _Device:
-    prefix: str
-    info: Fields = field(default_factory=dict)
-    config: Fields = field(default_factory=dict)
-    status: Fields = field(default_factory=dict)
-    sizes: dict[str, int] = field(default_factory=dict)
-    heard: int = 0
-    described: Described | None = None
 
 
 class Gen2:
@@ -67,7 +47,7 @@ class Gen2:
             *(f"{prefix}/{rest}" for prefix in ("+", *prefixes) for rest in ("online", "events/rpc")),
         )
         self._client = client
-        self._devices: Bounded[_Device] = Bounded(_MAX_DEVICES, self._release)
+        self._devices: Bounded[Gen2Device] = Bounded(_MAX_DEVICES, self._release)
         self._kept = 0
         self._refused = 0
 
@@ -113,7 +93,7 @@ class Gen2:
         self._release(device)
         return (Withdrawn(prefix, "its online topic was removed"),) if device.described is not None else ()
 
-    def _release(self, device: _Device) -> None:
+    def _release(self, device: Gen2Device) -> None:
         self._kept -= sum(device.sizes.values())
 
     def _notified(self, prefix: str, payload: bytes) -> tuple[Heard, ...]:
@@ -146,95 +126,46 @@ class Gen2:
             return ()
         return self._described(device, f"{device.prefix}/rpc", text_of(source))
 
-    def _device(self, prefix: str) -> _Device | None:
+    def _device(self, prefix: str) -> Gen2Device | None:
         device = self._devices.get(prefix)
         if device is None and is_prefix(prefix):
-            device = _Device(prefix)
+            device = Gen2Device(prefix)
             if not self._devices.add(prefix, device):
                 return None
         return device
 
-    def _asked(self, device: _Device) -> tuple[Heard, ...]:
+    def _asked(self, device: Gen2Device) -> tuple[Heard, ...]:
         """Ask at the first sign of life, the second, the fourth, the eighth: it may be no Shelly at all."""
         device.heard += 1
         return (self._question(device),) if device.heard & (device.heard - 1) == 0 else ()
 
-    def _question(self, device: _Device) -> Question:
+    def _question(self, device: Gen2Device) -> Question:
         source = f"{self._client}/{device.prefix}"
         return Question(device.prefix, tuple(call(device.prefix, source, method) for method in _QUESTIONS))
 
-    def _keep(self, device: _Device, kind: str, result: Fields, size: int) -> bool:
+    def _keep(self, device: Gen2Device, kind: str, result: Fields, size: int) -> bool:
         grown = size - device.sizes.get(kind, 0)
         if size > MAX_ANSWER_BYTES or self._kept + grown > _MAX_KEPT_BYTES:
             self._refused += 1
             return False
         self._kept += grown
-        device.sizes[kind] = size
-        match kind:
-            case "info":
-                device.info = result
-            case "config":
-                device.config = result
-            case _:
-                device.status = result
+        device.keep(kind, result, size)
         return True
 
-    def _described(self, device: _Device, topic: str, device_id: str) -> tuple[Heard, ...]:
-        mac = text_of(device.info.get("mac")) or text_of(fields_in(device.status, "sys").get("mac"))
-        if not device.status or not mac:
+    def _described(self, device: Gen2Device, topic: str, device_id: str) -> tuple[Heard, ...]:
+        if not device.status or not device.mac:
             return ()
-        device_id = text_of(device.info.get("id")) or device_id
-        models = f"{device_id} {text_of(device.info.get('app'))}".casefold()
-        place = Gen2Place(
-            device.prefix,
-            self._client,
-            f"{self._client}/{device.prefix}/rpc",
-            is_plug=any(word in models for word in _PLUGS),
-        )
-        parts = build_parts(place, device.status, device.config)
-        if not parts:
+        described = device.describe(self._client, topic, device_id)
+        if not described.parts:
             return self._emptied(device)
         self._devices.keep(device.prefix)
-        described = Described(
-            key=device.prefix,
-            convention="shelly",
-            identifiers=identifiers((mac, device_id if device_id.casefold().startswith("shelly") else "")),
-            name=_name(device),
-            parts=parts,
-            topic=topic if device.described is None else device.described.topic,
-            facts=_facts(device),
-            availability=None if sleeps(device.status) else Availability((OnlineTopic(f"{device.prefix}/online"),)),
-            is_sighting=True,
-        )
-        if device.described is not None and _looks(device.described) == _looks(described):
+        if device.described is not None and looks(device.described) == looks(described):
             return ()
         device.described = described
         return (described,)
 
-    def _emptied(self, device: _Device) -> tuple[Heard, ...]:
+    def _emptied(self, device: Gen2Device) -> tuple[Heard, ...]:
         if device.described is None:
             return ()
         device.described = None
         return (Withdrawn(device.prefix, "no component of it is left"),)
-
-
-def _looks(described: Described) -> tuple[tuple[Part, ...], str, Mapping[str, str], tuple[str, ...]]:
-    parts: tuple[DescribedPart, ...] = described.parts
-    return tuple(one.part for one in parts), described.name, described.facts, described.identifiers
-
-
-def _name(device: _Device) -> str:
-    own = text_of(device.info.get("name"))
-    return own or text_of(fields_in(fields_in(device.config, "sys"), "device").get("name")) or clean_text(device.prefix)
-
-
-def _facts(device: _Device) -> dict[str, str]:
-    generation = number_in(device.info.get("gen"))
-    facts = {
-        "manufacturer": "Shelly",
-        "model": text_of(device.info.get("model")),
-        "model_id": text_of(device.info.get("app")),
-        "sw_version": text_of(device.info.get("ver")),
-        "generation": "" if generation is None else f"{generation:g}",
-    }
-    return {name: value for name, value in facts.items() if value}
