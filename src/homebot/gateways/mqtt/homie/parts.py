@@ -6,9 +6,8 @@ setting. The switch, the brightness and the colour of a lamp are one part, altho
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
-from homebot.devices.part import Category
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homie.controls import (
     add_cover,
@@ -20,12 +19,12 @@ from homebot.gateways.mqtt.homie.controls import (
 )
 from homebot.gateways.mqtt.homie.kinds import KINDS, declared_class, words_in
 from homebot.gateways.mqtt.homie.lights import LIGHT_ROLES, add_light
-from homebot.gateways.mqtt.homie.model import HomieDevice, HomieNode, HomieProperty
-from homebot.gateways.mqtt.homie.quantities import SENSOR_TYPES
-from homebot.gateways.mqtt.homie.roles import CONTROLS, NodeRoles, Role, find_roles
-from homebot.gateways.mqtt.homie.told import add_flag, add_plain, add_press, add_temperature
-from homebot.gateways.mqtt.part_table import BytesPart, PartTable
-from homebot.gateways.mqtt.table_codec import raw_bytes
+from homebot.gateways.mqtt.homie.model import HomieDevice, HomieProperty
+from homebot.gateways.mqtt.homie.node_part import node_part
+from homebot.gateways.mqtt.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, find_roles
+from homebot.gateways.mqtt.homie.singles import build_meters, build_singles
+from homebot.gateways.mqtt.homie.told import add_flag
+from homebot.gateways.mqtt.part_table import BytesPart
 
 __all__ = ["build_parts"]
 
@@ -42,16 +41,12 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     for node in nodes:
         if node not in lamp:
             controls.extend(_controls(device, node))
-        others.extend(_meters(node))
-        others.extend(_singles(node))
+        others.extend(build_meters(node))
+        others.extend(build_singles(node))
     return tuple(part.described() for part in (*controls, *others))
 
 
-_ELECTRICAL = frozenset({"power", "energy", "voltage", "current", "frequency"})
-_DIAGNOSTIC = frozenset({"battery", "battery_low", "signal_strength"})
-_SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float": "number", "enum": "option"}
 _OUTLETS = frozenset({"outlet", "plug", "socket"})
-_LAMP_WORDS = frozenset({"light", "lamp", "bulb", "luminaire", "lighting"})
 _Add = Callable[[BytesPart, Mapping[str, HomieProperty]], None]
 _ADDERS: Mapping[str, _Add] = {
     "window_covering": add_cover,
@@ -72,7 +67,7 @@ def _vacuums(nodes: tuple[NodeRoles, ...]) -> Iterator[BytesPart]:
     orders = [(node, prop) for node, prop in props if prop.is_settable and {"START", "HOME"} <= set(prop.options)]
     if states and orders:
         node, order = orders[0]
-        part = _part(node.node, "robotic_vacuum_cleaner", guessed=True)
+        part = node_part(node.node, "robotic_vacuum_cleaner", guessed=True)
         add_vacuum(part, states[0], order)
         yield part
 
@@ -98,7 +93,7 @@ def _lights() -> frozenset[str]:
 
 def _light(nodes: tuple[NodeRoles, ...]) -> BytesPart:
     props = {role: prop for role in LIGHT_ROLES for node in nodes if (prop := node.prop(role)) is not None}
-    part = _part(nodes[0].node, "light", guessed=any(node.is_guess for node in nodes))
+    part = node_part(nodes[0].node, "light", guessed=any(node.is_guess for node in nodes))
     add_light(part, props)
     return part
 
@@ -109,7 +104,7 @@ def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[BytesPart]:
     if not service_type:
         return
     tag = KINDS[node.kind].tag if node.kind else ""
-    part = _part(node.node, service_type, tag=tag, guessed=node.is_guess)
+    part = node_part(node.node, service_type, tag=tag, guessed=node.is_guess)
     _ADDERS[service_type](part, props)
     if not part.is_empty:
         yield part
@@ -134,86 +129,7 @@ _NEEDED: Mapping[str, frozenset[str]] = {
     "closure": frozenset({"position", "movement", "move"}),
     "door_lock": frozenset({"lock", "lock_action"}),
     "water_valve": frozenset({"valve"}),
-    "thermostat": frozenset({"heating_setpoint", "cooling_setpoint", "thermostat_mode"}),
+    "thermostat": THERMOSTAT_ROLES,
     "fan": frozenset({"fan_mode", "on_off"}),
     "switch": frozenset({"on_off"}),
 }
-
-
-def _meters(node: NodeRoles) -> Iterator[BytesPart]:
-    roles = {role.name: role for role in reversed(node.roles) if role.name in _ELECTRICAL}
-    if not roles:
-        return
-    part = _part(node.node, "electrical_meter", suffix="$meter", guessed=any(role.is_guess for role in roles.values()))
-    for role in reversed(roles.values()):
-        add_plain(part, role.name, role.prop)
-    yield part
-
-
-def _singles(node: NodeRoles) -> Iterator[BytesPart]:
-    """What is left of a node: sensors and settings, each a part."""
-    has_thermostat = any(role.name in _NEEDED["thermostat"] for role in node.roles)
-    metered: set[str] = set()
-    for role in node.roles:
-        if role.name in _ELECTRICAL and role.name not in metered:
-            metered.add(role.name)
-        elif role.name == "local_temperature":
-            if not has_thermostat:
-                yield _sensor(node.node, Role("temperature", role.prop, role.is_guess))
-        elif role.name and role.name not in CONTROLS:
-            yield _sensor(node.node, role)
-        elif not role.name and not _is_relative(role.prop):
-            yield _setting(node.node, role.prop)
-
-
-def _is_relative(prop: HomieProperty) -> bool:
-    """Whether it only takes orders that depend on what was before: commands are absolute."""
-    return prop.datatype == "enum" and not prop.is_retained and set(prop.options) <= _RELATIVE
-
-
-_RELATIVE = frozenset({"toggle", "brighter", "darker", "step-up", "step-down", "trigger"})
-
-
-def _sensor(node: HomieNode, role: Role) -> BytesPart:
-    category: Category = "diagnostic" if role.name in _DIAGNOSTIC else ""
-    service_type = SENSOR_TYPES.get(role.name, "x_sensor")
-    part = _part(node, service_type, suffix=role.prop.id, name=role.prop.name, category=category, guessed=role.is_guess)
-    if role.name == "press":
-        add_press(part, role.prop)
-    elif role.name == "temperature":
-        add_temperature(part, role.name, role.prop)
-    else:
-        add_plain(part, role.name, role.prop)
-    return part
-
-
-def _setting(node: HomieNode, prop: HomieProperty) -> BytesPart:
-    part = _part(node, "x_setting", suffix=prop.id, name=prop.name, category="config")
-    add_plain(part, _SETTINGS.get(prop.datatype, "text"), prop)
-    return part
-
-
-def _part(
-    node: HomieNode,
-    service_type: str,
-    *,
-    suffix: str = "",
-    name: str = "",
-    tag: str = "",
-    category: Category = "",
-    guessed: bool = False,
-) -> BytesPart:
-    return PartTable(
-        raw_bytes,
-        "/".join(_filled((node.id, suffix))),
-        service_type,
-        name=" ".join(dict.fromkeys(_filled((node.name, name)))),
-        advertised=node.type,
-        tag=tag,
-        category=category,
-        guessed=guessed,
-    )
-
-
-def _filled(texts: Iterable[str]) -> tuple[str, ...]:
-    return tuple(text for text in texts if text)

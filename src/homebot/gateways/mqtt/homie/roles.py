@@ -1,6 +1,6 @@
 """What each property of a node does: as its kind declares, or as its shape suggests. Pure.
 
-Source: hc-smarthome v2; where nothing is declared, the words and forms that Homie devices commonly use.
+Source: hc-smarthome v2.
 """
 
 from __future__ import annotations
@@ -8,17 +8,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from homebot.gateways.mqtt.homie.guesses import guess_role, is_opening
 from homebot.gateways.mqtt.homie.kinds import KINDS, declared_kind, guessed_kind, words_in
 from homebot.gateways.mqtt.homie.model import HomieNode, HomieProperty
 from homebot.gateways.mqtt.homie.quantities import condition_of, quantity_of
 
-__all__ = ["CONTROLS", "NodeRoles", "Role", "find_roles"]
+__all__ = ["CONTROLS", "THERMOSTAT_ROLES", "NodeRoles", "Role", "find_roles"]
 
 CONTROLS = frozenset(
     {"on_off", "level", "color", "color_temperature", "position", "tilt", "movement", "move", "lock", "lock_action"}
     | {"valve", "heating_setpoint", "cooling_setpoint", "thermostat_mode", "fan_mode", "local_temperature"}
 )
 """Roles of what a part is controlled by; every other role is a capability that it only tells."""
+
+THERMOSTAT_ROLES = frozenset({"heating_setpoint", "cooling_setpoint", "thermostat_mode"})
+"""Those of which a thermostat has at least one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,12 +81,6 @@ def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
     return NodeRoles(node, kind, not declared, tuple(roles))
 
 
-_SWITCHING = frozenset({"power", "on", "onoff", "state", "switch", "relay", "value"})
-_LEVELS = frozenset({"brightness", "dim", "dimmer", "level", "intensity"})
-_SETPOINTS = frozenset({"setpoint", "heatsetpoint", "coolsetpoint", "target", "set", "temperature"})
-_MODES = frozenset({"mode", "system-mode", "systemmode", "hvac-mode"})
-_OPENINGS = frozenset({"open", "closed", "opening", "closing", "stopped", "close", "up", "stop"})
-_WHITES = frozenset({"K", "MK⁻¹", "mired", "mireds"})
 _Fit = Callable[[HomieProperty], bool]
 
 
@@ -102,10 +100,6 @@ def _is_choice(prop: HomieProperty) -> bool:
     return prop.datatype == "enum"
 
 
-def _is_opening(prop: HomieProperty) -> bool:
-    return prop.datatype == "enum" and {one.casefold() for one in prop.options} <= _OPENINGS
-
-
 _FITS: Mapping[str, _Fit] = {
     "on_off": _is_truth,
     "level": _is_number,
@@ -113,7 +107,7 @@ _FITS: Mapping[str, _Fit] = {
     "color_temperature": _is_number,
     "position": _is_number,
     "tilt": _is_number,
-    "movement": _is_opening,
+    "movement": is_opening,
     "move": _is_order,
     "lock": _is_truth,
     "lock_action": _is_order,
@@ -142,53 +136,8 @@ def _declared(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
 
 def _suggested(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
     words = words_in(prop.id, prop.name)
-    name = _ordered(node, prop, kind, words) if prop.is_settable else _watched(prop, kind, words)
+    name = guess_role(node, prop, kind, words)
     return Role(name, prop, is_guess=True) if name else _told(node, prop, kind)
-
-
-def _ordered(node: HomieNode, prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
-    if prop.datatype == "color":
-        return "color"
-    if prop.is_number:
-        return _ordered_number(prop, kind, words)
-    if prop.datatype == "boolean":
-        if kind in {"lock", "valve"}:
-            return kind
-        return "on_off" if words & _SWITCHING or prop.id == node.id else ""
-    return _ordered_word(prop, kind, words) if prop.datatype == "enum" else ""
-
-
-def _ordered_number(prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
-    if kind == "thermostat" and words & _SETPOINTS:
-        return "cooling_setpoint" if any(word.startswith("cool") for word in words) else "heating_setpoint"
-    if "position" in words or kind == "shutter":
-        return "tilt" if words & {"tilt", "slat"} else "position"
-    if prop.unit in _WHITES and kind in {"light", ""}:
-        return "color_temperature"
-    if words & _LEVELS and prop.range.most in {1.0, 100.0, 254.0, 255.0}:
-        return "level"
-    return ""
-
-
-def _ordered_word(prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
-    options = {one.casefold() for one in prop.options}
-    if kind == "fan" or (kind == "thermostat" and words & {"fan", "fanmode"}):
-        return "fan_mode"
-    if kind == "thermostat" and prop.id in _MODES:
-        return "thermostat_mode"
-    if kind in {"shutter", "garage-door"} and options & {"open", "up"}:
-        return "move"
-    return "lock_action" if kind == "lock" and options & {"lock", "unlock"} else ""
-
-
-def _watched(prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
-    if kind == "thermostat" and prop.is_number and "temperature" in words:
-        return "local_temperature"
-    if kind in {"shutter", "garage-door"} and _is_opening(prop):
-        return "movement"
-    if kind == "lock" and prop.datatype == "boolean":
-        return "lock"
-    return "press" if prop.datatype == "boolean" and words & {"button", "doorbell"} else ""
 
 
 def _told(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
