@@ -1,6 +1,6 @@
 """The MQTT client port on aiomqtt 2; the one file that knows aiomqtt and the paho client below it.
 
-aiomqtt gives the login, the requests to subscribe, the books of own publishes of QoS 1 and 2, and the keep-alive.
+aiomqtt gives the login, the requests to unsubscribe, the books of own publishes of QoS 1 and 2, and the keep-alive.
 Replaced, because it loses messages or waits in vain: the dialling (a cancelled one leaves a thread and a lock behind),
 the reading (one message for each turn of the loop, acknowledged before anybody has it, stopped by one bad packet), and
 the waiting for answers (a refused publish looks like a good one, a dead link like a slow one).
@@ -24,7 +24,7 @@ import struct
 import sys
 from collections.abc import AsyncIterator, Iterable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from typing import Any, Final, Literal, final
+from typing import Any, Final, Literal, TypeVar, final
 
 import aiomqtt
 import anyio
@@ -34,7 +34,6 @@ from paho.mqtt import client as paho
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 from paho.mqtt.reasoncodes import ReasonCode as PahoReason
-from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
@@ -43,8 +42,11 @@ from homebot.mqtt.dial import dial
 from homebot.mqtt.incoming import Frame, FrameReader
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets.primitives import Cursor
+from homebot.mqtt.packets.properties import PacketType, decode_properties
 from homebot.mqtt.packets.publish import Publish, encode_publish
 from homebot.mqtt.packets.reason import ProtocolVersion, ReasonCode
+from homebot.mqtt.packets.subscribe import FilterRequest, Subscribe, encode_subscribe
 from homebot.mqtt.read_ahead import ReadAhead
 from homebot.mqtt.receiver import Receiver
 from homebot.mqtt.refusals import check_granted, farewell_error, login_error, reason_words
@@ -85,6 +87,7 @@ _SILENCE.disabled = True
 _log = structlog.get_logger()
 
 _Version = Literal["5", "3.1.1"]
+T = TypeVar("T")
 _CODEC: Final = {"5": ProtocolVersion.V5, "3.1.1": ProtocolVersion.V311}
 
 
@@ -266,6 +269,7 @@ class _Link(aiomqtt.Client):
         self._gone = anyio.Event()
         self._drained = anyio.Event()
         self._answers: dict[int, asyncio.Future[int]] = {}
+        self._grants: dict[int, asyncio.Future[tuple[int, ...]]] = {}
         self._window = anyio.Semaphore(_IN_FLIGHT, fast_acquire=True)
         self._tick: asyncio.TimerHandle | None = None
         self._flush_soon: asyncio.Handle | None = None
@@ -343,12 +347,13 @@ class _Link(aiomqtt.Client):
         return PublishResult()
 
     async def request(self, subscriptions: tuple[Subscription, ...]) -> tuple[int, ...]:
+        """Subscribe without paho, which takes three times as long over it: a house has thousands of topics."""
         self._check_alive()
-        try:
-            codes = await self.subscribe([self._wish(subscription) for subscription in subscriptions])
-        except aiomqtt.MqttError as error:
-            raise self._lost_error("subscribe") from error
-        reasons = tuple(code if isinstance(code, int) else code.value for code in codes)
+        packet_id = self._free_packet_id()
+        wishes = tuple(_wish(subscription) for subscription in subscriptions)
+        self.put(encode_subscribe(Subscribe(packet_id, wishes), _CODEC[self.version]))
+        self._check_alive()
+        reasons = await self._wait_for_answer(self._grants, packet_id, "subscribe")
         refused = [(s.filter, reason) for s, reason in zip(subscriptions, reasons, strict=False) if reason >= 0x80]
         if refused:
             names = ", ".join(repr(name) for name, _ in refused)
@@ -406,16 +411,7 @@ class _Link(aiomqtt.Client):
             packet_id = self._hand_over(topic, payload, qos, retain=retain, extra=extra)
             self._flush()
         self._check_alive()  # the sending itself may have found the link broken
-        answer: asyncio.Future[int] = self._loop.create_future()
-        self._answers[packet_id] = answer
-        overdue = self._loop.call_later(self.timeout, _expire, answer)
-        try:
-            reason = await answer
-        except TimeoutError as error:
-            raise LinkError(f"no answer to a publish within {self.timeout:g} s") from error
-        finally:
-            overdue.cancel()
-            del self._answers[packet_id]
+        reason = await self._wait_for_answer(self._answers, packet_id, "a publish")
         if reason >= 0x80:
             raise RefusedError(f"the publish to {topic!r}", reason_words(reason), reason)
         return PublishResult(reason)
@@ -423,12 +419,29 @@ class _Link(aiomqtt.Client):
     def _put_publish(self, topic: str, payload: bytes, *, retain: bool) -> int:
         """Send a plain PUBLISH of QoS 1 without paho, which takes five times as long over it."""
         self._check_alive()
-        client = self._client
-        packet_id = client._mid_generate()
-        while packet_id in self._answers or packet_id in client._out_messages:
-            packet_id = client._mid_generate()
+        packet_id = self._free_packet_id()
         self.put(encode_publish(Publish(topic, payload, 1, retain, packet_id=packet_id), _CODEC[self.version]))
         return packet_id
+
+    def _free_packet_id(self) -> int:
+        client = self._client
+        taken = (self._answers, self._grants, self._pending_unsubscribes, client._out_messages)
+        packet_id = client._mid_generate()
+        while any(packet_id in ids for ids in taken):
+            packet_id = client._mid_generate()
+        return packet_id
+
+    async def _wait_for_answer(self, waiting: dict[int, asyncio.Future[T]], packet_id: int, to_what: str) -> T:
+        answer: asyncio.Future[T] = self._loop.create_future()
+        waiting[packet_id] = answer
+        overdue = self._loop.call_later(self.timeout, _expire, answer)
+        try:
+            return await answer
+        except TimeoutError as error:
+            raise LinkError(f"no answer to {to_what} within {self.timeout:g} s") from error
+        finally:
+            overdue.cancel()
+            del waiting[packet_id]
 
     def _hand_over(self, topic: str, payload: bytes, qos: int, *, retain: bool, extra: Properties | None) -> int:
         self._check_alive()
@@ -458,16 +471,6 @@ class _Link(aiomqtt.Client):
         if self._lost is None:
             return LinkError(f"no answer to {what} within {self.timeout:g} s")
         return LinkError(f"{what} failed, the link is lost: {self._lost}")
-
-    def _wish(self, subscription: Subscription) -> Any:
-        if self.version != "5":
-            return subscription.filter, subscription.qos
-        return subscription.filter, SubscribeOptions(
-            qos=subscription.qos,
-            noLocal=subscription.no_local,
-            retainAsPublished=subscription.retain_as_published,
-            retainHandling=subscription.retain_handling,
-        )
 
     # -- the socket ---------------------------------------------------------------------------------------
 
@@ -613,9 +616,25 @@ class _Link(aiomqtt.Client):
             kind == paho.PUBREC and len(packet.body) > 2 and packet.body[2] >= 0x80
         ):
             self._answered(packet)
+        elif kind == paho.SUBACK:
+            self._grant(packet)
         else:
             self._let_paho_handle(packet)
         return b""
+
+    def _grant(self, packet: Frame) -> None:
+        """SUBACK; its reasons as they are, because brokers give others than the protocol has."""
+        cursor = Cursor(packet.body)
+        try:
+            packet_id = cursor.uint16()
+            if self.version == "5":
+                decode_properties(cursor, PacketType.SUBACK)
+        except WireError as error:
+            self._break(LinkError(f"the broker sent something unreadable: {error}"))
+            return
+        answer = self._grants.get(packet_id)
+        if answer is not None and not answer.done():
+            answer.set_result(tuple(cursor.take(cursor.left)))
 
     def _let_paho_handle(self, packet: Frame) -> None:
         client = self._client
@@ -704,9 +723,9 @@ class _Link(aiomqtt.Client):
         for answer in self._answers.values():
             if not answer.done():
                 answer.set_exception(self._lost_error("publish"))
-        for reply in self._pending_subscribes.values():
-            if not reply.done():
-                reply.set_exception(aiomqtt.MqttError("link lost"))
+        for grant in self._grants.values():
+            if not grant.done():
+                grant.set_exception(self._lost_error("subscribe"))
         for event in self._pending_unsubscribes.values():
             event.set()
         # Their callers know that they failed; paho would send them on the next link, whenever that is. QoS 2
@@ -716,7 +735,17 @@ class _Link(aiomqtt.Client):
             del messages[packet_id]
 
 
-def _expire(answer: asyncio.Future[int]) -> None:
+def _wish(subscription: Subscription) -> FilterRequest:
+    return FilterRequest(
+        subscription.filter,
+        subscription.qos,
+        subscription.no_local,
+        subscription.retain_as_published,
+        subscription.retain_handling,
+    )
+
+
+def _expire(answer: asyncio.Future[T]) -> None:
     if not answer.done():
         answer.set_exception(TimeoutError())
 

@@ -22,6 +22,7 @@ __all__ = [
 MAX_TOPIC_BYTES = 65_535
 """Length limit of a topic name or filter in UTF-8, in bytes (MQTT 5.0, section 1.5.4)."""
 
+_SHORT = MAX_TOPIC_BYTES // 4
 _SHARE_PREFIX = "$share/"
 _TOPIC = "topic"
 _FILTER = "topic filter"
@@ -48,9 +49,9 @@ def validate_topic(topic: str) -> None:
             a surrogate.
     """
     _check_text(_TOPIC, topic)
-    for position, character in enumerate(topic):
-        if character in "+#":
-            raise InvalidNameError(_TOPIC, topic, "has a wildcard, which only filters may have", position)
+    if "+" in topic or "#" in topic:
+        position = next(place for place, character in enumerate(topic) if character in "+#")
+        raise InvalidNameError(_TOPIC, topic, "has a wildcard, which only filters may have", position)
 
 
 def validate_filter(filter: str) -> None:  # noqa: A002 - the protocol's own word
@@ -105,6 +106,8 @@ def parse_shared_filter(filter: str) -> SharedFilter | None:  # noqa: A002 - the
 def _check_text(kind: str, name: str) -> None:
     if not name:
         raise InvalidNameError(kind, name, "is empty")
+    if len(name) <= _SHORT and name.isascii() and "\0" not in name:
+        return
     if "\0" in name:
         raise InvalidNameError(kind, name, "has a NUL", name.index("\0"))
     try:
