@@ -6,7 +6,10 @@ from typing import Literal
 
 import pytest
 
-from homebot.devices import DeviceChange, Sighting
+from homebot.devices import DeviceChange, KeyValue, Sighting, StateChange
+from homebot.devices.part import Capability, Part
+from homebot.devices.report import Reading, Report
+from homebot.devices.value import Value
 from homebot.discovery import DeviceIndex
 from homebot.messages import Time
 
@@ -234,3 +237,36 @@ def test_a_full_index_takes_nothing_new_in_and_counts_it() -> None:
     changed = observe(index, sighting("lights/a", name="other"))
     assert changed is not None
     assert changed.kind == "changed"
+
+
+def test_what_is_told_holds_all_that_its_types_ask_for(index: DeviceIndex) -> None:
+    """The index makes these messages without checks, of what was checked in sightings and reports."""
+    lamp = Part(id="lamp", service_type="light", capabilities=(Capability(name="on_off", settable=True),))
+    described = sighting("homeassistant:light/lamp").model_copy(
+        update={
+            "convention": "homeassistant",
+            "identifiers": ("eui64:00158d0001abcdef",),
+            "parts": (lamp,),
+            "metadata": (KeyValue(key="model", value="bulb"),),
+        }
+    )
+    index.tells_states = True
+    index.observe(described)
+    index.report(
+        Report(
+            gateway="mqtt",
+            key=described.key,
+            readings=(Reading(part="lamp", capability="on_off", value=Value.of(True)),),
+            address="lamp",
+            retained=False,
+            received_at=Time.from_seconds(1),
+        )
+    )
+    changes, states = index.take_changes(), index.take_states()
+
+    assert changes[0].device.states
+    for change in changes:
+        assert DeviceChange.model_validate_json(change.model_dump_json()) == change
+    assert states
+    for state in states:
+        assert StateChange.model_validate_json(state.model_dump_json()) == state

@@ -80,6 +80,26 @@ def test_equal_messages_are_equal_keys() -> None:
     assert {String(data="x"): 1}[String(data="x")] == 1
 
 
+def test_a_message_of_checked_values_is_like_one_that_was_checked() -> None:
+    checked = String(data="hello")
+    message = String.of_checked(data=checked.data)
+
+    assert message == checked
+    assert hash(message) == hash(checked)
+    assert repr(message) == repr(checked)
+    assert message.model_dump_json() == checked.model_dump_json()
+    assert message.model_copy(update={"data": "bye"}) == String(data="bye")
+    with pytest.raises(ValidationError, match="frozen"):
+        message.data = "changed"  # type: ignore[misc] # it is what is refused
+
+
+def test_messages_of_checked_values_share_no_value() -> None:
+    one, other = String.of_checked(data="one"), String.of_checked(data="other")
+
+    assert (one.data, other.data) == ("one", "other")
+    assert Int32.of_checked(data=1).model_fields_set == {"data"} == one.model_fields_set
+
+
 def test_a_type_is_named_after_its_package_and_class() -> None:
     assert Numbers.ros_type == f"{__name__.partition('.')[0]}/msg/Numbers"
 

@@ -98,9 +98,9 @@ class Happenings:
 
     def _change(self, kind: ChangeKind, device: Device, why: str, other: str = "") -> DeviceChange:
         self.sequence += 1
-        return DeviceChange(kind=kind, device=device, sequence=self.sequence, why=why, other=other)
+        return DeviceChange.of_checked(kind=kind, device=device, sequence=self.sequence, why=why, other=other)
 
     def _state_change(self, entry: Entry, state: State) -> StateChange:
         self.sequence += 1
         stream = f"{entry.id}\0{state.part}\0{state.capability}"
-        return StateChange(stream=stream, device=entry.id, state=state, sequence=self.sequence)
+        return StateChange.of_checked(stream=stream, device=entry.id, state=state, sequence=self.sequence)

@@ -80,7 +80,8 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed) -> MergedParts:
             if dispute := disputed(claim, part):
                 conflicts.append(dispute)
             else:
-                route = Route(gateway=gateway, key=key, part=part.id, convention=claim.sighting.convention)
+                convention = claim.sighting.convention
+                route = Route.of_checked(gateway=gateway, key=key, part=part.id, convention=convention)
                 found.routes.append(route)
             places[gateway, key, part.id] = id(found)
     numbers = {id(one): number for number, one in enumerate(merged)}
@@ -109,7 +110,7 @@ def _named(merged: list[_Merged]) -> tuple[DevicePart, ...]:
         while part_id in taken:
             part_id += "'"
         taken.add(part_id)
-        parts.append(DevicePart(id=part_id, part=one.part, routes=tuple(one.routes)))
+        parts.append(DevicePart.of_checked(id=part_id, part=one.part, routes=tuple(one.routes)))
     return tuple(parts)
 
 

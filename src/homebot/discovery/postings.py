@@ -64,8 +64,13 @@ class Postings:
         device_id = facets.id
         before = self._posted.get(device_id)
         if before is None:
+            sets = self._sets
             for key in _keys(facets):
-                self._join(key, device_id)
+                found = sets.get(key)
+                if found is None:
+                    self._begin(key, device_id)
+                else:
+                    found.add(device_id)
         else:
             keys, known = frozenset(_keys(facets)), frozenset(_keys(before.facets))
             for key in known - keys:
@@ -198,9 +203,12 @@ class Postings:
 
     def _join(self, key: _Key, device_id: str) -> None:
         found = self._sets.get(key)
-        if found is not None:
+        if found is None:
+            self._begin(key, device_id)
+        else:
             found.add(device_id)
-            return
+
+    def _begin(self, key: _Key, device_id: str) -> None:
         self._sets[key] = {device_id}
         if key[0] == "word":
             self._words.add(str(key[1]))
@@ -244,30 +252,23 @@ _HOLDS: dict[str, Callable[[float, float], bool]] = {
 }
 
 
-def _keys(facets: Facets) -> Iterator[_Key]:
+def _keys(facets: Facets) -> list[_Key]:
+    keys: list[_Key] = [("freshness", facets.freshness), ("reachable", facets.reachable)]
     if facets.name not in facets.facts.get("name", ()):
-        yield "fact name", facets.name
-    yield "freshness", facets.freshness
-    yield "reachable", facets.reachable
+        keys.append(("fact name", facets.name))
     if facets.area:
-        yield "area", facets.area
+        keys.append(("area", facets.area))
     if facets.senses:
-        yield "sense", facets.senses
-    for service_type, tag in facets.kinds:
-        yield f"kind {service_type}", tag
-    for name, found in (
-        ("said", facets.words_said),
-        ("can", facets.capabilities),
-        ("set", facets.settable),
-        ("gateway", facets.gateways),
-        ("convention", facets.conventions),
-        ("word", facets.words),
-    ):
-        for one in found:
-            yield name, one
-    for fact, values in facets.facts.items():
-        for value in values:
-            yield f"fact {fact}", value
+        keys.append(("sense", facets.senses))
+    keys += [(f"kind {service_type}", tag) for service_type, tag in facets.kinds]
+    keys += [("said", one) for one in facets.words_said]
+    keys += [("can", one) for one in facets.capabilities]
+    keys += [("set", one) for one in facets.settable]
+    keys += [("gateway", one) for one in facets.gateways]
+    keys += [("convention", one) for one in facets.conventions]
+    keys += [("word", one) for one in facets.words]
+    keys += [(f"fact {fact}", value) for fact, values in facets.facts.items() for value in values]
+    return keys
 
 
 @final

@@ -53,7 +53,7 @@ def reach(entry: Entry, claim: Claim, reading: Reading, stamp: Time, *, live: bo
 
 def state_of(part_id: str, reading: Reading, told: Told) -> State:
     """Return the message that tells a value."""
-    return State(
+    return State.of_checked(
         part=part_id,
         capability=reading.capability,
         value=reading.value,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
 from pydantic_core import CoreSchema
@@ -55,6 +55,21 @@ class Message(BaseModel):
 
     ros_type: ClassVar[str]
     key_field: ClassVar[str | None] = None
+    _all_fields: ClassVar[set[str]]
+
+    @classmethod
+    def of_checked(cls, **fields: object) -> Self:
+        """Return the message that has *fields*, all that there are, without a look at their values.
+
+        Only for values out of messages, which were checked where those were made. It takes a third of the time, and of
+        a small message half of the memory, which counts where a whole house is told of at once.
+        """
+        message = cls.__new__(cls)
+        _set_fields(message, "__dict__", fields)
+        _set_fields(message, "__pydantic_fields_set__", cls._all_fields)
+        _set_fields(message, "__pydantic_extra__", None)
+        _set_fields(message, "__pydantic_private__", None)
+        return message
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -67,6 +82,7 @@ class Message(BaseModel):
         super().__pydantic_init_subclass__(**kwargs)
         if cls.key_field is not None and cls.key_field.partition(".")[0] not in cls.model_fields:
             raise UsageError(f"{cls.__name__} has no field {cls.key_field!r} to be its key")
+        cls._all_fields = set(cls.model_fields)
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -74,3 +90,6 @@ class Message(BaseModel):
         schema = handler(source)
         _bound_integers(handler.resolve_ref_schema(schema))
         return schema
+
+
+_set_fields = object.__setattr__
