@@ -13,9 +13,10 @@ from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.expiry import expire
-from homebot.gateways.mqtt.homeassistant.quantities import Quantity, is_quantity, quantity_of
+from homebot.gateways.mqtt.homeassistant.quantities import is_quantity, quantity_of
 from homebot.gateways.mqtt.homeassistant.rendered import number_of
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.quantity import Quantity
 from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["build_sensor"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-__all__ = ["CONDITIONS", "SENSOR_TYPES", "condition_of", "factor_of", "quantity_of"]
+__all__ = ["CONDITIONS", "condition_of", "factor_of", "quantity_of"]
 
 _BY_UNIT: Mapping[str, str] = MappingProxyType(
     {
@@ -93,44 +93,6 @@ CONDITIONS: Mapping[str, str] = MappingProxyType(
     }
 )
 """What a truth tells, by a word."""
-
-SENSOR_TYPES: Mapping[str, str] = MappingProxyType(
-    {
-        "temperature": "temperature_sensor",
-        "humidity": "humidity_sensor",
-        "illuminance": "light_sensor",
-        "pressure": "pressure_sensor",
-        "flow": "flow_sensor",
-        "soil_moisture": "soil_sensor",
-        "carbon_dioxide": "air_quality_sensor",
-        "carbon_monoxide": "air_quality_sensor",
-        "pm25": "air_quality_sensor",
-        "pm10": "air_quality_sensor",
-        "volatile_organic_compounds": "air_quality_sensor",
-        "power": "electrical_meter",
-        "energy": "electrical_meter",
-        "voltage": "electrical_meter",
-        "current": "electrical_meter",
-        "frequency": "electrical_meter",
-        "battery": "x_battery",
-        "battery_low": "x_battery",
-        "occupancy": "occupancy_sensor",
-        "contact": "contact_sensor",
-        "water_leak": "water_leak_detector",
-        "smoke": "smoke_co_alarm",
-        "carbon_monoxide_alarm": "smoke_co_alarm",
-        "gas": "smoke_co_alarm",
-        "rain": "rain_sensor",
-        "vibration": "x_binary_sensor",
-        "tamper": "x_binary_sensor",
-        "state": "x_binary_sensor",
-        "signal_strength": "x_sensor",
-        "measurement": "x_sensor",
-        "value": "x_sensor",
-        "press": "generic_switch",
-    }
-)
-"""The service type of a part that only tells one capability."""
 
 
 def quantity_of(unit: str, words: frozenset[str]) -> tuple[str, bool]:

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from homebot.devices.part import Category
 from homebot.gateways.mqtt.homie.model import HomieNode, HomieProperty
 from homebot.gateways.mqtt.homie.node_part import node_part
-from homebot.gateways.mqtt.homie.quantities import SENSOR_TYPES
 from homebot.gateways.mqtt.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, Role
 from homebot.gateways.mqtt.homie.told import add_plain, add_press, add_temperature
 from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.quantity import SENSOR_TYPES
 
 __all__ = ["build_meters", "build_singles"]
 

@@ -6,28 +6,10 @@ Source: hatasmota 0.10.2, ``sensor.py``; Home Assistant core 2025.4, ``component
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
-__all__ = ["Quantity", "quantity_of"]
+from homebot.gateways.mqtt.quantity import Quantity, conversion_of
 
-
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """What a value is.
-
-    Attributes:
-        service_type: Of the part that says it.
-        capability: Which it is.
-        unit: In which it is given on the graph; empty where the vocabulary says, or it has none.
-        factor: What the device's number is multiplied by.
-        offset: What is added then.
-    """
-
-    service_type: str
-    capability: str
-    unit: str = ""
-    factor: float = 1.0
-    offset: float = 0.0
+__all__ = ["quantity_of"]
 
 
 def quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> Quantity:
@@ -62,6 +44,10 @@ _ENERGY = Quantity("electrical_meter", "energy")
 _CURRENT = Quantity("electrical_meter", "current")
 _POWER = Quantity("electrical_meter", "power")
 _LIGHT = Quantity("light_sensor", "illuminance")
+
+
+def _converted(service_type: str, capability: str, unit: str) -> Quantity:
+    return Quantity(service_type, capability, "", *(conversion_of(capability, unit) or ()))
 
 
 def _plain(unit: str) -> Quantity:
@@ -109,11 +95,11 @@ _KNOWN: Mapping[str, Quantity] = {
 
 _TEMPERATURES: Mapping[str, Quantity] = {
     "C": Quantity("temperature_sensor", "temperature"),
-    "F": Quantity("temperature_sensor", "temperature", factor=5 / 9, offset=-160 / 9),
+    "F": _converted("temperature_sensor", "temperature", "°F"),
 }
 _PRESSURES: Mapping[str, Quantity] = {
     "hPa": Quantity("pressure_sensor", "pressure"),
-    "mmHg": Quantity("pressure_sensor", "pressure", factor=1.33322387415),
+    "mmHg": _converted("pressure_sensor", "pressure", "mmHg"),
 }
 _SPEEDS: Mapping[str, Quantity] = {unit: _plain(unit) for unit in ("m/s", "km/h", "kn", "mph", "ft/s", "yd/s")}
 

@@ -15,6 +15,7 @@ from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.part_table import JsonPart, PartTable
 from homebot.gateways.mqtt.payload import clean_text, shown
+from homebot.gateways.mqtt.quantity import Quantity
 from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
 from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.wanted import wanted_flag
@@ -28,7 +29,7 @@ from homebot.gateways.mqtt.zigbee2mqtt.features import (
     text_of,
 )
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
-from homebot.gateways.mqtt.zigbee2mqtt.vocabulary import CONDITIONS, TRUE_IS_CLOSED, Measure, measure
+from homebot.gateways.mqtt.zigbee2mqtt.vocabulary import CONDITIONS, TRUE_IS_CLOSED, measure
 
 __all__ = ["build_generic"]
 
@@ -114,9 +115,9 @@ def _setting(lines: Lines, expose: Expose) -> JsonPart | None:
 _MAX_TEXT = 4_096
 
 
-def _measured(what: Measure, value: object) -> float | None:
+def _measured(what: Quantity, value: object) -> float | None:
     number = finite_number(value)
-    return None if number is None else number * what.factor + what.offset
+    return None if number is None else what.value(number)
 
 
 def _json_text(value: object) -> str:

@@ -1,0 +1,165 @@
+"""A number that a device measures, and how it becomes one in the vocabulary's unit. Pure.
+
+Source of the conversions: Home Assistant core 2025.4, ``util/unit_conversion.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+from typing import TypeAlias
+
+from homebot.devices.capabilities import CAPABILITIES
+
+__all__ = ["SENSOR_TYPES", "Conversion", "Quantity", "conversion_of"]
+
+Conversion: TypeAlias = tuple[float, float, float]
+"""What is taken from a number first, what it is multiplied by then, and what it is divided by."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """What a number says.
+
+    Attributes:
+        service_type: Of a part that measures only this.
+        capability: Under which name it is reported.
+        unit: Of the reported values: the device's own where that cannot be converted; else the vocabulary's, or empty.
+        shift: Is taken from a number first.
+        times: Then it is multiplied by this,
+        over: and divided by this.
+    """
+
+    service_type: str
+    capability: str
+    unit: str = ""
+    shift: float = 0.0
+    times: float = 1.0
+    over: float = 1.0
+
+    def value(self, number: float) -> float:
+        """Return a device's *number* in :attr:`unit`."""
+        return (number - self.shift) * self.times / self.over
+
+
+@lru_cache(maxsize=512)  # a house has the same few
+def conversion_of(capability: str, unit: str) -> Conversion | None:
+    """Return how numbers in *unit* become those of *capability*; None where that is not known.
+
+    Args:
+        capability: See :data:`homebot.devices.capabilities.CAPABILITIES`.
+        unit: As a device spells it, cut to some length.
+    """
+    spelled = unit.strip().replace("\u03bc", "\u00b5").replace("\u2103", "°C").replace("\u2109", "°F")
+    if spelled == CAPABILITIES[capability].unit:
+        return _SAME
+    return _UNITS[capability].get(spelled) if capability in _UNITS else None
+
+
+SENSOR_TYPES: Mapping[str, str] = MappingProxyType(
+    {
+        "temperature": "temperature_sensor",
+        "humidity": "humidity_sensor",
+        "illuminance": "light_sensor",
+        "pressure": "pressure_sensor",
+        "flow": "flow_sensor",
+        "soil_moisture": "soil_sensor",
+        "air_quality_index": "air_quality_sensor",
+        "carbon_dioxide": "air_quality_sensor",
+        "carbon_monoxide": "air_quality_sensor",
+        "pm1": "air_quality_sensor",
+        "pm25": "air_quality_sensor",
+        "pm10": "air_quality_sensor",
+        "volatile_organic_compounds": "air_quality_sensor",
+        "power": "electrical_meter",
+        "energy": "electrical_meter",
+        "voltage": "electrical_meter",
+        "current": "electrical_meter",
+        "frequency": "electrical_meter",
+        "battery": "x_battery",
+        "battery_low": "x_battery",
+        "occupancy": "occupancy_sensor",
+        "contact": "contact_sensor",
+        "water_leak": "water_leak_detector",
+        "smoke": "smoke_co_alarm",
+        "carbon_monoxide_alarm": "smoke_co_alarm",
+        "gas": "smoke_co_alarm",
+        "rain": "rain_sensor",
+        "vibration": "x_binary_sensor",
+        "tamper": "x_binary_sensor",
+        "state": "x_binary_sensor",
+        "signal_strength": "x_sensor",
+        "measurement": "x_sensor",
+        "value": "x_sensor",
+        "press": "generic_switch",
+    }
+)
+"""The service type of a part that only tells one capability."""
+
+_MILLI: Conversion = (0.0, 1.0, 1e3)
+_MICRO: Conversion = (0.0, 1.0, 1e6)
+_KILO: Conversion = (0.0, 1e3, 1.0)
+_MEGA: Conversion = (0.0, 1e6, 1.0)
+_SAME: Conversion = (0.0, 1.0, 1.0)
+_MASS_IN_AIR: Mapping[str, Conversion] = {"mg/m³": _KILO, "ug/m³": _SAME, "ug/m3": _SAME, "\u00b5g/m3": _SAME}
+_UNITS: Mapping[str, Mapping[str, Conversion]] = MappingProxyType(
+    {
+        "current": {"mA": _MILLI, "\u00b5A": _MICRO, "kA": _KILO},
+        "energy": {
+            "mWh": (0.0, 1.0, 1e6),
+            "Wh": _MILLI,
+            "MWh": _KILO,
+            "GWh": _MEGA,
+            "TWh": (0.0, 1e9, 1.0),
+            "J": (0.0, 1.0, 3.6e6),
+            "kJ": (0.0, 1.0, 3.6e3),
+            "MJ": (0.0, 1.0, 3.6),
+            "GJ": (0.0, 1e3, 3.6),
+            "cal": (0.0, 4.184, 3.6e6),
+            "kcal": (0.0, 4.184, 3.6e3),
+            "Mcal": (0.0, 4.184, 3.6),
+            "Gcal": (0.0, 4184.0, 3.6),
+        },
+        "flow": {
+            "L/h": _MILLI,
+            "L/min": (0.0, 60.0, 1e3),
+            "L/s": (0.0, 3.6, 1.0),
+            "mL/s": (0.0, 3.6, 1e3),
+            "m³/s": (0.0, 3600.0, 1.0),
+            "m³/min": (0.0, 60.0, 1.0),
+            "m3/h": _SAME,
+            "ft³/min": (0.0, 60 * 0.028316846592, 1.0),
+            "gal/min": (0.0, 60 * 0.003785411784, 1.0),
+        },
+        "frequency": {"mHz": _MILLI, "kHz": _KILO, "MHz": _MEGA, "GHz": (0.0, 1e9, 1.0)},
+        "illuminance": {"lux": _SAME, "Lux": _SAME, "klx": _KILO},
+        "power": {"mW": _MILLI, "kW": _KILO, "MW": _MEGA, "GW": (0.0, 1e9, 1.0), "TW": (0.0, 1e12, 1.0)},
+        "pressure": {
+            "Pa": (0.0, 1.0, 100.0),
+            "kPa": (0.0, 10.0, 1.0),
+            "MPa": (0.0, 1e4, 1.0),
+            "mbar": _SAME,
+            "cbar": (0.0, 10.0, 1.0),
+            "bar": _KILO,
+            "mmHg": (0.0, 1.333223874150, 1.0),
+            "inHg": (0.0, 33.8638864034, 1.0),
+            "psi": (0.0, 68.9475729317, 1.0),
+        },
+        "temperature": {
+            "°F": (32.0, 1.0, 1.8),
+            "F": (32.0, 1.0, 1.8),
+            "K": (273.15, 1.0, 1.0),
+            "C": _SAME,
+        },
+        "voltage": {"mV": _MILLI, "\u00b5V": _MICRO, "kV": _KILO, "MV": _MEGA},
+        "pm1": _MASS_IN_AIR,
+        "pm10": _MASS_IN_AIR,
+        "pm25": _MASS_IN_AIR,
+        "volatile_organic_compounds": _MASS_IN_AIR,
+        "carbon_dioxide": {"ppb": _MILLI},
+        "carbon_monoxide": {"ppb": _MILLI},
+    }
+)
+"""Capability to unit to conversion into the vocabulary's unit."""
