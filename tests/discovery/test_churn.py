@@ -373,7 +373,8 @@ def _config(lamp: Lamp) -> dict[str, object]:
     sources = [{"topic": topic, **({"value_template": "{{ value_json.state }}"} if is_json else {})}]
     identity: dict[str, object] = {"identifiers": [f"zigbee2mqtt_{lamp.ieee}"]}
     if lamp.kind == "firmware":
-        identity = {"identifiers": [f"esp-{lamp.number}"], "connections": [["mac", lamp.mac]]}
+        shared = ["ESP32", "our own firmware 1.0"]  # says what it is, not who
+        identity = {"identifiers": [f"esp-{lamp.number}", *shared], "connections": [["mac", lamp.mac]]}
     return {
         "schema": "json",
         "name": None,

@@ -311,3 +311,15 @@ def test_a_device_of_many_entities_is_bounded(index: DeviceIndex, announce: Anno
     (device,) = index.devices()
     assert len(device.parts) == 1000
     assert index.counters.rejected == 100
+
+
+def test_a_device_that_tells_more_of_who_it_is_is_described_anew(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """As a Shelly does whose announcement comes after its first word."""
+    button, lamp = part("generic_switch", "press", id="input"), part("light", "on_off", id="light")
+    after(index, announce("lamp", button, ids=("id:shellyrgbw2-0BBFDB",)))
+    after(index, announce("lamp", button, lamp, ids=(MAC, "id:shellyrgbw2-0BBFDB")))
+    (device,) = index.devices()
+    assert MAC in device.identifiers
+    assert {one.part.service_type for one in device.parts} == {"generic_switch", "light"}

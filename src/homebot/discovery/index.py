@@ -331,8 +331,7 @@ class DeviceIndex:
             if before.identifiers != sighting.identifiers or before.convention != sighting.convention:
                 self._regroup(self._bonds.put(key, sighting), "it says anew who it is")
                 entry = self._owner[key]
-            else:
-                self._describe(entry)
+            self._describe(entry)
             self._note("changed", entry, "it is described anew")
         if sighting.confirmed:
             claim.expires_at = sighting.expires_at

@@ -154,6 +154,18 @@ async def test_the_same_description_again_is_no_news(make_house: MakeHouse) -> N
         assert len(house.sighted()) == 1
 
 
+async def test_the_first_word_after_an_announcement_is_a_sign_of_life(make_house: MakeHouse) -> None:
+    """Also within the second in which another one would be passed over, and sighted before it is reported."""
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.say("lamp1/state", "on_off=on")
+        await anyio.sleep(5)
+        await house.announce("lamp1")
+        house.sighted()
+        await house.say("lamp1/state", "on_off=off")
+        assert [one.confirmed for one in house.sighted()] == [True]
+
+
 async def test_a_device_that_is_taken_back_is_gone_ten_seconds_later(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.announce("lamp1")

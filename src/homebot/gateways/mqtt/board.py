@@ -46,7 +46,7 @@ class Board:
     def sight(self, claim: Claim, kind: SightingKind, why: str, *, confirmed: bool) -> None:
         """Tell that a device is there, still there, or gone."""
         claim.refresh_at = self.now + REFRESH
-        claim.is_confirmed = claim.is_confirmed or confirmed
+        claim.is_confirmed = confirmed
         self._gateway.sight(claim.sighting(kind, why, at=self.stamp, until=self._until, confirmed=confirmed))
 
     def report(self, claim: Claim, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool) -> None:

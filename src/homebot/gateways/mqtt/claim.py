@@ -76,7 +76,7 @@ class Claim:
         voices: Its parts by id.
         reachability: What is known of whether the device can be reached; None where it never tells.
         reachable: What of that the graph was told last.
-        is_confirmed: Whether the device itself has spoken.
+        is_confirmed: Whether the last sighting was a sign of life of the device itself.
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
         streams: The streams of reports that late joiners get.
         enlisted: The filters that it is read on, each with who reads.

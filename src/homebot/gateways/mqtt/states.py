@@ -117,14 +117,13 @@ class States:
         if claim is None or self._claims.get(claim.key) is not claim:
             return  # it went while others had their turn
         self._counters.reports += 1
+        if not message.retain and (not claim.is_confirmed or self._board.now >= claim.refresh_at):
+            # First: to a directory that has forgotten the device, a report alone is of nobody.
+            self._board.sight(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
         self._board.report(claim, tuple(readings), message.topic, claim.stream(message.topic), retained=message.retain)
-        if message.retain:
-            return
-        if claim.reachable is False and claim.reachability is not None:
+        if not message.retain and claim.reachable is False and claim.reachability is not None:
             claim.reachability.doubt()
             self._tell_reachable(claim, message.topic, retained=False)
-        if not claim.is_confirmed or self._board.now >= claim.refresh_at:
-            self._board.sight(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
 
     def _tell_reachable(self, claim: Claim, topic: str, *, retained: bool) -> None:
         reachable = None if claim.reachability is None else claim.reachability.value

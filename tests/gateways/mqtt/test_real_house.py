@@ -1,0 +1,96 @@
+"""Real products on one broker: all the way through gateway and directory."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import anyio
+import pytest
+
+from homebot.devices import Device
+from homebot.discovery import Directory, DirectorySettings
+from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
+from homebot.gateways.mqtt.description import Described
+from homebot.graph import Graph, Node
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.options import MqttOptions
+from homebot.plugins import load_plugin
+
+Row: TypeAlias = dict[str, Any]
+
+FIXTURES = Path(__file__).parent / "fixtures"
+CONVENTIONS = {
+    "homeassistant": "homebot.gateways.mqtt.homeassistant:HomeAssistantDiscovery",
+    "zigbee2mqtt": "homebot.gateways.mqtt.zigbee2mqtt:Zigbee2Mqtt",
+    "tasmota": "homebot.gateways.mqtt.tasmota:TasmotaDiscovery",
+    "shelly": "homebot.gateways.mqtt.shelly:Shelly",
+    "homie": "homebot.gateways.mqtt.homie:Homie",
+}
+BRIDGE = "zigbee2mqtt/bridge/devices"
+
+
+def rows(convention: str, each: int) -> list[Row]:
+    lines = (FIXTURES / f"{convention}.jsonl").read_text(encoding="utf-8").splitlines()
+    return [json.loads(line) for line in lines[::each]]
+
+
+def announced(products: list[Row]) -> list[tuple[str, str]]:
+    """Their announcements; a bridge lists all of its devices in one."""
+    messages = [(topic, payload) for row in products for topic, payload in row["messages"]]
+    listed = [one for topic, payload in messages if topic == BRIDGE for one in json.loads(payload)]
+    others = [message for message in messages if message[0] != BRIDGE]
+    return [*others, (BRIDGE, json.dumps(listed))] if listed else others
+
+
+@pytest.mark.virtual_time
+@pytest.mark.parametrize("convention", CONVENTIONS)
+async def test_a_house_of_real_products_is_known(convention: str) -> None:
+    """Each is there, and what it says comes to be known; nobody is judged to break rules."""
+    products = rows(convention, 2)
+    graph = Graph()
+    async with (
+        MemoryBroker() as broker,
+        Node(graph, "mqtt", namespace="/gateway") as gateway_node,
+        Node(graph, "discovery") as directory_node,
+        MqttConnection(MqttOptions.from_url(broker.url), broker.make_client, status_topic=None) as wire,
+        anyio.create_task_group() as tasks,
+    ):
+        await wire.wait_connected()
+        settings = MqttGatewaySettings(url=broker.url, conventions=(CONVENTIONS[convention],))
+        gateway = MqttGateway(gateway_node, settings, make_client=broker.make_client)
+        directory = Directory(directory_node, DirectorySettings())
+        await tasks.start(directory.serve)
+        await tasks.start(gateway.serve)
+        for topic, payload in announced(products):
+            await wire.publish(topic, payload.encode(), qos=1, retain=not topic.startswith("homebot/"))
+        await anyio.sleep(300)  # questions are asked one after the other
+        known = directory.index.devices()
+        unsaid = {device.id for device in known if not device.states}
+        for row in products:
+            for topic, payload, _ in row["says"]:
+                await wire.publish(topic, payload.encode(), qos=1)
+        await anyio.sleep(30)
+        told = directory.index.devices()
+        tasks.cancel_scope.cancel()
+    assert {device.id for device in known} == {device.id for device in told}
+    missing = [row["model"] for row in products if not is_known(row, told, identity(convention, row))]
+    assert not missing
+    assert sum(device.id in unsaid and bool(device.states) for device in told) > 0.5 * len(unsaid)
+
+
+def identity(convention: str, row: Row) -> set[str]:
+    """Who the product says it is."""
+    kind = load_plugin("homebot.mqtt_conventions", CONVENTIONS[convention])
+    reader = kind(kind.Settings())
+    heard = [one for topic, payload in row["messages"] for one in reader.take(topic, payload.encode(), retained=True)]
+    return {identifier for one in heard if isinstance(one, Described) for identifier in one.identifiers}
+
+
+def is_known(row: Row, told: tuple[Device, ...], identifiers: set[str]) -> bool:
+    """Whether one device alone is the product, and offers all that it does; who describes nothing has no identity."""
+    found = [device for device in told if identifiers & set(device.identifiers)]
+    offered = {part.part.service_type for device in found for part in device.parts}
+    return not identifiers or (len(found) == 1 and set(row["types"]) <= offered)
