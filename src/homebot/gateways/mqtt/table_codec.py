@@ -96,7 +96,7 @@ class TableCodec(Generic[MessageT]):
         """Return what to publish so that *capability* becomes *value*."""
         writer = self._writers.get(capability)
         if writer is None:
-            known = ", ".join(sorted(self._writers)) or "nothing"
+            known = ", ".join(self._writers) or "nothing"
             raise RefusedError(shown(capability), f"this part takes {known}")
         return writer(value, wanted_transition(transition))
 

@@ -17,7 +17,7 @@ from homebot.devices.thing import Meant, Thing, hears, parts_of, read_thing, tel
 from homebot.errors import InvalidNameError, WireError
 from homebot.gateways.mqtt.description import Described, DescribedPart, Heard, Publication, Withdrawn
 from homebot.gateways.mqtt.payload import clean_text, parse_object
-from homebot.gateways.mqtt.thing.codec import ThingCodec
+from homebot.gateways.mqtt.thing.codec import thing_codec
 from homebot.gateways.mqtt.thing.wording import is_spoken
 from homebot.mqtt.topics import validate_filter, validate_topic
 
@@ -113,7 +113,7 @@ class ThingDescriptions:
 def _parts(thing: Thing) -> Iterator[DescribedPart]:
     for meant in parts_of(thing):
         usable = _usable(meant)
-        yield DescribedPart(usable.part, ThingCodec(usable))
+        yield DescribedPart(usable.part, thing_codec(usable))
 
 
 def _usable(meant: Meant) -> Meant:

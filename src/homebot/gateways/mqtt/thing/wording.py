@@ -13,6 +13,7 @@ from homebot.devices.thing import PLAIN_WORDS, Affordance, canonical, on_the_wir
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.payload import MAX_STATE_BYTES, clean_text, parse_json, shown
+from homebot.gateways.mqtt.readings import number_in
 
 __all__ = ["is_spoken", "meant_value", "spelt_value"]
 
@@ -67,7 +68,7 @@ def _meant(capability: Capability, affordance: Affordance, value: object) -> Pla
     if kind == "bool":
         return _flag(affordance, value)
     if kind == "number":
-        number = _number(value)
+        number = number_in(value)
         return None if number is None else canonical(name, affordance, number)
     if isinstance(value, str):
         return clean_text(value.casefold() if name == "lock" else value, _MAX_TEXT)
@@ -125,16 +126,6 @@ def _words(affordance: Affordance) -> dict[bool, object]:
     first, second = affordance.schema.enum
     yes = str(first).casefold() in _TRUE or str(second).casefold() in _FALSE
     return {True: first, False: second} if yes else {True: second, False: first}
-
-
-def _number(value: object) -> float | None:
-    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        return None
-    try:
-        number = float(value)
-    except (ValueError, OverflowError):
-        return None
-    return number if math.isfinite(number) else None
 
 
 def _color(value: object) -> tuple[float, float] | None:
