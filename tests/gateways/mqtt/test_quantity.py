@@ -24,7 +24,7 @@ from homebot.gateways.mqtt.quantity import SENSOR_TYPES, Quantity, conversion_of
 def test_a_number_becomes_the_vocabularys(capability: str, unit: str, number: float, expected: float) -> None:
     conversion = conversion_of(capability, unit)
     assert conversion is not None
-    assert Quantity(SENSOR_TYPES[capability], capability, "", *conversion).value(number) == pytest.approx(expected)
+    assert Quantity(SENSOR_TYPES[capability], capability, "", conversion).value(number) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(

@@ -9,14 +9,32 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
 
 __all__ = ["SENSOR_TYPES", "Conversion", "Quantity", "conversion_of"]
 
-Conversion: TypeAlias = tuple[float, float, float]
-"""What is taken from a number first, what it is multiplied by then, and what it is divided by."""
+
+class Conversion(NamedTuple):
+    """How a number becomes another unit's.
+
+    Attributes:
+        shift: Is taken from a number first.
+        times: Then it is multiplied by this,
+        over: and divided by this.
+    """
+
+    shift: float = 0.0
+    times: float = 1.0
+    over: float = 1.0
+
+    def value(self, number: float) -> float:
+        """Return *number* in the other unit."""
+        return (number - self.shift) * self.times / self.over
+
+
+_SAME = Conversion()
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,21 +45,17 @@ class Quantity:
         service_type: Of a part that measures only this.
         capability: Under which name it is reported.
         unit: Of the reported values: the device's own where that cannot be converted; else the vocabulary's, or empty.
-        shift: Is taken from a number first.
-        times: Then it is multiplied by this,
-        over: and divided by this.
+        conversion: How a device's numbers become those.
     """
 
     service_type: str
     capability: str
     unit: str = ""
-    shift: float = 0.0
-    times: float = 1.0
-    over: float = 1.0
+    conversion: Conversion = _SAME
 
     def value(self, number: float) -> float:
         """Return a device's *number* in :attr:`unit`."""
-        return (number - self.shift) * self.times / self.over
+        return self.conversion.value(number)
 
 
 @lru_cache(maxsize=512)  # a house has the same few
@@ -98,59 +112,64 @@ SENSOR_TYPES: Mapping[str, str] = MappingProxyType(
 )
 """The service type of a part that only tells one capability."""
 
-_MILLI: Conversion = (0.0, 1.0, 1e3)
-_MICRO: Conversion = (0.0, 1.0, 1e6)
-_KILO: Conversion = (0.0, 1e3, 1.0)
-_MEGA: Conversion = (0.0, 1e6, 1.0)
-_SAME: Conversion = (0.0, 1.0, 1.0)
+_MILLI = Conversion(0.0, 1.0, 1e3)
+_MICRO = Conversion(0.0, 1.0, 1e6)
+_KILO = Conversion(0.0, 1e3, 1.0)
+_MEGA = Conversion(0.0, 1e6, 1.0)
 _MASS_IN_AIR: Mapping[str, Conversion] = {"mg/m³": _KILO, "ug/m³": _SAME, "ug/m3": _SAME, "\u00b5g/m3": _SAME}
 _UNITS: Mapping[str, Mapping[str, Conversion]] = MappingProxyType(
     {
         "current": {"mA": _MILLI, "\u00b5A": _MICRO, "kA": _KILO},
         "energy": {
-            "mWh": (0.0, 1.0, 1e6),
+            "mWh": Conversion(0.0, 1.0, 1e6),
             "Wh": _MILLI,
             "MWh": _KILO,
             "GWh": _MEGA,
-            "TWh": (0.0, 1e9, 1.0),
-            "J": (0.0, 1.0, 3.6e6),
-            "kJ": (0.0, 1.0, 3.6e3),
-            "MJ": (0.0, 1.0, 3.6),
-            "GJ": (0.0, 1e3, 3.6),
-            "cal": (0.0, 4.184, 3.6e6),
-            "kcal": (0.0, 4.184, 3.6e3),
-            "Mcal": (0.0, 4.184, 3.6),
-            "Gcal": (0.0, 4184.0, 3.6),
+            "TWh": Conversion(0.0, 1e9, 1.0),
+            "J": Conversion(0.0, 1.0, 3.6e6),
+            "kJ": Conversion(0.0, 1.0, 3.6e3),
+            "MJ": Conversion(0.0, 1.0, 3.6),
+            "GJ": Conversion(0.0, 1e3, 3.6),
+            "cal": Conversion(0.0, 4.184, 3.6e6),
+            "kcal": Conversion(0.0, 4.184, 3.6e3),
+            "Mcal": Conversion(0.0, 4.184, 3.6),
+            "Gcal": Conversion(0.0, 4184.0, 3.6),
         },
         "flow": {
             "L/h": _MILLI,
-            "L/min": (0.0, 60.0, 1e3),
-            "L/s": (0.0, 3.6, 1.0),
-            "mL/s": (0.0, 3.6, 1e3),
-            "m³/s": (0.0, 3600.0, 1.0),
-            "m³/min": (0.0, 60.0, 1.0),
+            "L/min": Conversion(0.0, 60.0, 1e3),
+            "L/s": Conversion(0.0, 3.6, 1.0),
+            "mL/s": Conversion(0.0, 3.6, 1e3),
+            "m³/s": Conversion(0.0, 3600.0, 1.0),
+            "m³/min": Conversion(0.0, 60.0, 1.0),
             "m3/h": _SAME,
-            "ft³/min": (0.0, 60 * 0.028316846592, 1.0),
-            "gal/min": (0.0, 60 * 0.003785411784, 1.0),
+            "ft³/min": Conversion(0.0, 60 * 0.028316846592, 1.0),
+            "gal/min": Conversion(0.0, 60 * 0.003785411784, 1.0),
         },
-        "frequency": {"mHz": _MILLI, "kHz": _KILO, "MHz": _MEGA, "GHz": (0.0, 1e9, 1.0)},
+        "frequency": {"mHz": _MILLI, "kHz": _KILO, "MHz": _MEGA, "GHz": Conversion(0.0, 1e9, 1.0)},
         "illuminance": {"lux": _SAME, "Lux": _SAME, "klx": _KILO},
-        "power": {"mW": _MILLI, "kW": _KILO, "MW": _MEGA, "GW": (0.0, 1e9, 1.0), "TW": (0.0, 1e12, 1.0)},
+        "power": {
+            "mW": _MILLI,
+            "kW": _KILO,
+            "MW": _MEGA,
+            "GW": Conversion(0.0, 1e9, 1.0),
+            "TW": Conversion(0.0, 1e12, 1.0),
+        },
         "pressure": {
-            "Pa": (0.0, 1.0, 100.0),
-            "kPa": (0.0, 10.0, 1.0),
-            "MPa": (0.0, 1e4, 1.0),
+            "Pa": Conversion(0.0, 1.0, 100.0),
+            "kPa": Conversion(0.0, 10.0, 1.0),
+            "MPa": Conversion(0.0, 1e4, 1.0),
             "mbar": _SAME,
-            "cbar": (0.0, 10.0, 1.0),
+            "cbar": Conversion(0.0, 10.0, 1.0),
             "bar": _KILO,
-            "mmHg": (0.0, 1.333223874150, 1.0),
-            "inHg": (0.0, 33.8638864034, 1.0),
-            "psi": (0.0, 68.9475729317, 1.0),
+            "mmHg": Conversion(0.0, 1.333223874150, 1.0),
+            "inHg": Conversion(0.0, 33.8638864034, 1.0),
+            "psi": Conversion(0.0, 68.9475729317, 1.0),
         },
         "temperature": {
-            "°F": (32.0, 1.0, 1.8),
-            "F": (32.0, 1.0, 1.8),
-            "K": (273.15, 1.0, 1.0),
+            "°F": Conversion(32.0, 1.0, 1.8),
+            "F": Conversion(32.0, 1.0, 1.8),
+            "K": Conversion(273.15, 1.0, 1.0),
             "C": _SAME,
         },
         "voltage": {"mV": _MILLI, "\u00b5V": _MICRO, "kV": _KILO, "MV": _MEGA},

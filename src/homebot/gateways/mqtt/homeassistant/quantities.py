@@ -35,7 +35,7 @@ def quantity_of(device_class: str, unit: str) -> Quantity:
     conversion = conversion_of(capability, unit)
     if conversion is None:
         return Quantity(service_type, capability, unit)
-    return Quantity(service_type, capability, canonical, *conversion)
+    return Quantity(service_type, capability, canonical, conversion)
 
 
 _OTHER = ("x_sensor", "measurement")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-__all__ = ["CONDITIONS", "condition_of", "factor_of", "quantity_of"]
+__all__ = ["CONDITIONS", "condition_of", "quantity_of"]
 
 _BY_UNIT: Mapping[str, str] = MappingProxyType(
     {
@@ -58,19 +58,6 @@ _BY_WORD: tuple[tuple[str, str, frozenset[str]], ...] = (
 _SHORT = 4
 """A longer word also counts where another begins with it, as ``battery`` in ``batterystate``."""
 
-_FACTORS: Mapping[str, float] = MappingProxyType(
-    {
-        "kW": 1000.0,
-        "Wh": 0.001,
-        "mV": 0.001,
-        "mA": 0.001,
-        "Pa": 0.01,
-        "kPa": 10.0,
-        "bar": 1000.0,
-        "psi": 68.9475729,
-    }
-)
-
 CONDITIONS: Mapping[str, str] = MappingProxyType(
     {
         "motion": "occupancy",
@@ -109,8 +96,3 @@ def quantity_of(unit: str, words: frozenset[str]) -> tuple[str, bool]:
 def condition_of(words: frozenset[str]) -> str:
     """Return the capability of a truth near *words*; ``state`` where they tell nothing."""
     return next((capability for word, capability in CONDITIONS.items() if word in words), "state")
-
-
-def factor_of(unit: str) -> float:
-    """Return what a number with *unit* is multiplied with, to have the vocabulary's unit. Not for temperatures."""
-    return _FACTORS.get(unit.strip(), 1.0)

@@ -8,10 +8,10 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homie.model import HomieProperty
-from homebot.gateways.mqtt.homie.quantities import factor_of
 from homebot.gateways.mqtt.homie.values import publication, read_plain, spell_plain
 from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.quantity import Conversion, conversion_of
 from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.table_codec import Writer
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number
@@ -33,13 +33,13 @@ _PERCENT = 100.0
 
 def add_plain(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     """Let *prop* be *capability* as it is, in the vocabulary's unit."""
-    factor = factor_of(prop.unit) if capability not in {"number", "measurement"} else 1.0
+    conversion = conversion_of(capability, prop.unit) or Conversion()
 
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
         if value is None:
             return NOTHING
-        return {capability: value * factor if isinstance(value, float) else value}
+        return {capability: conversion.value(value) if isinstance(value, float) else value}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return (publication(prop, spell_plain(prop, capability, value)),)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from homebot.gateways.mqtt.quantity import Quantity, conversion_of
+from homebot.gateways.mqtt.quantity import Conversion, Quantity, conversion_of
 
 __all__ = ["quantity_of"]
 
@@ -47,7 +47,7 @@ _LIGHT = Quantity("light_sensor", "illuminance")
 
 
 def _converted(service_type: str, capability: str, unit: str) -> Quantity:
-    return Quantity(service_type, capability, "", *(conversion_of(capability, unit) or ()))
+    return Quantity(service_type, capability, "", conversion_of(capability, unit) or Conversion())
 
 
 def _plain(unit: str) -> Quantity:

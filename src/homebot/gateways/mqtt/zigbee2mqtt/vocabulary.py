@@ -54,7 +54,7 @@ def measure(name: str, unit: str) -> Quantity:
     conversion = conversion_of(capability, unit) if capability else None
     if conversion is None:
         return Quantity(_SERVICES_OF_PLAIN.get(name, "x_sensor"), "measurement", unit)
-    return Quantity(SENSOR_TYPES[capability], capability, "", *conversion)
+    return Quantity(SENSOR_TYPES[capability], capability, "", conversion)
 
 
 _AIR = "air_quality_sensor"
