@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
-from homebot.devices.words import main_part, meaning, read_words_address, word, words_address
+from homebot.devices.words import heard, main_part, meaning, read_words_address, told, word, words_address
 from homebot.errors import RefusedError
 
 
@@ -52,7 +52,7 @@ def test_a_message_is_told_in_one_word(readings: dict[str, PlainValue], said: st
 
 
 @pytest.mark.parametrize(
-    ("told", "thing", "meant"),
+    ("said", "thing", "meant"),
     [
         ("off", part("level", "on_off"), ("on_off", False)),
         ("0.4", part("on_off", "level"), ("level", 40.0)),
@@ -69,14 +69,14 @@ def test_a_message_is_told_in_one_word(readings: dict[str, PlainValue], said: st
         ("anything", part("text"), ("text", "anything")),
     ],
 )
-def test_a_word_is_understood_by_what_the_part_can_do(told: str, thing: Part, meant: tuple[str, PlainValue]) -> None:
-    assert meaning(told, thing) == meant
+def test_a_word_is_understood_by_what_the_part_can_do(said: str, thing: Part, meant: tuple[str, PlainValue]) -> None:
+    assert meaning(said, thing) == meant
 
 
-@pytest.mark.parametrize("told", ["on", "1.5", "nan", "", "3 K", "eco"])
-def test_a_word_that_the_part_does_not_take_is_refused_with_those_that_it_takes(told: str) -> None:
+@pytest.mark.parametrize("said", ["on", "1.5", "nan", "", "3 K", "eco"])
+def test_a_word_that_the_part_does_not_take_is_refused_with_those_that_it_takes(said: str) -> None:
     with pytest.raises(RefusedError, match=r"this part takes open, close, stop, a number from 0 to 1$"):
-        meaning(told, part("movement", "position"))
+        meaning(said, part("movement", "position"))
 
 
 def test_a_part_that_cannot_be_told_anything_takes_nothing() -> None:
@@ -111,9 +111,155 @@ def test_no_reading_is_too_odd_for_a_word(readings: dict[str, PlainValue]) -> No
 
 
 @given(st.text(), st.sampled_from(["level", "position", "on_off", "text", "option", "color_temperature"]))
-def test_no_word_is_too_odd_to_be_judged(told: str, name: str) -> None:
+def test_no_word_is_too_odd_to_be_judged(said: str, name: str) -> None:
+    heard(said, part(name))
     try:
-        capability, _ = meaning(told, part(name))
+        capability, _ = meaning(said, part(name))
     except RefusedError:
         return
     assert capability == name
+
+
+LIGHT = part("on_off", "level", "color_temperature")
+OPENING = part("movement", "position")
+
+
+@pytest.mark.parametrize(
+    ("said", "thing", "told_of_it"),
+    [
+        ("on", LIGHT, {"on_off": True}),
+        ("0.4", LIGHT, {"level": 40.0, "on_off": True}),
+        ("0.07", LIGHT, {"level": 7.0, "on_off": True}),
+        ("0", LIGHT, {"level": 0.0, "on_off": False}),
+        ("2700 K", LIGHT, {"color_temperature": 2700.0}),
+        ("closing", OPENING, {"movement": "closing"}),
+        ("closed", OPENING, {"movement": "closed", "position": 0.0}),
+        ("0.3", OPENING, {"position": 30.0, "movement": "stopped"}),
+        ("1", OPENING, {"position": 100.0, "movement": "open"}),
+        ("open", part("valve"), {"valve": "open"}),
+        ("jammed", part("lock"), {"lock": "jammed"}),
+        ("open", part("contact"), {"contact": True}),
+        ("clear", part("occupancy"), {"occupancy": False}),
+        ("-3.5", part("temperature"), {"temperature": -3.5}),
+        ("20.5", part("heating_setpoint", "local_temperature"), {"local_temperature": 20.5}),
+        ("kitchen", part("value"), {"value": "kitchen"}),
+        ("eco", part("on_off", preset_mode=("eco", "away")), {"preset_mode": "eco"}),
+    ],
+)
+def test_a_word_tells_what_it_says_of_the_part_and_what_follows(
+    said: str, thing: Part, told_of_it: dict[str, PlainValue]
+) -> None:
+    assert heard(said, thing) == told_of_it
+
+
+@pytest.mark.parametrize("said", ["", "ON", "1.5", "-0.1", "nan", "inf", "2700", "3 K", "open", "on off", "1e999"])
+def test_what_is_no_word_of_a_lamp_tells_nothing(said: str) -> None:
+    assert heard(said, LIGHT) == {}
+
+
+def test_a_part_says_nothing_of_what_cannot_be_read() -> None:
+    mute = Part(id="", service_type="plug", capabilities=(Capability(name="on_off", readable=False, settable=True),))
+    assert heard("on", mute) == {}
+
+
+_percents = st.integers(0, 1000).map(lambda share: share / 10)
+_movements = st.sampled_from(["open", "closed", "opening", "closing", "stopped"])
+
+
+@given(
+    st.one_of(
+        st.tuples(st.just(LIGHT), st.fixed_dictionaries({}, optional={"on_off": st.booleans()})),
+        st.tuples(st.just(LIGHT), st.fixed_dictionaries({"level": _percents})),
+        st.tuples(st.just(LIGHT), st.fixed_dictionaries({"color_temperature": st.integers(1000, 9000).map(float)})),
+        st.tuples(st.just(OPENING), st.fixed_dictionaries({"position": _percents})),
+        st.tuples(st.just(OPENING), st.fixed_dictionaries({"movement": _movements})),
+        st.tuples(st.just(part("lock")), st.fixed_dictionaries({"lock": st.sampled_from(["locked", "jammed"])})),
+        st.tuples(st.just(part("contact")), st.fixed_dictionaries({"contact": st.booleans()})),
+        st.tuples(st.just(part("power")), st.fixed_dictionaries({"power": st.integers(-9000, 9000).map(float)})),
+    )
+)
+def test_what_is_told_in_a_word_is_heard_from_it(case: tuple[Part, dict[str, PlainValue]]) -> None:
+    """Of several values those that the word is about."""
+    thing, readings = case
+    said = word(readings)
+    found = {} if said is None else heard(said, thing)
+    both = found.keys() & readings.keys()
+    assert bool(both) == (said is not None)
+    assert [found[one] for one in both] == [readings[one] for one in both]
+
+
+@pytest.mark.parametrize(
+    ("capability", "value", "thing", "said"),
+    [
+        ("on_off", True, LIGHT, "on"),
+        ("level", 40.0, LIGHT, "0.4"),
+        ("level", 0.0, LIGHT, "0"),
+        ("color_temperature", 2700.0, LIGHT, "2700 K"),
+        ("movement", "closed", OPENING, "close"),
+        ("movement", "stopped", OPENING, "stop"),
+        ("position", 100.0, OPENING, "1"),
+        ("position", 0.0, part("position"), "close"),
+        ("lock", "unlocked", part("lock"), "unlock"),
+        ("lock", "open", part("lock"), "open"),
+        ("valve", "open", part("valve"), "open"),
+        ("heating_setpoint", 21.5, part("heating_setpoint"), "21.5"),
+        ("push", True, part("push"), "press"),
+        ("text", "anything", part("text"), "anything"),
+    ],
+)
+def test_a_value_is_told_by_the_word_for_it(capability: str, value: PlainValue, thing: Part, said: str) -> None:
+    assert told(capability, value, thing) == said
+
+
+@pytest.mark.parametrize(
+    ("capability", "value"),
+    [
+        ("color", (0.0, 100.0)),
+        ("on_off", None),
+        ("on_off", 0.0),
+        ("on_off", "on"),
+        ("level", True),
+        ("level", 0.04),
+        ("level", 101.0),
+        ("level", float("nan")),
+        ("color_temperature", 10.0),
+        ("movement", "open"),
+    ],
+)
+def test_a_value_without_a_word_is_refused_with_the_words_that_there_are(capability: str, value: PlainValue) -> None:
+    with pytest.raises(RefusedError, match=r"this part takes on, off, 2700 K, a number from 0 to 1$"):
+        told(capability, value, LIGHT)
+
+
+def test_a_number_that_would_be_taken_for_another_one_is_refused() -> None:
+    """A bare number is about the position where there is one."""
+    with pytest.raises(RefusedError):
+        told("tilt", 50.0, part("position", "tilt"))
+
+
+_values: st.SearchStrategy[PlainValue] = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.floats(),
+    st.floats(0, 100),
+    st.text(max_size=5),
+    st.sampled_from(["open", "closed", "stopped", "locked", "unlocked", "lock", "close"]),
+    st.tuples(st.floats()),
+)
+_names = st.sampled_from(["on_off", "level", "position", "movement", "lock", "text", "color_temperature", "tilt", "x"])
+
+
+@given(_names, _values, st.lists(_names, unique=True, max_size=4))
+def test_a_word_that_is_told_means_what_was_asked_for(name: str, value: PlainValue, names: list[str]) -> None:
+    """To three digits; what has no word is refused."""
+    thing = part(*names)
+    try:
+        said = told(name, value, thing)
+    except RefusedError:
+        return
+    what, meant = meaning(said, thing)
+    if (name, value) == ("level", 0.0) and what == "on_off":
+        assert meant is False
+    else:
+        assert what == name
+        assert meant == (pytest.approx(value, abs=0.1) if isinstance(value, float) else value)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
@@ -46,7 +47,9 @@ def says(device: Device) -> str:
 
 
 def types(device: Device) -> str:
-    """Return what the device offers, each type once."""
+    """Return what the device offers, each type once; for one that speaks plain words, its own word for that."""
+    if device.parts and device.service_type not in DEVICE_TYPES:
+        return device.service_type
     found = dict.fromkeys(one.part.service_type for one in main_parts(device))
     return ", ".join(found) or device.service_type
 

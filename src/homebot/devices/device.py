@@ -146,7 +146,7 @@ class Device(Message):
     Attributes:
         id: Unique in this homebot, for example ``lights/roomlights405``; stays when the device is renamed.
         name: What people call it.
-        service_type: What it offers in the first place: the word of the announcement for a device without parts, for
+        service_type: What it offers in the first place: the word of a device that speaks plain words by itself, for
             example ``lights``, else a device type of the vocabulary.
         endpoints: The ways to reach it in raw or plain words, at least one.
         metadata: Further facts.

@@ -6,6 +6,7 @@ from typing import ClassVar, Literal
 
 from homebot.devices.device import KeyValue
 from homebot.devices.part import Part
+from homebot.devices.words import read_words_address
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
@@ -23,10 +24,11 @@ class Sighting(Message):
         kind: ``appeared``, ``updated`` (still there, or described anew) or ``removed``.
         why: The reason, in words.
         name: What people call the device.
-        service_type: What it offers; of several parts what the first one is that is neither setting nor diagnosis.
-        address: Where it speaks. Of a device with parts the words address of that part; see
+        service_type: What it offers, in its own word; of a device that is described, what the first part is that is
+            neither setting nor diagnosis.
+        address: Where it speaks. Of a device that is described, the words address of that part; see
             :mod:`homebot.devices.words`.
-        command_address: Where it listens; empty when it takes no commands. Of a device with parts likewise.
+        command_address: Where it listens; empty when it takes no commands. Of a device that is described likewise.
         metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
         convention: By which convention it was announced; empty where there is one only.
         identifiers: Who the device is; see :func:`homebot.devices.identity.identifiers`.
@@ -57,3 +59,8 @@ class Sighting(Message):
     seen_at: Time
     expires_at: Time
     confirmed: bool
+
+    @property
+    def speaks_plainly(self) -> bool:
+        """Whether it says words on an address of its own, as in the thesis's layout."""
+        return bool(self.address) and read_words_address(self.address) is None

@@ -191,7 +191,7 @@ def _describe(claims: tuple[Claim, ...], disputed: Disputed) -> _Description:
     return _Description(
         name=names[0],
         names=names,
-        service_type=main.part.service_type if main is not None else first.service_type,
+        service_type=first.service_type if main is None or first.speaks_plainly else main.part.service_type,
         service_types=_service_types(ordered, merged.parts),
         area=next((one.sighting.area for one in ordered if one.sighting.area), ""),
         identifiers=tuple(dict.fromkeys(found for one in ordered for found in one.sighting.identifiers)),
@@ -252,14 +252,15 @@ def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoi
     """One for each gateway: two conventions at one gateway say everything twice."""
     found: dict[str, Endpoint] = {}
     if main is not None:
+        said = {claim.key: claim.sighting for claim in claims}
         for route in main.routes:
-            address = words_address(route.key, route.part)
-            endpoint = Endpoint(
-                gateway=route.gateway,
-                key=route.key,
-                address=address,
-                command_address=address if takes_words(main.part) else "",
-            )
+            sighting = said[route.gateway, route.key]
+            if sighting.speaks_plainly:
+                address, command_address = sighting.address, sighting.command_address
+            else:
+                address = words_address(route.key, route.part)
+                command_address = address if takes_words(main.part) else ""
+            endpoint = Endpoint(gateway=route.gateway, key=route.key, address=address, command_address=command_address)
             found.setdefault(route.gateway, endpoint)
     for claim in claims if not found else ():
         sighting = claim.sighting

@@ -32,7 +32,7 @@ def new_id(sighting: Sighting, is_taken: Callable[[str], bool]) -> str:
         sighting: How it was announced.
         is_taken: Tells whether an id was given to another device.
     """
-    if not sighting.parts and not sighting.identifiers:
+    if not sighting.identifiers and (sighting.speaks_plainly or not sighting.parts):
         found = sighting.key
         while is_taken(found):
             found = f"{found}@{sighting.gateway}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from homebot.devices.device import Device, DevicePart, Fact
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.part import Part
 from homebot.devices.query.folding import fold, words_of
 from homebot.devices.value import PlainValue
 
@@ -38,7 +39,7 @@ class Facets:
         conventions: How it was announced.
         facts: All facts by name, folded.
         values: Type of the part, capability, and value.
-        main_type: The type that it has in the first place.
+        main_type: The type that it has in the first place; without parts its word.
         is_guessed: Whether the type of its first part was guessed.
     """
 
@@ -74,7 +75,7 @@ def facets_of(device: Device) -> Facets:
     texts += [text for name, found in facts.items() if name in _TEXTS for text in found]
     texts += [part.part.name for part in device.parts if not part.part.category]
     routes = [route for part in device.parts for route in part.routes]
-    main = next((one.part for one in device.parts if one.part.service_type == device.service_type), None)
+    main = next((one.part for one in device.parts if _is_called(one.part, device.service_type)), None)
     return Facets(
         id=device.id,
         name=fold(device.name),
@@ -91,7 +92,7 @@ def facets_of(device: Device) -> Facets:
         conventions=frozenset([*(one.convention for one in device.facts), *(route.convention for route in routes)]),
         facts=facts,
         values=tuple((types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states),
-        main_type=device.service_type,
+        main_type=main.service_type if main is not None else device.service_type,
         is_guessed=main.guessed if main is not None else False,
     )
 
@@ -108,6 +109,10 @@ def kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozense
         return frozenset((one, "") for one in sure | ({service_type} & DEVICE_TYPES.keys())), meant
     counted = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
     return frozenset((one.service_type, one.tag) for one in counted), frozenset()
+
+
+def _is_called(part: Part, service_type: str) -> bool:
+    return service_type in {part.service_type, part.advertised}
 
 
 def folded_facts(facts: tuple[Fact, ...]) -> dict[str, tuple[str, ...]]:

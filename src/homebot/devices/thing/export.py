@@ -26,8 +26,8 @@ _JSON_TYPES = {"bool": "boolean", "number": "number", "text": "string", "numbers
 
 
 def own_content_type(convention: str) -> str:
-    """Return the content type of payloads that are spelt by a convention rather than by a data schema."""
-    return f"application/vnd.homebot.{convention or 'unknown'}"
+    """Return the content type of payloads that a convention spells; without one they are plain words."""
+    return f"application/vnd.homebot.{convention or 'words'}"
 
 
 def to_thing(device: Device, brokers: Mapping[str, str]) -> dict[str, object]:

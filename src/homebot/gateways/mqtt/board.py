@@ -1,4 +1,4 @@
-"""What goes onto the graph of the devices that conventions describe."""
+"""What goes onto the graph of devices."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ class Board:
         claim.is_confirmed = confirmed
         self._gateway.sight(claim.sighting(kind, why, at=self.stamp, until=self._until, confirmed=confirmed))
 
-    def report(self, claim: Claim, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool) -> None:
-        """Tell what a device said of itself."""
+    def report(self, key: str, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool) -> None:
+        """Tell what the device *key* said of itself."""
         self._reports.publish(
             Report(
-                gateway=claim.gateway,
-                key=claim.key,
+                gateway=self._gateway.node.name,
+                key=key,
                 readings=readings,
                 address=address,
                 stream=stream,
@@ -66,5 +66,9 @@ class Board:
     def clear(self, claim: Claim) -> None:
         """Keep no report of a device for late joiners any more."""
         for stream in claim.streams:
-            self._reports.dispose(stream)
+            self.drop(stream)
         claim.streams.clear()
+
+    def drop(self, stream: str) -> None:
+        """Keep no report of *stream* for late joiners any more."""
+        self._reports.dispose(stream)

@@ -27,6 +27,7 @@ class Channel:
         listeners: Who gets its raw messages.
         refresh_at: Reading of the monotonic clock from which on the next message is worth a sighting.
         is_ghost: Whether only a message that the broker had kept speaks for the device.
+        said: The payload that was last looked at for what it tells.
         kept: The last 10 messages of at most 4 KiB, for a listener that comes a moment later.
     """
 
@@ -34,6 +35,7 @@ class Channel:
     listeners: list[Publisher[RawMessage]]
     refresh_at: float = 0.0
     is_ghost: bool = False
+    said: bytes = b""
     kept: deque[RawMessage] = field(default_factory=lambda: deque(maxlen=KEPT))
 
     def keep(self, message: RawMessage) -> None:
@@ -68,10 +70,15 @@ class Channels:
     def __init__(self, conventions: Iterable[TopicLayout]) -> None:
         self._conventions = tuple(conventions)
         self._channels: dict[str, Channel] = {}
+        self._by_key: dict[str, Channel] = {}
 
     def get(self, topic: str) -> Channel | None:
         """Return the channel of *topic*, when a device has spoken there."""
         return self._channels.get(topic)
+
+    def of(self, key: str) -> Channel | None:
+        """Return the channel of the device that the gateway calls *key*, when it has spoken."""
+        return self._by_key.get(key)
 
     def announced(self, topic: str) -> Announcement | None:
         """Return the device that speaks on *topic* by one of the conventions, or None.
@@ -92,9 +99,11 @@ class Channels:
         """
         if len(self._channels) >= MAX_CHANNELS:
             raise WireError(f"topic {topic!r} is one too many: {MAX_CHANNELS} are in use")
-        channel = self._channels[topic] = Channel(device, listeners)
+        channel = self._channels[topic] = self._by_key[device.key] = Channel(device, listeners)
         return channel
 
     def close(self, topic: str) -> None:
         """Forget *topic*."""
-        self._channels.pop(topic, None)
+        channel = self._channels.pop(topic, None)
+        if channel is not None and self._by_key.get(channel.device.key) is channel:
+            del self._by_key[channel.device.key]

@@ -1,12 +1,13 @@
-"""Brings commands to described devices."""
+"""Brings commands to devices."""
 
 from __future__ import annotations
 
 from homebot.devices.command import Command, SendCommandResponse
 from homebot.devices.gateway_state import ONLY_OBSERVES
 from homebot.devices.value import PlainValue
-from homebot.devices.words import meaning
+from homebot.devices.words import meaning, told
 from homebot.errors import HomebotError, LinkError, RefusedError
+from homebot.gateways.mqtt.channels import Channel, Channels
 from homebot.gateways.mqtt.claim import Voice
 from homebot.gateways.mqtt.claims import Claims
 from homebot.gateways.mqtt.counters import GatewayCounters
@@ -22,7 +23,8 @@ class Commands:
     """The way from commands to publications.
 
     Args:
-        claims: Who can be told.
+        claims: Who can be told, of the described devices.
+        channels: Of those that a layout knows, which are told words.
         connection: Where it is published.
         tribunal: Judges conventions that fail.
         counters: Of the gateway.
@@ -30,9 +32,17 @@ class Commands:
     """
 
     def __init__(
-        self, claims: Claims, connection: MqttConnection, tribunal: Tribunal, counters: GatewayCounters, *, acts: bool
+        self,
+        claims: Claims,
+        channels: Channels,
+        connection: MqttConnection,
+        tribunal: Tribunal,
+        counters: GatewayCounters,
+        *,
+        acts: bool,
     ) -> None:
         self._claims = claims
+        self._channels = channels
         self._connection = connection
         self._tribunal = tribunal
         self._counters = counters
@@ -69,7 +79,24 @@ class Commands:
                 the broker said no.
             LinkError: There is no link.
         """
-        await self._write(self._voice(key, part_id), capability, value, transition)
+        channel = self._channels.of(key)
+        if channel is not None and self._claims.get(key) is None:
+            await self._say(channel, part_id, capability, value)
+        else:
+            await self._write(self._voice(key, part_id), capability, value, transition)
+
+    async def _say(self, channel: Channel, part_id: str, capability: str, value: PlainValue) -> None:
+        """There is no word for a transition."""
+        device = channel.device
+        if not self._acts:
+            raise RefusedError(f"a command to {device.key[:100]}", ONLY_OBSERVES)
+        if device.part is None or device.part.id != part_id:
+            raise RefusedError(f"a command to {device.key[:100]}", f"it has no part {part_id[:100]!r}")
+        if not device.command_address:
+            raise RefusedError(f"a command to {device.key[:100]}", "it takes none")
+        said = told(capability, value, device.part)
+        validate_topic(device.command_address)
+        await self._connection.publish(device.command_address, said.encode(errors="replace"), qos=1)
 
     def _voice(self, key: str, part_id: str) -> Voice:
         what = f"a command to {key[:100]}"

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from homebot.devices import KeyValue
 from homebot.devices.command import Command
 from homebot.devices.offer import Offer
+from homebot.devices.part import Part
 from homebot.devices.report import Reading
 from homebot.gateways.mqtt.description import Heard, Publication
 
@@ -27,6 +28,7 @@ class Announcement:
         address: The topic it speaks on.
         command_address: The topic it listens on; empty when it takes no commands.
         metadata: Further facts.
+        part: What it is in the words of the vocabulary, where that is known; it then says and takes plain words.
     """
 
     key: str
@@ -35,6 +37,7 @@ class Announcement:
     address: str
     command_address: str
     metadata: tuple[KeyValue, ...] = ()
+    part: Part | None = None
 
 
 class TopicLayout(Protocol):

@@ -19,6 +19,7 @@ from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
 from homebot.gateways.mqtt.announcements import Announcements
 from homebot.gateways.mqtt.board import Board
+from homebot.gateways.mqtt.channels import Channels
 from homebot.gateways.mqtt.claim import Voice, Witness
 from homebot.gateways.mqtt.claims import Change, Claims, Route
 from homebot.gateways.mqtt.commands import Commands
@@ -45,12 +46,14 @@ class DescribedDevices:
         gateway: The gateway.
         conventions: Its conventions.
         other_filters: What it subscribes to beside their announcements.
+        channels: The devices that a layout knows, which commands go to as well.
         listeners: Who wants what its devices say.
         connection: Its connection.
         counters: Its counters.
         stale_after: Seconds of silence after which a device counts as stale.
 
     Attributes:
+        board: Tells the graph of devices.
         commands: Brings commands to them.
         offers: What homebot itself offers to others.
         tribunal: Judges those who break the rules.
@@ -61,6 +64,7 @@ class DescribedDevices:
         gateway: Gateway,
         conventions: tuple[Convention, ...],
         other_filters: tuple[str, ...],
+        channels: Channels,
         listeners: Listeners,
         connection: MqttConnection,
         counters: GatewayCounters,
@@ -70,18 +74,18 @@ class DescribedDevices:
         self._connection = connection
         self._counters = counters
         self._listeners = listeners
-        self._board = Board(gateway, stale_after)
+        self.board = Board(gateway, stale_after)
         self._timekeeper = Timekeeper(gateway.node.graph.clock)
-        self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters)
+        self.tribunal = Tribunal(gateway, self.board, self._timekeeper, counters)
         self._topics = StateTopics(self.filters(), other_filters)
         self._claims = Claims(gateway.node.name, conventions, self._topics, _tree(other_filters))
         self._last_words = LastWords()
         self._missed: list[tuple[str, Voice | Witness]] = []
-        self._states = States(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
+        self._states = States(self._claims, self.board, listeners, self._timekeeper, self.tribunal, counters)
         self._subscriber = Subscriber(self._topics, self._claims, conventions, self.tribunal, counters)
         self._announcements = Announcements(
             self._claims,
-            self._board,
+            self.board,
             self._timekeeper,
             self.tribunal,
             counters,
@@ -89,7 +93,7 @@ class DescribedDevices:
             on_removal=self._subscriber.wake,
             on_question=self._subscriber.question,
         )
-        self.commands = Commands(self._claims, connection, self.tribunal, counters, acts=gateway.acts)
+        self.commands = Commands(self._claims, channels, connection, self.tribunal, counters, acts=gateway.acts)
         self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.tribunal)
         gateway.node.create_service(SendCommand, gateway.names.send_command, self.commands.serve, concurrent=True)
         gateway.node.create_service(GetHealth, gateway.names.health, self._health)
@@ -107,7 +111,7 @@ class DescribedDevices:
 
     def tick(self) -> None:
         """Let time have passed; once before each batch of messages."""
-        self._board.tick()
+        self.board.tick()
 
     def route(self, topic: str) -> Route | None:
         """Return who reads *topic*; None for nobody."""
@@ -130,7 +134,7 @@ class DescribedDevices:
             return
         if raw:
             self._counters.received += 1
-        self._last_words.keep(message.topic, LastWord(message.payload, message.retain, self._board.stamp))
+        self._last_words.keep(message.topic, LastWord(message.payload, message.retain, self.board.stamp))
         if route.witnesses:
             await self._states.witness(message, route.witnesses)
         if route.voices:
@@ -197,7 +201,7 @@ class DescribedDevices:
             address=topic,
             payload=payload,
             retained=retained,
-            received_at=self._board.stamp,
+            received_at=self.board.stamp,
         )
 
     def _health(self, request: HealthRequest) -> HealthResponse:

@@ -32,6 +32,7 @@ from homebot.gateways.mqtt.conventions import find_conventions
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.described_devices import DescribedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
+from homebot.gateways.mqtt.plain_voices import PlainVoices
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import EntityKind, Node
 from homebot.messages import Time
@@ -111,11 +112,13 @@ class MqttGateway(Gateway):
             self,
             understood.conventions,
             self._layout_filters(),
+            self._channels,
             self._listeners,
             self._connection,
             self.counters,
             settings.stale_after,
         )
+        self._plain = PlainVoices(self._described.board, self.counters)
         self._warn = self._described.tribunal.warn
         node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
@@ -202,6 +205,8 @@ class MqttGateway(Gateway):
             if now >= channel.refresh_at or (channel.is_ghost and not message.retain):
                 self._sight(channel, message, stamp)
                 channel.refresh_at = now + REFRESH
+            if message.payload != channel.said and channel.device.part is not None:
+                self._plain.hear(channel, message)
             raw = RawMessage(
                 gateway=self.node.name,
                 key=channel.device.key,
@@ -249,6 +254,8 @@ class MqttGateway(Gateway):
 
     def _sight(self, channel: Channel, message: MqttMessage, stamp: Time) -> None:
         is_new = channel.refresh_at == 0.0
+        if channel.is_ghost and not message.retain:
+            channel.said = b""  # the same word is worth more now
         channel.is_ghost = message.retain and (is_new or channel.is_ghost)
         if is_new and message.retain:
             self._warn(
@@ -270,6 +277,7 @@ class MqttGateway(Gateway):
         """An empty message clears what the broker keeps: the device was taken out of the house."""
         self._channels.close(channel.device.address)
         self._listeners.tidy(channel.device.address)
+        self._plain.forget(channel)
         self.sight(self._sighting("removed", "its topic was cleared", channel.device, stamp, confirmed=True))
 
     def _sighting(
@@ -291,6 +299,7 @@ class MqttGateway(Gateway):
             address=device.address,
             command_address=device.command_address,
             metadata=device.metadata,
+            parts=() if device.part is None else (device.part,),
             seen_at=stamp,
             expires_at=Time.from_seconds(min(stamp.to_seconds() + self._settings.stale_after, NEVER.to_seconds())),
             confirmed=confirmed,

@@ -120,7 +120,8 @@ class States:
         if not message.retain and (not claim.is_confirmed or self._board.now >= claim.refresh_at):
             # First: to a directory that has forgotten the device, a report alone is of nobody.
             self._board.sight(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
-        self._board.report(claim, tuple(readings), message.topic, claim.stream(message.topic), retained=message.retain)
+        stream = claim.stream(message.topic)
+        self._board.report(claim.key, tuple(readings), message.topic, stream, retained=message.retain)
         if not message.retain and claim.reachable is False and claim.reachability is not None:
             claim.reachability.doubt()
             self._tell_reachable(claim, message.topic, retained=False)
@@ -131,7 +132,7 @@ class States:
             return
         claim.reachable = reachable
         reading = Reading(part="", capability=REACHABLE, value=Value.of(reachable))
-        self._board.report(claim, (reading,), topic, claim.stream(REACHABLE), retained=retained)
+        self._board.report(claim.key, (reading,), topic, claim.stream(REACHABLE), retained=retained)
 
     async def _speak(self, voice: Voice, told: Mapping[str, PlainValue], message: MqttMessage) -> None:
         raw = self._word(voice, told, retained=message.retain)
@@ -171,7 +172,7 @@ class States:
         self._board.tick()
         reading = Reading(part=part, capability=capability, value=Value.of(fade.value))
         stream = voice.claim.stream(f"fade {part} {capability}")
-        self._board.report(voice.claim, (reading,), "", stream, retained=False)
+        self._board.report(voice.claim.key, (reading,), "", stream, retained=False)
         raw = self._word(voice, {capability: fade.value}, retained=False)
         if raw is not None:
             for listener in self._listeners.now(voice.address):

@@ -9,6 +9,7 @@ from __future__ import annotations
 from homebot.devices import KeyValue
 from homebot.errors import WireError
 from homebot.gateways.mqtt.convention import Announcement
+from homebot.gateways.mqtt.thesis_parts import thesis_part
 
 __all__ = ["ThesisLayout"]
 
@@ -59,6 +60,7 @@ class ThesisLayout:
             address=topic,
             command_address=f"{base}/in",
             metadata=(KeyValue(key="home", value=home),),
+            part=thesis_part(service_type, topic, f"{base}/in"),
         )
 
     def _split(self, topic: str) -> tuple[str | None, list[str]]:

@@ -1,0 +1,110 @@
+"""What a device of the thesis's layout is, by the word of its topic alone. Pure.
+
+Source: ``docs/house.md``, the table of devices. A word with several meanings means what can be told something, because
+every device of the layout listens: ``windows`` are windows with a motor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+from homebot.devices.device_types import wanted_types
+from homebot.devices.part import Capability, Part
+
+__all__ = ["thesis_part"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    """What devices of one type understand: capabilities that they say and are told, and that they only say."""
+
+    settable: tuple[str, ...] = ()
+    readable: tuple[str, ...] = ()
+    tag: str = ""
+
+
+_OPENING = ("movement", "position")
+
+_KINDS: Mapping[str, _Kind] = MappingProxyType(
+    {
+        "light": _Kind(("on_off", "level", "color_temperature")),
+        "plug": _Kind(("on_off",)),
+        "switch": _Kind(("on_off",)),
+        "siren": _Kind(("on_off",)),
+        "pump": _Kind(("on_off",)),
+        "fan": _Kind(("on_off", "fan_speed")),
+        "window_covering": _Kind(_OPENING),
+        "closure": _Kind(_OPENING),
+        "door_lock": _Kind(("lock",)),
+        "water_valve": _Kind(("valve", "position")),
+        "thermostat": _Kind(("heating_setpoint",), ("local_temperature",)),
+        "contact_sensor": _Kind((), ("contact",)),
+        "occupancy_sensor": _Kind((), ("occupancy",)),
+        "temperature_sensor": _Kind((), ("temperature",)),
+        "humidity_sensor": _Kind((), ("humidity",)),
+        "light_sensor": _Kind((), ("illuminance",)),
+        "pressure_sensor": _Kind((), ("pressure",)),
+        "flow_sensor": _Kind((), ("flow",)),
+        "soil_sensor": _Kind((), ("soil_moisture",)),
+        "smoke_co_alarm": _Kind((), ("smoke",)),
+        "water_leak_detector": _Kind((), ("water_leak",)),
+        "rain_sensor": _Kind((), ("rain",)),
+        "water_freeze_detector": _Kind((), ("freeze",)),
+        "electrical_meter": _Kind((), ("power",)),
+        "x_battery": _Kind((), ("battery",)),
+        "x_robot": _Kind((), ("value",)),
+        "x_tracker": _Kind((), ("place",)),
+        "x_sensor": _Kind((), ("value",)),
+        "x_binary_sensor": _Kind((), ("state",)),
+    }
+)
+
+_CLEARED: Mapping[frozenset[str], tuple[str, str]] = MappingProxyType(
+    {
+        wanted_types("window"): ("closure", "window"),
+        wanted_types("door"): ("closure", "door"),
+        wanted_types("climate"): ("thermostat", ""),
+    }
+)
+"""Type and tag of what may mean several things."""
+
+
+def thesis_part(service_type: str, address: str, command_address: str) -> Part | None:
+    """Return what a device is that calls itself *service_type*; None for a word that means none of these.
+
+    Args:
+        service_type: As it stands in the topic, for example ``lights``.
+        address: Where the device speaks.
+        command_address: Where it listens.
+    """
+    found = _found(service_type)
+    if found is None:
+        return None
+    name, tag, capabilities = found
+    takes_commands = any(one.settable for one in capabilities)
+    return Part(
+        id="",
+        service_type=name,
+        advertised=service_type,
+        tag=tag,
+        guessed=True,
+        capabilities=capabilities,
+        reads=(address,),
+        writes=(command_address,) if takes_commands else (),
+    )
+
+
+@lru_cache(maxsize=1000)
+def _found(service_type: str) -> tuple[str, str, tuple[Capability, ...]] | None:
+    meant = wanted_types(service_type)
+    name, tag = _CLEARED.get(meant, (next(iter(meant)) if len(meant) == 1 else "", ""))
+    if tag == "door" and "garage" in service_type.casefold():
+        tag = "garage_door"
+    kind = _KINDS.get(name)
+    if kind is None:
+        return None
+    settable = tuple(Capability(name=one, settable=True) for one in kind.settable)
+    return name, tag, settable + tuple(Capability(name=one) for one in kind.readable)
