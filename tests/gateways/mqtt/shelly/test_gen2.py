@@ -364,3 +364,39 @@ def test_there_is_room_for_so_many_strangers(shelly: Shelly, say: Say) -> None:
     assert shelly.dropped == 1
     assert isinstance(say(f"{ID}/online", "true")[0], Question)
     assert say(f"homebot/{ID}/rpc", answer(INFO)) == ()
+
+
+def test_one_that_never_answers_is_known_by_what_it_tells(say: Say, part: Find) -> None:
+    (described, question) = say(f"{ID}/status/switch:0", {"id": 0, "output": True})
+    assert isinstance(question, Question)
+    assert isinstance(described, Described)
+    assert "mac:a8032abe54dc" in described.identifiers
+    assert part((described,), "switch:0").codec.read(f"{ID}/status/switch:0", b'{"output":false}', retained=False) == {
+        "on_off": False
+    }
+    more = say(f"{ID}/events/rpc", {"src": ID, "method": "NotifyStatus", "params": {"ts": 1.5, "cover:0": COVER}})
+    assert isinstance(more[0], Described)
+    assert [one.part.id for one in more[0].parts] == ["switch:0", "cover:0"]
+    assert not any(isinstance(one, Described) for one in say(f"{ID}/status/switch:0", {"id": 0, "output": False}))
+
+
+def test_what_it_answers_counts_more_than_what_it_told(say: Say) -> None:
+    say(f"{ID}/status/switch:7", {"id": 7, "output": True})
+    (described,) = introduce(say, {"switch:0": SWITCH})
+    assert isinstance(described, Described)
+    assert "switch:7" not in [one.part.id for one in described.parts]
+    assert say(f"{ID}/status/switch:7", {"id": 7, "output": True}) == ()
+
+
+@pytest.mark.parametrize("prefix", ["boiler", "shelly-kitchen", "shellyplus1-a8032abe54", "zigbee2mqtt"])
+def test_who_is_not_named_by_an_address_is_not_known_by_what_it_tells(say: Say, prefix: str) -> None:
+    assert say(f"{prefix}/status/switch:0", {"id": 0, "output": True}) == ()
+
+
+def test_so_much_is_kept_of_what_one_tells_without_answering(shelly: Shelly, say: Say) -> None:
+    for number in range(10):
+        say(f"{ID}/status/switch:{number}", {"id": number, "output": True, "x": "y" * 20_000})
+    described = say(f"{ID}/status/switch:10", {"id": 10, "output": True})[0]
+    assert isinstance(described, Described)
+    assert {one.part.id for one in described.parts} == {"switch:10", *(f"switch:{number}" for number in range(6))}
+    assert shelly.dropped == 4

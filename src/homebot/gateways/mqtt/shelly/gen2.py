@@ -2,7 +2,8 @@
 
 These devices do not announce themselves. One that says that it is online, or tells anything, is asked who it is, how
 it is set up and how it is; the last answer makes it known. One that sleeps most of the time tells its whole status
-when it wakes, which does as well.
+when it wakes, which does as well. One that does not answer is known by the components that it tells of,
+where its topics begin with its own id.
 
 Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
 """
@@ -14,7 +15,7 @@ from homebot.gateways.mqtt.bounded import Bounded
 from homebot.gateways.mqtt.description import Heard, Question, Withdrawn
 from homebot.gateways.mqtt.payload import parse_object, shown
 from homebot.gateways.mqtt.readings import json_in
-from homebot.gateways.mqtt.shelly.gen2_answers import is_prefix, kind_of, tells_change, text_of
+from homebot.gateways.mqtt.shelly.gen2_answers import is_prefix, kind_of, mac_in, tells_change, text_of
 from homebot.gateways.mqtt.shelly.gen2_component import Fields
 from homebot.gateways.mqtt.shelly.gen2_device import Gen2Device, looks
 from homebot.gateways.mqtt.shelly.rpc import call
@@ -45,6 +46,7 @@ class Gen2:
             f"{client}/rpc",
             *(f"{client}/{prefix}/rpc" for prefix in ("+", *prefixes)),
             *(f"{prefix}/{rest}" for prefix in ("+", *prefixes) for rest in ("online", "events/rpc")),
+            "+/status/+",
         )
         self._client = client
         self._devices: Bounded[Gen2Device] = Bounded(_MAX_DEVICES, self._release)
@@ -72,6 +74,9 @@ class Gen2:
             return self._answered(topic.removeprefix(f"{self._client}/").removesuffix("/rpc"), payload)
         if topic.endswith("/events/rpc"):
             return self._notified(topic.removesuffix("/events/rpc"), payload)
+        prefix, _, component = topic.partition("/status/")
+        if component:
+            return self._told(prefix, component, payload) if mac_in(prefix) else ()
         return self._online(topic.removesuffix("/online"), payload, retained=retained)
 
     def _online(self, prefix: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
@@ -85,6 +90,21 @@ class Gen2:
         if device.described is not None:
             return () if retained else (self._question(device),)
         return (self._question(device),) if retained else self._asked(device)
+
+    def _told(self, prefix: str, component: str, payload: bytes) -> tuple[Heard, ...]:
+        device = self._device(prefix)
+        if device is None or device.is_told:
+            return ()
+        return self._overheard(device, {component: json_in(payload)}, f"{prefix}/status/{component}", len(payload))
+
+    def _overheard(self, device: Gen2Device, components: Fields, topic: str, size: int) -> tuple[Heard, ...]:
+        """What *device* tells without having answered, if ever it will."""
+        asked = self._asked(device)
+        kept = device.sizes.get("overheard", 0) + size
+        if not device.overhears(components) or not self._has_room(device, "overheard", kept):
+            return asked
+        device.overhear(components, kept)
+        return self._described(device, topic, device.prefix) + asked
 
     def _gone(self, prefix: str) -> tuple[Heard, ...]:
         device = self._devices.remove(prefix)
@@ -106,8 +126,10 @@ class Gen2:
         method, params = frame.get("method"), frame.get("params")
         if not isinstance(params, dict):
             return ()
-        if device.described is not None:
+        if device.is_told and device.described is not None:
             return (self._question(device),) if method == "NotifyEvent" and tells_change(params) else ()
+        if method == "NotifyStatus" and mac_in(prefix):
+            return self._overheard(device, params, f"{prefix}/events/rpc", len(payload))
         asked = self._asked(device)
         if method == "NotifyFullStatus" and self._keep(device, "status", params, len(payload)):
             return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + asked
@@ -144,12 +166,18 @@ class Gen2:
         return Question(device.prefix, tuple(call(device.prefix, source, method) for method in _QUESTIONS))
 
     def _keep(self, device: Gen2Device, kind: str, result: Fields, size: int) -> bool:
+        if not self._has_room(device, kind, size):
+            return False
+        device.keep(kind, result, size)
+        return True
+
+    def _has_room(self, device: Gen2Device, kind: str, size: int) -> bool:
+        """Whether *size* bytes of *kind* may be kept of *device*; they count from now on."""
         grown = size - device.sizes.get(kind, 0)
         if size > MAX_ANSWER_BYTES or self._kept + grown > _MAX_KEPT_BYTES:
             self._refused += 1
             return False
         self._kept += grown
-        device.keep(kind, result, size)
         return True
 
     def _described(self, device: Gen2Device, topic: str, device_id: str) -> tuple[Heard, ...]:

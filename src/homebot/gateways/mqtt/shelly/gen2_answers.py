@@ -5,12 +5,15 @@ Source: Shelly Gen2+ API, Shelly.GetDeviceInfo, Shelly.GetConfig, Shelly.GetStat
 
 from __future__ import annotations
 
+import re
+
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.readings import number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Fields
 
-__all__ = ["fields_in", "is_prefix", "kind_of", "sleeps", "tells_change", "text_of"]
+__all__ = ["fields_in", "is_prefix", "kind_of", "mac_in", "sleeps", "tells_change", "text_of"]
 
+_OWN_ID = re.compile(r"shelly[a-z0-9]{0,40}-([0-9a-f]{12})", re.IGNORECASE)
 _LONGEST_PREFIX = 200
 _MOST_EVENTS = 32
 _CHANGES = frozenset({"component_added", "component_removed", "config_changed"})
@@ -30,6 +33,12 @@ def kind_of(result: Fields) -> str:
         return "config"
     is_status = "mac" in system or "uptime" in system or any(":" in key for key in result)
     return "status" if is_status else ""
+
+
+def mac_in(prefix: str) -> str:
+    """Return the hardware address in a *prefix* that is the device's own id, as it is by default; empty for another."""
+    match = _OWN_ID.fullmatch(prefix)
+    return match[1].upper() if match else ""
 
 
 def tells_change(params: Fields) -> bool:

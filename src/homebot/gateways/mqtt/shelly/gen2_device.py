@@ -10,9 +10,9 @@ from homebot.devices.part import Part
 from homebot.gateways.mqtt.description import Availability, Described
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.readings import number_in
-from homebot.gateways.mqtt.shelly.gen2_answers import fields_in, sleeps, text_of
+from homebot.gateways.mqtt.shelly.gen2_answers import fields_in, mac_in, sleeps, text_of
 from homebot.gateways.mqtt.shelly.gen2_component import Fields, Gen2Place
-from homebot.gateways.mqtt.shelly.gen2_parts import build_parts
+from homebot.gateways.mqtt.shelly.gen2_parts import MAX_COMPONENTS, build_parts
 from homebot.gateways.mqtt.shelly.online import OnlineTopic
 
 __all__ = ["Gen2Device", "looks"]
@@ -26,7 +26,7 @@ class Gen2Device:
         prefix: What its topics begin with.
         info: The answer to ``Shelly.GetDeviceInfo``.
         config: That to ``Shelly.GetConfig``.
-        status: That to ``Shelly.GetStatus``, or what it told when it woke.
+        status: That to ``Shelly.GetStatus``, or what it told when it woke; before, what it told of components.
         sizes: Bytes of each answer that is kept.
         heard: Signs of life before it was described.
         described: Its description as it was given last; None before.
@@ -52,9 +52,31 @@ class Gen2Device:
                 self.status = answer
 
     @property
+    def is_told(self) -> bool:
+        """Whether it told its whole status."""
+        return "status" in self.sizes
+
+    def overhears(self, components: Fields) -> bool:
+        """Whether *components* say something of it that is new; its values are not."""
+        return any(
+            isinstance(fields, dict) and not fields.keys() <= fields_in(self.status, key).keys()
+            for key, fields in components.items()
+        )
+
+    def overhear(self, components: Fields, size: int) -> None:
+        """Take what it tells of components; *size* is how many bytes of that are kept now."""
+        self.sizes["overheard"] = size
+        told = dict(self.status)
+        for key, fields in components.items():
+            if isinstance(fields, dict) and (key in told or len(told) < MAX_COMPONENTS):
+                told[key] = {**fields_in(told, key), **fields}
+        self.status = told
+
+    @property
     def mac(self) -> str:
         """Its hardware address; empty where it did not tell it yet."""
-        return text_of(self.info.get("mac")) or text_of(fields_in(self.status, "sys").get("mac"))
+        told = text_of(self.info.get("mac")) or text_of(fields_in(self.status, "sys").get("mac"))
+        return told or mac_in(self.prefix)
 
     def describe(self, client: str, topic: str, device_id: str) -> Described:
         """Return its description; without parts where no component of it is known.
