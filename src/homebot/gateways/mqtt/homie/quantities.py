@@ -18,12 +18,15 @@ _BY_UNIT: Mapping[str, str] = MappingProxyType(
         "F": "temperature",
         "W": "power",
         "kW": "power",
+        "mW": "power",
         "kWh": "energy",
         "Wh": "energy",
+        "MWh": "energy",
         "V": "voltage",
         "mV": "voltage",
         "A": "current",
         "mA": "current",
+        "kA": "current",
         "Hz": "frequency",
         "lx": "illuminance",
         "hPa": "pressure",
@@ -34,6 +37,8 @@ _BY_UNIT: Mapping[str, str] = MappingProxyType(
         "psi": "pressure",
         "dBm": "signal_strength",
         "m³/h": "flow",
+        "L/h": "flow",
+        "L/min": "flow",
     }
 )
 

@@ -1,0 +1,49 @@
+"""What a number of a Homie device measures, by its unit and the words around it."""
+
+import pytest
+
+from homebot.gateways.mqtt.homie.quantities import condition_of, quantity_of
+from homebot.gateways.mqtt.quantity import conversion_of
+
+NONE: frozenset[str] = frozenset()
+
+
+@pytest.mark.parametrize(
+    ("unit", "capability", "number", "expected"),
+    [
+        ("W", "power", 5.0, 5.0),
+        ("kW", "power", 1.5, 1500.0),
+        ("mW", "power", 500.0, 0.5),
+        ("MWh", "energy", 2.0, 2000.0),
+        ("kA", "current", 0.5, 500.0),
+        ("psi", "pressure", 1.0, 68.9475729),
+        ("L/min", "flow", 10.0, 0.6),
+        ("dBm", "signal_strength", -60.0, -60.0),
+        (" °C ", "temperature", 21.5, 21.5),
+    ],
+)
+def test_a_unit_alone_tells_what_is_measured(unit: str, capability: str, number: float, expected: float) -> None:
+    assert quantity_of(unit, NONE) == (capability, False)
+    conversion = conversion_of(capability, unit)
+    assert conversion is not None
+    assert conversion.value(number) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("unit", "words", "expected"),
+    [
+        ("%", {"battery"}, "battery"),
+        ("%", {"batterystate"}, "battery"),
+        ("%", {"humidity"}, "humidity"),
+        ("ppm", {"co"}, "carbon_monoxide"),
+        ("", {"coal"}, "measurement"),
+        ("%", {"x"}, "measurement"),
+    ],
+)
+def test_words_are_a_guess(unit: str, words: set[str], expected: str) -> None:
+    assert quantity_of(unit, frozenset(words)) == (expected, expected != "measurement")
+
+
+def test_a_word_tells_what_a_truth_means() -> None:
+    assert condition_of(frozenset({"kitchen", "motion"})) == "occupancy"
+    assert condition_of(frozenset({"kitchen"})) == "state"
