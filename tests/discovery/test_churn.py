@@ -266,8 +266,8 @@ class Churn:
         await anyio.sleep(self.dice.expovariate(1 / 5.0))
         chance = self.dice.random()
         for share, event in (
-            (0.016, self.join),
-            (0.015, self.leave),
+            (0.014, self.join),
+            (0.016, self.leave),
             (0.012, self.die),
             (0.007, self.revive),
             (0.020, self.rename),
