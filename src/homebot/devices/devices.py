@@ -140,7 +140,7 @@ class Devices:
 
     def _typed(self) -> Handles:
         if self._handles is None:
-            self._handles = Handles(self._node, self.tell)
+            self._handles = Handles(self._node)
         return self._handles
 
     async def _want(self, gateway: str, address: str) -> None:

@@ -19,7 +19,6 @@ from homebot.devices import (
     Endpoint,
     FindDevices,
     GatewayNames,
-    RawCommand,
     Route,
     State,
     StateChange,
@@ -30,7 +29,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.query import facets_of, fits, parse_query
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.value import PlainValue, Value
-from homebot.graph import Graph, Node, Subscription
+from homebot.graph import Graph, Node
 from homebot.messages import Time
 
 
@@ -62,7 +61,6 @@ def device(
     *parts: DevicePart,
     area: str = "",
     word: str = "",
-    commands: bool = True,
     states: Mapping[str, PlainValue] | None = None,
     **told: PlainValue,
 ) -> Device:
@@ -71,7 +69,7 @@ def device(
         id=device_id,
         name=device_id.title(),
         service_type=word or (parts[0].part.service_type if parts else ""),
-        endpoints=(Endpoint(gateway="mqtt", key=device_id, address="out", command_address="in" if commands else ""),),
+        endpoints=(Endpoint(gateway="mqtt", key=device_id, address="out", command_address="in"),),
         metadata=(),
         first_seen=moment(0),
         last_seen=moment(0),
@@ -107,7 +105,6 @@ class House:
         self.node = node
         self.devices = Devices(node)
         self.told: list[tuple[str, str, str, PlainValue, float]] = []
-        self._raw: list[Subscription[RawCommand]] = []
         self.failing: set[str] = set()
         self.answers: dict[str, SendCommandResponse] = {}
         self._gateways: list[Node] = []
@@ -117,14 +114,6 @@ class House:
         self._directory.create_service(FindDevices, FIND_DEVICES, self._find)
         self._changes = self._directory.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         self._states = self._directory.create_publisher(StateChange, DEVICE_STATES, 10)
-
-    def words(self) -> list[str]:
-        """What devices without parts were told since the last call."""
-        found = []
-        for raw in self._raw:
-            while (command := raw.take()) is not None:
-                found.append(command.payload)
-        return found
 
     def gateway(self, name: str) -> Node:
         """Let there be a gateway that takes commands; closing the node takes it away."""
@@ -140,7 +129,6 @@ class House:
             return SendCommandResponse(success=True)
 
         node.create_service(SendCommand, GatewayNames(name).send_command, send)
-        self._raw.append(node.create_subscription(RawCommand, GatewayNames(name).out))
         return node
 
     def end_directory(self) -> None:

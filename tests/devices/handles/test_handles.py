@@ -366,43 +366,10 @@ async def test_a_disputed_part_is_told_nothing(house: House) -> None:
         await plug.turn_on()
 
 
-@pytest.mark.parametrize(
-    ("kind", "word", "act", "said"),
-    [
-        (Light, "lights", lambda it: it.turn_on(), ["on"]),
-        (Light, "lights", lambda it: it.turn_on(level=40, kelvin=2700), ["0.4", "2700 K"]),
-        (Light, "lights", lambda it: it.set_level(0), ["off"]),
-        (Closure, "windows", lambda it: it.open(), ["open"]),
-        (Closure, "windows", lambda it: it.close(), ["close"]),
-        (WindowCovering, "covers", lambda it: it.stop(), ["stop"]),
-        (WindowCovering, "covers", lambda it: it.set_position(25), ["0.25"]),
-        (DoorLock, "locks", lambda it: it.unlock(), ["unlock"]),
-        (DoorLock, "locks", lambda it: it.lock(), ["lock"]),
-        (Thermostat, "thermostats", lambda it: it.heat_to(21.5), ["21.5"]),
-    ],
-)
-async def test_a_device_without_parts_is_told_plain_words(
-    house: House, kind: Any, word: str, act: Act, said: list[str]
-) -> None:
-    """Those of the thesis's layout, of which only the type is known; what it told is unknown."""
-    house.has(house.device("home/a", word=word))
-    house.gateway("mqtt")
-    (handle,) = await house.devices.find(kind)
-    assert not handle.is_gone
-    await act(handle)
-    assert (house.words(), house.told) == (said, [])
-
-
-async def test_a_device_without_parts_does_no_more_than_its_words(house: House) -> None:
-    """A lamp has no words for colours, and a sensor takes none at all."""
-    house.has(house.device("lamp", word="lights"), house.device("window", word="windows", commands=False))
-    (lamp,) = await house.devices.find(Light)
-    with pytest.raises(RefusedError, match="it can be told on_off, level, color_temperature"):
-        await lamp.turn_on(color=(0, 100))
-    assert await house.devices.find(Closure) == ()
-    (window,) = await house.devices.find(ContactSensor)
-    with pytest.raises(RefusedError, match="it takes no commands"):
-        await window.command("contact", True)
+async def test_a_device_without_parts_has_no_handle(house: House) -> None:
+    """Nobody knows what there would be to read and tell."""
+    house.has(house.device("a", word="coffee"), house.device("b", word="lights"))
+    assert await house.devices.find(Handle) == ()
 
 
 async def test_without_a_directory_nothing_is_found_and_said(house: House) -> None:

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
-
 from homebot.devices.command import Command, SendCommand, SendCommandResponse
 from homebot.devices.device import Device, DevicePart
-from homebot.devices.handles.plain import phrase
 from homebot.devices.names import GatewayNames
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, ServiceError
 from homebot.graph import Client, Node
 
-__all__ = ["Commander", "Tell"]
-
-Tell = Callable[[Device, str], Awaitable[None]]
-"""Tells a device a plain word; see :meth:`homebot.devices.Devices.tell`."""
+__all__ = ["Commander"]
 
 
 class Commander:
@@ -23,12 +17,10 @@ class Commander:
 
     Args:
         node: Who sends them.
-        tell: How devices without parts are told.
     """
 
-    def __init__(self, node: Node, tell: Tell) -> None:
+    def __init__(self, node: Node) -> None:
         self._node = node
-        self._tell = tell
         self._clients: dict[str, Client[Command, SendCommandResponse]] = {}
 
     async def send(self, device: Device, part: DevicePart, capability: str, value: PlainValue, fade: float) -> None:
@@ -60,18 +52,6 @@ class Commander:
             if response.problem != "unreachable":
                 raise RefusedError(f"{capability} of {device.id}", problem)
         raise LinkError(f"{device.id} was not told {capability}: {problem}")
-
-    async def say(self, device: Device, capability: str, value: PlainValue) -> None:
-        """Tell *device*, which has no parts, by a plain word.
-
-        Raises:
-            RefusedError: There is no word for that, it takes no commands, or its gateway only observes.
-            LinkError: No gateway of it is there.
-        """
-        said = phrase(capability, value)
-        if not said:
-            raise RefusedError(f"{capability} of {device.id}", "there is no plain word for that")
-        await self._tell(device, said)
 
     def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
         if gateway not in self._clients:

@@ -9,8 +9,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device import Device, Freshness
 from homebot.devices.handles.commander import Commander
 from homebot.devices.handles.known import KnownDevice
-from homebot.devices.handles.plain import assumed
-from homebot.devices.handles.wanted import Place, Term, Wanted, offered_types
+from homebot.devices.handles.wanted import Place, Term, Wanted
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
 from homebot.devices.query.folding import fold
@@ -81,8 +80,7 @@ class Handle:
     @property
     def is_gone(self) -> bool:
         """Whether the device was removed, or offers this part no longer."""
-        device = self._known.device
-        return self._known.is_gone or (bool(device.parts or self._part_id) and not self._known.part(self._part_id))
+        return self._known.is_gone or self._known.part(self._part_id) is None
 
     @property
     def reachable(self) -> bool | None:
@@ -96,14 +94,9 @@ class Handle:
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
-        """What it can be asked or told; of a device that only its type is known of, what such devices take."""
+        """What it can be asked or told."""
         part = self._known.part(self._part_id)
-        if part is not None:
-            return part.part.capabilities
-        device = self._known.device
-        if device.parts or not any(one.command_address for one in device.endpoints):
-            return ()
-        return tuple(one for service_type in sorted(offered_types(device)) for one in assumed(service_type))
+        return part.part.capabilities if part is not None else ()
 
     def can(self, capability: str) -> bool:
         """Whether it can be told *capability*, for example ``level``."""
@@ -130,18 +123,15 @@ class Handle:
         if not (0 <= transition < math.inf):
             raise RefusedError(f"a transition of {transition} s", "it must be 0 or longer, and end")
         plain = plain_value(value)
+        part = self._known.part(self._part_id)
+        if part is None or self.is_gone:
+            raise RefusedError(f"{capability} of {self.id}", "it is gone")
         self._check(capability, plain)
-        device, part = self._known.device, self._known.part(self._part_id)
-        if part is None:
-            await self._commander.say(device, capability, plain)
-        else:
-            await self._commander.send(device, part, capability, plain, transition)
+        await self._commander.send(self._known.device, part, capability, plain, transition)
 
     def _check(self, capability: str, value: PlainValue) -> None:
         what = f"{capability} of {self.id}"
         found = next((one for one in self.capabilities if one.name == capability and one.settable), None)
-        if self.is_gone:
-            raise RefusedError(what, "it is gone")
         if found is None:
             known = ", ".join(dict.fromkeys(one.name for one in self.capabilities if one.settable))
             raise RefusedError(what, f"it can be told {known}" if known else "it takes no commands")

@@ -7,7 +7,7 @@ from typing import TypeVar
 from weakref import WeakValueDictionary
 
 from homebot.devices.device import Device, DeviceChange, StateChange
-from homebot.devices.handles.commander import Commander, Tell
+from homebot.devices.handles.commander import Commander
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.known import KnownDevice
 from homebot.devices.handles.wanted import Wanted
@@ -27,11 +27,10 @@ class Handles:
 
     Args:
         node: Whose they are; they are kept up to date until it ends.
-        tell: How devices without parts are told; see :meth:`homebot.devices.Devices.tell`.
     """
 
-    def __init__(self, node: Node, tell: Tell) -> None:
-        self._commander = Commander(node, tell)
+    def __init__(self, node: Node) -> None:
+        self._commander = Commander(node)
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._known: WeakValueDictionary[str, KnownDevice] = WeakValueDictionary()
         self._watchers: list[Watcher] = []

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar
 
 from homebot.devices.device import Device, DevicePart
-from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query import CanDo, Not, Query, StateIs, quoted
 from homebot.devices.query.folding import fold
 from homebot.devices.query.terms import compares
@@ -17,7 +16,7 @@ from homebot.devices.value import PlainValue
 if TYPE_CHECKING:
     from homebot.devices.handles.handle import Handle
 
-__all__ = ["Kind", "Place", "Term", "Wanted", "offered_types"]
+__all__ = ["Kind", "Place", "Term", "Wanted"]
 
 HandleT = TypeVar("HandleT", bound="Handle")
 P = ParamSpec("P")
@@ -59,37 +58,26 @@ class Wanted(Generic[HandleT]):
     terms: tuple[Term, ...] = ()
 
     def parts(self, device: Device) -> Iterator[str]:
-        """Yield the ids of the parts of *device* that are wanted; an empty id for a device without parts."""
+        """Yield the ids of the parts of *device* that are wanted."""
         if not self._wants_device(device):
-            return
-        if not device.parts:
-            if self._wants_type(offered_types(device)) and not self.terms and self._wants_name(device, ""):
-                yield ""
             return
         values = {(one.part, one.capability): one.value.plain() for one in device.states}
         for one in _main_parts(device):
-            is_wanted = self._wants_type(frozenset({one.part.service_type})) and self._wants_name(device, one.part.name)
+            is_wanted = self._wants_type(one.part.service_type) and self._wants_name(device, one.part.name)
             if is_wanted and all(_fits(term, one, values) for term in self.terms):
                 yield one.id
 
     def query(self) -> str:
         """Return as text what narrows the search down; what it finds beyond, :meth:`parts` leaves out."""
-        words = {
-            word
-            for kind in self.kind.service_types
-            for word in DEVICE_TYPES[kind].words
-            if len(wanted_types(word)) > 1  # a device without parts that is called so may be of this kind
-        }
         asked = []
         if self.kind.service_types:
-            types = (*sorted(self.kind.service_types), *sorted(words))
-            asked.append(f"({' or '.join(f'type={quoted(one)}' for one in types)})")
+            asked.append(f"({' or '.join(f'type={quoted(one)}' for one in sorted(self.kind.service_types))})")
         if fold(self.place.get("area", "")):
             asked.append(f"area={quoted(fold(self.place['area']))}")
         return " and ".join([*asked, *(text for term in self.terms if (text := _as_text(term)))])
 
-    def _wants_type(self, types: frozenset[str]) -> bool:
-        return not self.kind.service_types or not types.isdisjoint(self.kind.service_types)
+    def _wants_type(self, service_type: str) -> bool:
+        return not self.kind.service_types or service_type in self.kind.service_types
 
     def _wants_device(self, device: Device) -> bool:
         place = self.place
@@ -112,22 +100,6 @@ class Kind(Protocol[P, HandleT]):
     def wanted(self, *args: P.args, **kwargs: P.kwargs) -> Wanted[HandleT]:
         """Return what is asked for."""
         ...
-
-
-def offered_types(device: Device) -> frozenset[str]:
-    """Return the device types that *device*, which has no parts, may be by its word.
-
-    Of a word with several meanings, such as ``windows``, what takes commands is something that moves, and what takes
-    none is a sensor.
-    """
-    meant = wanted_types(device.service_type)
-    if len(meant) < 2:  # one meaning, or none
-        return meant
-    takes_commands = any(one.command_address for one in device.endpoints)
-    sensors = frozenset(one for one in meant if one.endswith("_sensor"))
-    if not takes_commands:
-        return sensors
-    return frozenset({"closure"}) if "closure" in meant else meant - sensors
 
 
 def _main_parts(device: Device) -> list[DevicePart]:
