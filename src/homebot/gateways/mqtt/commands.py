@@ -12,6 +12,7 @@ from homebot.gateways.mqtt.claim import Voice
 from homebot.gateways.mqtt.claims import Claims
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.plain_voices import PlainVoices
 from homebot.gateways.mqtt.tribunal import Tribunal
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.topics import validate_topic
@@ -25,6 +26,7 @@ class Commands:
     Args:
         claims: Who can be told, of the described devices.
         channels: Of those that a layout knows, which are told words.
+        plain: Hears what those answer.
         connection: Where it is published.
         tribunal: Judges conventions that fail.
         counters: Of the gateway.
@@ -35,6 +37,7 @@ class Commands:
         self,
         claims: Claims,
         channels: Channels,
+        plain: PlainVoices,
         connection: MqttConnection,
         tribunal: Tribunal,
         counters: GatewayCounters,
@@ -43,6 +46,7 @@ class Commands:
     ) -> None:
         self._claims = claims
         self._channels = channels
+        self._plain = plain
         self._connection = connection
         self._tribunal = tribunal
         self._counters = counters
@@ -96,6 +100,7 @@ class Commands:
             raise RefusedError(f"a command to {device.key[:100]}", "it takes none")
         said = told(capability, value, device.part)
         validate_topic(device.command_address)
+        self._plain.told(device.command_address, said)
         await self._connection.publish(device.command_address, said.encode(errors="replace"), qos=1)
 
     def _voice(self, key: str, part_id: str) -> Voice:

@@ -28,6 +28,7 @@ from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.filter_tree import FilterTree
 from homebot.gateways.mqtt.last_words import LastWord, LastWords
 from homebot.gateways.mqtt.offers import Offers
+from homebot.gateways.mqtt.plain_voices import PlainVoices
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.gateways.mqtt.states import States
 from homebot.gateways.mqtt.subscriber import Subscriber
@@ -53,9 +54,9 @@ class DescribedDevices:
         stale_after: Seconds of silence after which a device counts as stale.
 
     Attributes:
-        board: Tells the graph of devices.
         commands: Brings commands to them.
         offers: What homebot itself offers to others.
+        plain: Hears the words of devices that a layout knows.
         tribunal: Judges those who break the rules.
     """
 
@@ -74,18 +75,19 @@ class DescribedDevices:
         self._connection = connection
         self._counters = counters
         self._listeners = listeners
-        self.board = Board(gateway, stale_after)
+        self._board = Board(gateway, stale_after)
+        self.plain = PlainVoices(self._board, counters)
         self._timekeeper = Timekeeper(gateway.node.graph.clock)
-        self.tribunal = Tribunal(gateway, self.board, self._timekeeper, counters)
+        self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters)
         self._topics = StateTopics(self.filters(), other_filters)
         self._claims = Claims(gateway.node.name, conventions, self._topics, _tree(other_filters))
         self._last_words = LastWords()
         self._missed: list[tuple[str, Voice | Witness]] = []
-        self._states = States(self._claims, self.board, listeners, self._timekeeper, self.tribunal, counters)
+        self._states = States(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
         self._subscriber = Subscriber(self._topics, self._claims, conventions, self.tribunal, counters)
         self._announcements = Announcements(
             self._claims,
-            self.board,
+            self._board,
             self._timekeeper,
             self.tribunal,
             counters,
@@ -93,7 +95,9 @@ class DescribedDevices:
             on_removal=self._subscriber.wake,
             on_question=self._subscriber.question,
         )
-        self.commands = Commands(self._claims, channels, connection, self.tribunal, counters, acts=gateway.acts)
+        self.commands = Commands(
+            self._claims, channels, self.plain, connection, self.tribunal, counters, acts=gateway.acts
+        )
         self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.tribunal)
         gateway.node.create_service(SendCommand, gateway.names.send_command, self.commands.serve, concurrent=True)
         gateway.node.create_service(GetHealth, gateway.names.health, self._health)
@@ -111,7 +115,7 @@ class DescribedDevices:
 
     def tick(self) -> None:
         """Let time have passed; once before each batch of messages."""
-        self.board.tick()
+        self._board.tick()
 
     def route(self, topic: str) -> Route | None:
         """Return who reads *topic*; None for nobody."""
@@ -134,7 +138,7 @@ class DescribedDevices:
             return
         if raw:
             self._counters.received += 1
-        self._last_words.keep(message.topic, LastWord(message.payload, message.retain, self.board.stamp))
+        self._last_words.keep(message.topic, LastWord(message.payload, message.retain, self._board.stamp))
         if route.witnesses:
             await self._states.witness(message, route.witnesses)
         if route.voices:
@@ -201,7 +205,7 @@ class DescribedDevices:
             address=topic,
             payload=payload,
             retained=retained,
-            received_at=self.board.stamp,
+            received_at=self._board.stamp,
         )
 
     def _health(self, request: HealthRequest) -> HealthResponse:

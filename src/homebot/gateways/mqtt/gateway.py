@@ -32,7 +32,6 @@ from homebot.gateways.mqtt.conventions import find_conventions
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.described_devices import DescribedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
-from homebot.gateways.mqtt.plain_voices import PlainVoices
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import EntityKind, Node
 from homebot.messages import Time
@@ -118,7 +117,7 @@ class MqttGateway(Gateway):
             self.counters,
             settings.stale_after,
         )
-        self._plain = PlainVoices(self._described.board, self.counters)
+        self._plain = self._described.plain
         self._warn = self._described.tribunal.warn
         node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
@@ -348,6 +347,7 @@ class MqttGateway(Gateway):
         if not self.acts:
             raise RefusedError("the command", ONLY_OBSERVES)
         payload = command.payload.encode()
+        self._plain.told(command.address, command.payload)
         await self._connection.publish(command.address, payload, qos=command.qos, retain=command.retain)
         await self._described.overhear(MqttMessage(command.address, payload, command.qos, retain=False))
 

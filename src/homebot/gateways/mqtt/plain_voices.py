@@ -1,11 +1,18 @@
-"""What devices of a topic layout say in plain words, as reports for the graph."""
+"""What devices of a topic layout say in plain words, as reports for the graph.
+
+Most words speak for themselves. Of a thermostat a number may be the room's temperature or its target: it is the target
+where it answers a command of ours with just that number.
+"""
 
 from __future__ import annotations
 
+from homebot.devices.part import Part
 from homebot.devices.report import Reading
-from homebot.devices.value import Value
-from homebot.devices.words import heard
+from homebot.devices.value import PlainValue, Value
+from homebot.devices.words import heard, meaning
+from homebot.errors import RefusedError
 from homebot.gateways.mqtt.board import Board
+from homebot.gateways.mqtt.bounded import Bounded
 from homebot.gateways.mqtt.channels import Channel
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.mqtt.message import MqttMessage
@@ -14,6 +21,9 @@ __all__ = ["PlainVoices"]
 
 _LONGEST = 1000
 """Bytes of a payload that may be a word."""
+
+_MAX_TOLD = 1000
+"""Commands that an answer is waited for; the oldest is forgotten."""
 
 
 class PlainVoices:
@@ -27,6 +37,12 @@ class PlainVoices:
     def __init__(self, board: Board, counters: GatewayCounters) -> None:
         self._board = board
         self._counters = counters
+        self._told: Bounded[str] = Bounded(_MAX_TOLD)
+
+    def told(self, command_address: str, said: str) -> None:
+        """Note that the device that listens on *command_address* was told *said*."""
+        if len(said) <= _LONGEST:
+            self._told.add(command_address, said)
 
     def hear(self, channel: Channel, message: MqttMessage) -> None:
         """Report what *message* on *channel* tells, if it is a word of what the device is taken for.
@@ -38,7 +54,7 @@ class PlainVoices:
             return
         channel.said = message.payload
         try:
-            told = heard(message.payload.decode(), part)
+            told = self._meant(message.payload.decode(), part, channel.device.command_address)
         except UnicodeDecodeError:
             return
         if told:
@@ -51,6 +67,17 @@ class PlainVoices:
         """Keep nothing of *channel* for late joiners any more."""
         if channel.device.part is not None:
             self._board.drop(_stream(channel))
+
+    def _meant(self, said: str, part: Part, command_address: str) -> dict[str, PlainValue]:
+        found = heard(said, part)
+        if self._told.get(command_address) != said:
+            return found
+        self._told.remove(command_address)
+        try:
+            name, value = meaning(said, part)
+        except RefusedError:
+            return found
+        return found if name in found else {name: value}
 
 
 def _stream(channel: Channel) -> str:

@@ -1,0 +1,166 @@
+"""Devices of the thesis's layout at the gateway: their words as reports, and commands as words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+from typing import Any, TypeAlias
+
+import pytest
+
+from homebot.devices import RawCommand
+from homebot.devices.report import Report
+from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest
+from homebot.devices.value import PlainValue
+from homebot.graph import DurabilityPolicy, QoSProfile
+from homebot.messages import Time
+from homebot.mqtt.connection import MqttConnection
+
+pytestmark = pytest.mark.virtual_time
+
+MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[Any]]
+
+LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+THESIS = {"conventions": ("thesis",)}
+START = Time(sec=0, nanosec=0)
+LAMP, KEY = "home425/lights/lamp/out", "lights/lamp"
+
+
+async def test_a_device_of_the_layout_is_sighted_with_its_part_and_its_own_addresses(make_house: MakeHouse) -> None:
+    async with make_house(**THESIS) as house:
+        await house.say(LAMP, "on")
+        await house.say("home425/coffee/maker/out", "on")
+        lamp, coffee = house.sighted()
+        assert (lamp.key, lamp.service_type) == (KEY, "lights")
+        assert (lamp.address, lamp.command_address) == (LAMP, "home425/lights/lamp/in")
+        assert [(one.id, one.service_type) for one in lamp.parts] == [("", "light")]
+        assert (coffee.service_type, coffee.parts) == ("coffee", ())
+        assert house.told() == [(KEY, {".on_off": True}, False)]
+
+
+async def test_a_word_is_reported_when_it_is_another_one(make_house: MakeHouse) -> None:
+    """What says nothing of a lamp is no report, and neither is what is no text or no word."""
+    async with make_house(**THESIS) as house:
+        for word in ("on", "on", "0.4", "purple", b"\xff", "2" * 5000, "0.4", "off"):
+            await house.say(LAMP, word)
+        said = (
+            {".on_off": True},
+            {".level": 40.0, ".on_off": True},
+            {".level": 40.0, ".on_off": True},
+            {".on_off": False},
+        )
+        assert house.told() == [(KEY, one, False) for one in said]
+        assert house.gateway.counters.reports == 4
+        assert house.gateway.counters.received == 8
+
+
+async def test_what_the_broker_had_kept_is_told_again_when_the_device_says_it(make_house: MakeHouse) -> None:
+    """It was, and now it is."""
+
+    async def before(devices: MqttConnection) -> None:
+        await devices.publish(LAMP, b"on", qos=1, retain=True)
+
+    async with make_house(before, **THESIS) as house:
+        assert house.told() == [(KEY, {".on_off": True}, True)]
+        await house.say(LAMP, "on")
+        await house.say(LAMP, "on")
+        assert house.told() == [(KEY, {".on_off": True}, False)]
+
+
+async def test_a_device_that_is_taken_out_leaves_no_report_behind(make_house: MakeHouse) -> None:
+    async with make_house(**THESIS) as house:
+        await house.say(LAMP, "on", retain=True)
+        await house.say(LAMP, "", retain=True)
+        assert house.told() == [(KEY, {".on_off": True}, False)]
+        late = house.watcher.create_subscription(Report, house.gateway.names.readings, qos_profile=LATCHED)
+        assert late.take() is None
+        response = await house.command(KEY, "", "on_off", value=True)
+        assert (response.success, response.problem) == (False, "refused")
+        await house.say(LAMP, "on")
+        assert house.told() == [(KEY, {".on_off": True}, False)]
+
+
+@pytest.mark.parametrize(
+    ("device", "capability", "value", "word"),
+    [
+        ("lights/lamp", "on_off", True, "on"),
+        ("lights/lamp", "level", 40.0, "0.4"),
+        ("lights/lamp", "color_temperature", 2700.0, "2700 K"),
+        ("windows/motor", "movement", "closed", "close"),
+        ("covers/blind", "movement", "stopped", "stop"),
+        ("covers/blind", "position", 25.0, "0.25"),
+        ("locks/door", "lock", "unlocked", "unlock"),
+        ("thermostats/hall", "heating_setpoint", 21.5, "21.5"),
+    ],
+)
+async def test_a_command_goes_out_as_a_word(
+    make_house: MakeHouse, device: str, capability: str, value: PlainValue, word: str
+) -> None:
+    async with make_house(**THESIS) as house:
+        await house.listen("home425/+/+/in")
+        await house.say(f"home425/{device}/out", "hello")
+        assert (await house.command(device, "", capability, value)).success
+        (heard,) = await house.heard()
+        assert (heard.topic, heard.payload, heard.retain) == (f"home425/{device}/in", word.encode(), False)
+        assert house.gateway.counters.commands == 1
+
+
+@pytest.mark.parametrize(
+    ("key", "part", "capability", "value", "why"),
+    [
+        ("lights/lamp", "", "color", (0.0, 100.0), "this part takes on, off, 2700 K, a number from 0 to 1"),
+        ("lights/lamp", "", "level", 101.0, "this part takes"),
+        ("lights/lamp", "second", "on_off", True, "it has no part 'second'"),
+        ("motions/hall", "", "occupancy", True, "this part takes nothing"),
+        ("coffee/maker", "", "on_off", True, "it has no part ''"),
+        ("lights/nobody", "", "on_off", True, "no device is announced by that key"),
+    ],
+)
+async def test_a_command_without_a_word_is_refused_with_the_reason(
+    *, make_house: MakeHouse, key: str, part: str, capability: str, value: PlainValue, why: str
+) -> None:
+    async with make_house(**THESIS) as house:
+        for device in ("lights/lamp", "motions/hall", "coffee/maker"):
+            await house.say(f"home425/{device}/out", "hello")
+        response = await house.command(key, part, capability, value)
+        assert (response.success, response.problem) == (False, "refused")
+        assert why in response.message
+        assert house.gateway.counters.commands_refused == 1
+
+
+async def test_a_gateway_that_only_observes_sends_no_word(make_house: MakeHouse) -> None:
+    async with make_house(**THESIS, act=False) as house:
+        await house.say(LAMP, "off")
+        response = await house.command(KEY, "", "on_off", value=True)
+        assert (response.success, response.problem) == (False, "refused")
+
+
+@pytest.mark.parametrize("way", ["command", "word"])
+async def test_the_answer_of_a_thermostat_is_its_target_and_not_the_room(make_house: MakeHouse, way: str) -> None:
+    """The room's temperature comes later, and may be the same number then."""
+    out, key = "home425/thermostats/hall/out", "thermostats/hall"
+    async with make_house(**THESIS) as house:
+        await house.say(out, "18.5")
+        if way == "command":
+            await house.command(key, "", "heating_setpoint", 21.0)
+        else:
+            raw = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
+            await raw.send(RawCommand(address="home425/thermostats/hall/in", payload="21"))
+        for word in ("21", "20.9", "21"):
+            await house.say(out, word)
+        assert [one[1] for one in house.told()] == [
+            {".local_temperature": 18.5},
+            {".heating_setpoint": 21.0},
+            {".local_temperature": 20.9},
+            {".local_temperature": 21.0},
+        ]
+
+
+async def test_listening_to_a_device_of_the_layout_brings_its_own_bytes(make_house: MakeHouse) -> None:
+    """Whatever the gateway makes of them beside."""
+    async with make_house(**THESIS) as house:
+        await house.say(LAMP, "on")
+        client = house.watcher.create_client(SubscribeToTopic, house.gateway.names.subscribe)
+        answer = await client.call(SubscribeToTopicRequest(topic=LAMP, listener=house.watcher.full_name, since=START))
+        assert answer.success
+        assert [one.payload for one in answer.missed] == [b"on"]
