@@ -208,6 +208,32 @@ def test_sensors_of_two_conventions_find_each_other_by_their_ids_and_settings_ar
     ]
 
 
+def test_a_setting_that_one_convention_calls_a_switch_is_not_the_load(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """What Home Assistant is told of a Legrand 064882 or a Sber SBDV-00196, beside Zigbee2MQTT's own list."""
+    z = {"reads": ("z/plug",)}
+    own = (
+        part("switch", "on_off", id="switch", writes=("z/plug/set",), **z),
+        part("x_setting", "state", id="device_mode", writes=("z/plug/set",), **z),
+    )
+    mode = part("switch", "on_off", id="0x17_switch_device_mode_z", writes=("z/plug/set/device_mode",), **z)
+    load = part("switch", "on_off", id="0x17_switch_z", writes=("z/plug/set",), **z)
+    for one in (
+        announce("z/0x17", *own, convention="zigbee2mqtt", ids=(IEEE,)),
+        announce("switch/0x17/device_mode", mode, ids=(IEEE,)),
+        announce("switch/0x17/switch", load, ids=(IEEE,)),
+    ):
+        index.observe(one)
+    (device,) = index.devices()
+    ways = {one.id: [way.part for way in one.routes] for one in device.parts}
+    assert ways == {
+        "switch": ["switch", "0x17_switch_z"],
+        "device_mode": ["device_mode"],
+        "0x17_switch_device_mode_z": ["0x17_switch_device_mode_z"],
+    }
+
+
 def test_the_same_entity_announced_twice_is_one_part(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
     lamp = part("light", "on_off", id="l", writes=("a/set",))
     after(index, announce("light/old", lamp, ids=(MAC,)), announce("light/new", lamp, ids=(MAC,)))

@@ -69,6 +69,8 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed) -> MergedParts:
                 conflicts.append(f"{claim.label} announces {part.id!r}, which is {rival.claims[0].label}'s")
                 continue
             found = _twin(claim, part, same_type, alone) if len(claims) > 1 else None
+            if found is not None and part.writes and _is_rather_another(claim, part, found, merged):
+                found = None
             if found is None:
                 if len(merged) >= MAX_PARTS:
                     left_out += 1
@@ -183,6 +185,23 @@ def _likelihood(claim: Claim, part: Part, other: _Merged, alone: frozenset[_Plac
     if writes and part.name == other.part.name and not writes.isdisjoint(other.part.writes):
         return _BY_TOPIC
     return 0
+
+
+def _is_rather_another(claim: Claim, part: Part, twin: _Merged, merged: Iterable[_Merged]) -> bool:
+    """Whether the id of *part* says that it is no *twin* but a part of another type.
+
+    A switch ``0x17_switch_child_lock`` is what the other convention calls the setting ``child_lock``, and to tell it
+    something must not reach the load that is called ``switch`` there.
+    """
+    shared = _shared_id(part.id, twin.part.id)
+    if not shared or set(part.writes) & set(twin.part.writes):
+        return False
+    return any(
+        one.part.service_type != part.service_type
+        and _shared_id(part.id, one.part.id) > shared
+        and not _same_source(claim, one.claims[0])
+        for one in merged
+    )
 
 
 _BY_TOPIC, _BY_ABILITY, _BY_TYPE, _BY_ID, _BY_NAME = 1, 2, 3, 10, 1_000_000
