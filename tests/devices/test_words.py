@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.devices.ear import heard
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
-from homebot.devices.words import heard, main_part, meaning, read_words_address, told, word, words_address
+from homebot.devices.words import main_part, meaning, read_words_address, told, word, words_address
 from homebot.errors import RefusedError
 
 

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.ear import heard
 from homebot.devices.value import PlainValue
-from homebot.devices.words import heard, meaning, told
+from homebot.devices.words import meaning, told
 from homebot.gateways.mqtt.thesis_parts import thesis_part
 from homebot.house.device import Machine
 from homebot.house.lamp import Lamp

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from homebot.devices import RawMessage
+from homebot.devices.ear import Ear, ear_for
 from homebot.errors import WireError
 from homebot.gateways.mqtt.convention import Announcement, TopicLayout
 from homebot.graph import Publisher
@@ -27,6 +28,7 @@ class Channel:
         listeners: Who gets its raw messages.
         refresh_at: Reading of the monotonic clock from which on the next message is worth a sighting.
         is_ghost: Whether only a message that the broker had kept speaks for the device.
+        ear: Understands its words; None where nobody knows what it is.
         said: The payload that was last looked at for what it tells.
         kept: The last 10 messages of at most 4 KiB, for a listener that comes a moment later.
     """
@@ -35,6 +37,7 @@ class Channel:
     listeners: list[Publisher[RawMessage]]
     refresh_at: float = 0.0
     is_ghost: bool = False
+    ear: Ear | None = None
     said: bytes = b""
     kept: deque[RawMessage] = field(default_factory=lambda: deque(maxlen=KEPT))
 
@@ -99,7 +102,9 @@ class Channels:
         """
         if len(self._channels) >= MAX_CHANNELS:
             raise WireError(f"topic {topic!r} is one too many: {MAX_CHANNELS} are in use")
-        channel = self._channels[topic] = self._by_key[device.key] = Channel(device, listeners)
+        channel = self._channels[topic] = self._by_key[device.key] = Channel(
+            device, listeners, ear=None if device.part is None else ear_for(device.part.capabilities)
+        )
         return channel
 
     def close(self, topic: str) -> None:

@@ -204,7 +204,7 @@ class MqttGateway(Gateway):
             if now >= channel.refresh_at or (channel.is_ghost and not message.retain):
                 self._sight(channel, message, stamp)
                 channel.refresh_at = now + REFRESH
-            if message.payload != channel.said and channel.device.part is not None:
+            if message.payload != channel.said and channel.ear is not None:
                 self._plain.hear(channel, message)
             raw = RawMessage(
                 gateway=self.node.name,

@@ -6,10 +6,11 @@ where it answers a command of ours with just that number.
 
 from __future__ import annotations
 
+from homebot.devices.ear import Heard
 from homebot.devices.part import Part
 from homebot.devices.report import Reading
-from homebot.devices.value import PlainValue, Value
-from homebot.devices.words import heard, meaning
+from homebot.devices.value import Value
+from homebot.devices.words import meaning
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.board import Board
 from homebot.gateways.mqtt.bounded import Bounded
@@ -49,15 +50,13 @@ class PlainVoices:
 
         To be called for a message that is not the last one over again.
         """
-        part = channel.device.part
-        if part is None or len(message.payload) > _LONGEST:
+        ear, part = channel.ear, channel.device.part
+        if ear is None or part is None or len(message.payload) > _LONGEST:
             return
         channel.said = message.payload
-        try:
-            told = self._meant(message.payload.decode(), part, channel.device.command_address)
-        except UnicodeDecodeError:
-            return
+        told = ear.hear(message.payload)
         if told:
+            told = self._meant(message.payload, told, part, channel.device.command_address)
             readings = tuple(Reading(part=part.id, capability=name, value=Value.of(one)) for name, one in told.items())
             self._counters.reports += 1
             key, address = channel.device.key, message.topic
@@ -68,16 +67,16 @@ class PlainVoices:
         if channel.device.part is not None:
             self._board.drop(_stream(channel))
 
-    def _meant(self, said: str, part: Part, command_address: str) -> dict[str, PlainValue]:
-        found = heard(said, part)
-        if self._told.get(command_address) != said:
-            return found
+    def _meant(self, payload: bytes, told: Heard, part: Part, command_address: str) -> Heard:
+        said = self._told.get(command_address)
+        if said is None or said.encode(errors="replace") != payload:
+            return told
         self._told.remove(command_address)
         try:
             name, value = meaning(said, part)
         except RefusedError:
-            return found
-        return found if name in found else {name: value}
+            return told
+        return told if name in told else {name: value}
 
 
 def _stream(channel: Channel) -> str:

@@ -1,0 +1,47 @@
+"""How values are spelt in plain words; see :mod:`homebot.devices.words`. Pure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.part import Capability
+
+__all__ = ["FLAGS", "FRACTIONS", "OPENINGS", "SPEEDS", "SPOKEN_FIRST", "bounds_of", "percent", "plain_number"]
+
+FRACTIONS: Final = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
+"""Percentages that are spoken as 0 to 1."""
+
+SPEEDS: Final = frozenset({"level", "fan_speed"})
+"""What is 0 only where it is off."""
+
+OPENINGS: Final = ("movement", "valve")
+
+SPOKEN_FIRST: Final = ("lock", "on_off", "occupancy", "contact", "vacuum", "mower", "alarm", "local_temperature")
+"""What a message is about when it tells several things; openings, which come next, have a rule of their own."""
+
+FLAGS: Final[Mapping[str, tuple[str, str]]] = {"occupancy": ("clear", "motion"), "contact": ("closed", "open")}
+"""Words for no and yes; of any other flag ``off`` and ``on``."""
+
+
+def bounds_of(capability: Capability) -> tuple[float, float]:
+    """Return the smallest and the largest value of *capability*; infinite where none is known."""
+    known = CAPABILITIES.get(capability.name)
+    bounds = capability.bounds or (known.bounds if known else ())
+    return (bounds[0], bounds[-1]) if bounds else (-math.inf, math.inf)
+
+
+def plain_number(text: str | bytes) -> float | None:
+    """Return the finite number that *text* spells, or None."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def percent(share: float) -> float:
+    """Return *share* in percent, as short as it was spelt: 0.07 is 7 %, not 7.000000000000001."""
+    return round(share * 100, 9)
