@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from homebot.devices import (
     Device,
@@ -96,7 +97,7 @@ class Entry:
         """Return the message that tells all of it; the same object as long as nothing is new."""
         if self._device is None:
             described = self._described(disputed)
-            self._device = Device(
+            self._device = Device.of_checked(
                 id=self.id,
                 name=described.name,
                 service_type=described.service_type,
@@ -104,7 +105,7 @@ class Entry:
                 metadata=described.metadata,
                 first_seen=self.first_seen,
                 last_seen=self.last_seen(),
-                expires=Time.from_seconds(min(self.deadline, _LATEST)),
+                expires=_time(min(self.deadline, _LATEST)),
                 freshness=self.freshness,
                 service_types=described.service_types,
                 area=described.area,
@@ -152,7 +153,7 @@ class Entry:
                 if known is None or _weight(told) > _weight(known):
                     newest[place, capability] = told
         for (place, capability), told in newest.items():
-            yield State(
+            yield State.of_checked(
                 part=merged.parts[place].id,
                 capability=capability,
                 value=Value.of(told.value),
@@ -196,7 +197,7 @@ def _describe(claims: tuple[Claim, ...], disputed: Disputed) -> _Description:
         area=next((one.sighting.area for one in ordered if one.sighting.area), ""),
         identifiers=tuple(dict.fromkeys(found for one in ordered for found in one.sighting.identifiers)),
         metadata=first.metadata if len(ordered) == 1 else _metadata(ordered),
-        facts=tuple(_facts(ordered)),
+        facts=_facts(ordered),
         endpoints=_endpoints(ordered, main),
         merged=merged,
     )
@@ -221,31 +222,29 @@ def _metadata(claims: Sequence[Claim]) -> tuple[KeyValue, ...]:
     return tuple(found.values())[:MAX_FACTS]
 
 
-def _facts(claims: Sequence[Claim]) -> Iterator[Fact]:
+def _facts(claims: Sequence[Claim]) -> tuple[Fact, ...]:
     """Each value once for each gateway and convention, by the first announcement that says it."""
-    done: set[tuple[str, str, str, str]] = set()
+    found: dict[tuple[str, str, str, str], Fact] = {}
     for claim in claims:
-        sighting = claim.sighting
-        gateway, convention = sighting.gateway, sighting.convention
+        gateway, key, convention = claim.sighting.gateway, claim.sighting.key, claim.sighting.convention
         for name, value in _said(claim):
             place = (name, value, gateway, convention)
-            if value and place not in done:
-                done.add(place)
-                anew, since = claim.said.get(name, (value, claim.first_seen))
-                said_at = since if anew == value else claim.first_seen
-                yield Fact(
-                    name=name, value=value, gateway=gateway, convention=convention, key=sighting.key, said_at=said_at
-                )
-                if len(done) >= MAX_FACTS:
-                    return
+            if not value or place in found:
+                continue
+            said_at = claim.first_seen
+            if name in claim.said and claim.said[name][0] == value:
+                said_at = claim.said[name][1]
+            found[place] = Fact.of_checked(
+                name=name, value=value, gateway=gateway, convention=convention, key=key, said_at=said_at
+            )
+            if len(found) >= MAX_FACTS:
+                return tuple(found.values())
+    return tuple(found.values())
 
 
-def _said(claim: Claim) -> Iterator[tuple[str, str]]:
+def _said(claim: Claim) -> list[tuple[str, str]]:
     sighting = claim.sighting
-    yield "name", sighting.name
-    yield "area", sighting.area
-    for one in sighting.metadata:
-        yield one.key, one.value
+    return [("name", sighting.name), ("area", sighting.area), *((one.key, one.value) for one in sighting.metadata)]
 
 
 def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoint, ...]:
@@ -260,7 +259,9 @@ def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoi
             else:
                 address = words_address(route.key, route.part)
                 command_address = address if takes_words(main.part) else ""
-            endpoint = Endpoint(gateway=route.gateway, key=route.key, address=address, command_address=command_address)
+            endpoint = Endpoint.of_checked(
+                gateway=route.gateway, key=route.key, address=address, command_address=command_address
+            )
             found.setdefault(route.gateway, endpoint)
     for claim in claims if not found else ():
         sighting = claim.sighting
@@ -272,6 +273,12 @@ def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoi
                 command_address="" if main is not None else sighting.command_address,
             )
     return tuple(found.values())
+
+
+@lru_cache(maxsize=64)
+def _time(seconds: float) -> Time:
+    """Devices that are announced together expire together."""
+    return Time.from_seconds(seconds)
 
 
 def _moment(time: Time | None) -> tuple[int, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from homebot.devices.device import Device, DevicePart, Fact
@@ -85,11 +85,11 @@ def facets_of(device: Device) -> Facets:
         capabilities=frozenset(one.name for one in capabilities),
         settable=frozenset(one.name for one in capabilities if one.settable),
         area=fold(device.area),
-        words=frozenset(list(dict.fromkeys(word for text in texts for word in words_of(text)))[:MAX_WORDS]),
+        words=_words(texts),
         freshness=device.freshness,
         reachable=device.reachable.state,
-        gateways=frozenset([*(one.gateway for one in device.endpoints), *(route.gateway for route in routes)]),
-        conventions=frozenset([*(one.convention for one in device.facts), *(route.convention for route in routes)]),
+        gateways=frozenset([one.gateway for one in device.endpoints] + [one.gateway for one in routes]),
+        conventions=frozenset([one.convention for one in device.facts] + [one.convention for one in routes]),
         facts=facts,
         values=tuple((types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states),
         main_type=main.service_type if main is not None else device.service_type,
@@ -115,12 +115,21 @@ def _is_called(part: Part, service_type: str) -> bool:
     return service_type in {part.service_type, part.advertised}
 
 
+def _words(texts: Iterable[str]) -> frozenset[str]:
+    found: dict[str, None] = {}
+    for text in dict.fromkeys(texts):
+        found.update(dict.fromkeys(words_of(text)))
+    return frozenset(found) if len(found) <= MAX_WORDS else frozenset(list(found)[:MAX_WORDS])
+
+
 def folded_facts(facts: tuple[Fact, ...]) -> dict[str, tuple[str, ...]]:
     """Return the folded values of all facts by name, the one that counts first."""
     found: dict[str, tuple[str, ...]] = {}
     for one in facts:
         value = fold(one.value)
-        known = found.get(one.name, ())
-        if value not in known:
+        known = found.get(one.name)
+        if known is None:
+            found[one.name] = (value,)
+        elif value not in known:
             found[one.name] = (*known, value)
     return found
