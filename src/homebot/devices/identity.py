@@ -35,7 +35,7 @@ def identifiers(declared: Iterable[str]) -> tuple[str, ...]:
         if address:
             kind = "mac" if len(address) == _MAC_DIGITS else "eui64"
             hardware[f"{kind}:{address}"] = None
-        if spelled and re.sub("[:-]", "", spelled.casefold()).removeprefix("0x") != address:
+        if spelled and spelled.casefold().replace(":", "").replace("-", "").removeprefix("0x") != address:
             others[f"id:{spelled}"] = None
     return (*hardware, *others)
 
@@ -45,8 +45,8 @@ def _address(text: str) -> str:
 
     Twelve decimal digits without separators are more likely a serial number or a time.
     """
-    if match := _PAIRS.fullmatch(text):
-        digits = re.sub("[:-]", "", match.group(1))
+    if (":" in text or "-" in text) and (match := _PAIRS.fullmatch(text)):
+        digits = match.group(1).replace(":", "").replace("-", "")
     elif match := _DIGITS.fullmatch(text):
         digits = match.group(1)
         if digits.isdecimal() and len(digits) == _MAC_DIGITS:

@@ -22,6 +22,7 @@ T = TypeVar("T")
 
 TURN = 256  # items read before other tasks get their turn, should the reader never wait
 MAX_KEYED_ITEMS = 100_000  # over all keys, which come from outside
+_FEW = 64
 
 
 class Queue(Protocol[T]):
@@ -189,7 +190,9 @@ class KeyedQueue(Generic[T]):
         self._key = key
         self._on_loss = on_loss
         self._items: OrderedDict[int, T] = OrderedDict()
-        self._numbers: dict[Hashable, deque[int]] = {}
+        # Of a key there are mostly one or two, and a deque begins with room for 64.
+        self._make_numbers: Callable[[], list[int] | deque[int]] = list if depth <= _FEW else deque
+        self._numbers: dict[Hashable, list[int] | deque[int]] = {}
         self._next = 0
 
     def append(self, item: T) -> None:
@@ -197,12 +200,15 @@ class KeyedQueue(Generic[T]):
         key = self._key(item)
         numbers = self._numbers.get(key)
         if numbers is not None and len(numbers) >= self._depth:
-            del self._items[numbers.popleft()]
+            del self._items[numbers[0]], numbers[0]
             self._on_loss()
         elif len(self._items) >= MAX_KEYED_ITEMS:
             self.popleft()
             self._on_loss()
-        self._numbers.setdefault(key, deque()).append(self._next)
+            numbers = self._numbers.get(key)
+        if numbers is None:
+            numbers = self._numbers[key] = self._make_numbers()
+        numbers.append(self._next)
         self._items[self._next] = item
         self._next += 1
 
@@ -215,7 +221,7 @@ class KeyedQueue(Generic[T]):
         _, item = self._items.popitem(last=False)
         key = self._key(item)
         numbers = self._numbers[key]
-        numbers.popleft()
+        del numbers[0]
         if not numbers:
             del self._numbers[key]
         return item

@@ -129,9 +129,8 @@ class Claim:
 
     def sighting(self, kind: SightingKind, why: str, *, at: Time, until: Time, confirmed: bool) -> Sighting:
         """Return what to tell the graph of it."""
-        return self._face.model_copy(
-            update={"kind": kind, "why": why, "seen_at": at, "expires_at": until, "confirmed": confirmed}
-        )
+        changed = {"kind": kind, "why": why, "seen_at": at, "expires_at": until, "confirmed": confirmed}
+        return Sighting.of_checked(**{**self._face.__dict__, **changed})
 
     def _looks(self) -> Sighting:
         """What all sightings of it have in common; made here, so that what cannot be told is found at once."""
@@ -139,7 +138,7 @@ class Claim:
         parts = tuple(one.part for one in described.parts)
         main = main_part(parts)
         address = "" if main is None else self.voices[main.id].address
-        return Sighting(
+        face = Sighting(
             gateway=self.gateway,
             key=self.key,
             kind="updated",
@@ -158,6 +157,7 @@ class Claim:
             expires_at=_NEVER,
             confirmed=False,
         )
+        return Sighting.of_checked(**face.__dict__)  # without a set of its fields of its own, which is 2 kB
 
 
 @lru_cache(maxsize=10_000)

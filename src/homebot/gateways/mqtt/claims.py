@@ -209,14 +209,15 @@ class Claims:
         if not conventions and not readers:
             route = None
         else:
+            is_shared = bool(self._others.match(topic))
+            if not readers:  # announcements are many, and few of them come again
+                return Route(conventions, (), (), is_shared)
             route = Route(
                 conventions,
                 tuple(one for one in readers if isinstance(one, Witness)),
                 tuple(one for one in readers if isinstance(one, Voice)),
-                bool(self._others.match(topic)),
+                is_shared,
             )
-            if not readers:
-                return route  # announcements are many, and few of them come again
         if len(self._routes) >= _MAX_ROUTES:
             self._routes.clear()
         self._routes[topic] = route

@@ -64,12 +64,12 @@ class FilterTree(Generic[T]):
 
     def match(self, topic: str) -> tuple[T, ...]:
         """Return the items of every filter that matches *topic*, each once."""
-        exact = self._exact.get(topic, {})
-        if not self._root.children:
-            return tuple(exact)
-        found = dict(exact)
+        found = dict(self._exact.get(topic, ()))
+        levels = topic.split("/")
+        if self._root.children.keys().isdisjoint(("#", "+", levels[0])):
+            return tuple(found)
         nodes, is_wild = [self._root], not topic.startswith("$")
-        for level in topic.split("/"):
+        for level in levels:
             below: list[_Node[T]] = []
             for node in nodes:
                 children = node.children

@@ -112,9 +112,10 @@ def _expanded(fields: Fields) -> dict[str, object]:
 def _full_keys(fields: Fields, table: Mapping[str, str]) -> dict[str, object]:
     """Spell the keys out; where both forms are there the short one wins."""
     full = dict(fields)
-    for key in fields:
-        if key in table:
-            full[table[key]] = full.pop(key)
+    if not table.keys().isdisjoint(fields):
+        for key in fields:
+            if key in table:
+                full[table[key]] = full.pop(key)
     return full
 
 

@@ -75,7 +75,8 @@ def _entry(config: Config, entry: object) -> WordsOfAvailability:
 
 
 def _new_entry(entry: Mapping[str, object], encoding: str) -> WordsOfAvailability:
-    config = Config("availability", "", {**entry, "encoding": encoding})
+    config = Config("availability", "", {**entry, "encoding": encoding} if "encoding" in entry else entry)
+    config.encoding = encoding
     topic = config.state_topic("topic")
     if not topic:
         raise WireError("availability has an entry without topic")

@@ -50,10 +50,12 @@ class Config:
         self.component = component
         self.discovery_id = discovery_id
         self.values = values
-        self.qos = self.integer("qos", 0, least=0, most=2)
-        self.retain = self.flag("retain")
-        encoding = self.text("encoding", "utf-8").lower()
-        self.encoding = encoding if encoding in _CODECS else "utf-8"
+        self.qos, self.retain, self.encoding = 0, False, "utf-8"
+        if not _HOW.isdisjoint(values):
+            self.qos = self.integer("qos", 0, least=0, most=2)
+            self.retain = self.flag("retain")
+            encoding = self.text("encoding", "utf-8").lower()
+            self.encoding = encoding if encoding in _CODECS else "utf-8"
 
     def has(self, key: str) -> bool:
         """Tell whether the field is there and not null."""
@@ -127,7 +129,7 @@ class Config:
         entries = value if isinstance(value, list) else [value]
         if len(entries) > MAX_OPTIONS:
             raise self._refusal(key, value, f"a list of at most {MAX_OPTIONS} texts")
-        options = tuple(self._as_text(key, entry) for entry in entries)
+        options = tuple([one if type(one) is str else self._as_text(key, one) for one in entries])
         for option in options:
             if len(option) > _MAX_OPTION:
                 raise self._refusal(key, option, f"texts of at most {_MAX_OPTION} characters")
@@ -212,6 +214,7 @@ class Config:
 
 
 _CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})
+_HOW = frozenset({"qos", "retain", "encoding"})
 _HUGE = 10**30
 _MAX_DIGITS = 40
 _FLAGS = dict.fromkeys(("1", "true", "yes", "on", "enable"), True) | dict.fromkeys(
