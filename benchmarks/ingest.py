@@ -50,13 +50,17 @@ def _measured(plan: Plan, count: int, rounds: int, notes: list[str]) -> list[Com
             contenders = list(_contenders(plan).items())
             for name, command in contenders[:: -1 if number % 2 else 1]:
                 if (answer := _ask(command, port, count)) is not None:
-                    answers.setdefault(name, []).append(answer)
+                    if answer["found"]:
+                        answers.setdefault(name, []).append(answer)
                     if answer["found"] != count:
                         notes.append(f"{name} knew {answer['found']:,} of {count:,} lamps in the end.")
+    answers = {name: given for name, given in answers.items() if len(given) == rounds}
     lines: list[Comparison] = []
     for what, (figure, show, aim) in FIGURES.items():
         samples: Samples = {name: [figure(one) for one in given] for name, given in answers.items()}
-        pairs = ((HOMEBOT, HOME_ASSISTANT, aim), (HOMEBOT, BARE, None))
+        pairs = [(HOMEBOT, HOME_ASSISTANT, aim)]
+        if what != "memory":  # the bare loop's is less than what its imports took at their peak
+            pairs.append((HOMEBOT, BARE, None))
         lines += compare(f"{count:,} lamps: {what}", samples, pairs, show)
     return lines
 

@@ -24,8 +24,8 @@ from homeassistant.const import __version__
 from homeassistant.core import HomeAssistant
 from homeassistant.setup import async_setup_component
 
-PATIENCE = 20.0
-"""Seconds without another light after which no more are waited for; it lets bursts cool down for a while."""
+PATIENCE = 120.0
+"""Seconds without another light after which no more are waited for; of ten thousand the first comes late."""
 
 TAKEN_FOR_LOADED = (
     "http",
