@@ -8,7 +8,7 @@ import anyio
 import pytest
 
 from homebot.devices import Devices
-from homebot.devices.handles import DoorLock, Light, WindowCovering
+from homebot.devices.handles import Closure, ContactSensor, DoorLock, Handle, Light, Thermostat, WindowCovering
 from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.house import World
@@ -109,3 +109,52 @@ async def test_one_call_turns_on_lamps_of_every_dialect(mixed_world: World) -> N
             DIALECTS
         )
         assert len(await devices.find(Light, on=True)) == len(DIALECTS)
+
+
+THESIS_HOUSE = """
+rooms.hall = { doors = ["outside"] }
+devices.window = { kind = "window", room = "hall" }
+devices.door = { kind = "lock", room = "hall" }
+devices.heating = { kind = "thermostat", room = "hall" }
+devices.contact = { kind = "contact", room = "hall" }
+devices.cleaner = { kind = "robot", room = "hall" }
+"""
+
+
+@pytest.fixture
+def thesis_world(tmp_path: Path) -> World:
+    file = tmp_path / "thesis.toml"
+    file.write_text(THESIS_HOUSE)
+    return load_world(file)
+
+
+async def test_devices_that_know_words_alone_are_handles_like_all_others(thesis_world: World) -> None:
+    """Their topics say what they are, and their words how they are."""
+    async with virtual_house_of(world=thesis_world) as house, Node(house.runtime.graph, "app") as node:
+        devices = Devices(node)
+        await anyio.sleep(10)
+        (window,) = await devices.find(Closure, closed=True)
+        await window.set_position(50)
+        await anyio.sleep(0.5)
+        assert (window.movement, window.position) == ("opening", 0.0)
+        await anyio.sleep(5)
+        assert (window.movement, window.position) == ("stopped", 50.0)
+        assert await devices.find(Closure, closed=True) == ()
+
+        (door,) = await devices.find(DoorLock, locked=True)
+        await door.unlock()
+        await anyio.sleep(5)
+        assert (door.state, door.device.service_type) == ("unlocked", "locks")
+
+        (heating,) = await devices.find(Thermostat)
+        measured = heating.temperature
+        assert measured is not None
+        await heating.heat_to(measured + 5)
+        await anyio.sleep(1)
+        assert (heating.temperature, heating.heating_setpoint) == (measured, measured + 5)
+
+        (contact,) = await devices.find(ContactSensor)
+        assert contact.is_open is False
+        with pytest.raises(RefusedError, match="it takes no commands"):
+            await contact.command("contact", value=True)
+        assert len(await devices.find(Handle)) == 5

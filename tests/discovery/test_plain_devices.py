@@ -1,0 +1,71 @@
+"""Devices that a topic alone tells of: one part by guess, words on an address of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from homebot.devices import Sighting
+from homebot.devices.part import Part
+from homebot.devices.query import parse_query
+from homebot.devices.report import Report
+from homebot.discovery import DeviceIndex
+from homebot.messages import Time
+
+MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
+
+KEY, OUT, IN = "lights/lamp", "home/lights/lamp/out", "home/lights/lamp/in"
+
+
+def lamp(part: Part | None) -> Sighting:
+    return Sighting(
+        gateway="mqtt",
+        key=KEY,
+        kind="appeared",
+        why="it spoke",
+        name="lamp",
+        service_type="lights",
+        address=OUT,
+        command_address=IN,
+        parts=() if part is None else (part,),
+        seen_at=Time.from_seconds(0),
+        expires_at=Time.from_seconds(60),
+        confirmed=True,
+    )
+
+
+def light(part: MakePart) -> Part:
+    return part("light", "on_off", reads=(OUT,), writes=(IN,), advertised="lights", guessed=True)
+
+
+def test_its_id_its_word_and_its_addresses_are_its_own(part: MakePart) -> None:
+    """As if it had no part."""
+    index, partless = DeviceIndex(forget_after=1000), DeviceIndex(forget_after=1000)
+    index.observe(lamp(light(part)))
+    partless.observe(lamp(None))
+    (device,), (other,) = index.devices(), partless.devices()
+    assert (device.id, device.service_type, device.service_types) == (KEY, "lights", ("light", "lights"))
+    assert [(one.address, one.command_address) for one in device.endpoints] == [(OUT, IN)]
+    assert device.model_copy(update={"parts": ()}) == other
+    assert [(one.gateway, one.key, one.part) for one in device.parts[0].routes] == [("mqtt", KEY, "")]
+
+
+def test_it_is_found_by_word_by_type_and_by_what_it_says(part: MakePart, tell: Tell) -> None:
+    index = DeviceIndex(forget_after=1000)
+    sighting = lamp(light(part))
+    index.observe(sighting)
+    assert index.find(parse_query("on lights")) == set()
+    index.report(tell(sighting, "on_off", value=True))
+    for query in ("on lights", "lights", "lamp", "type=light", "can=on_off", "on_off=true"):
+        assert index.find(parse_query(query)) == {KEY}, query
+    assert [one.id for one in index.devices("lights")] == [KEY]
+
+
+def test_a_lamp_of_an_older_homebot_gets_its_part_when_it_speaks(part: MakePart) -> None:
+    """The index file knew it without."""
+    index = DeviceIndex(forget_after=1000)
+    index.observe(lamp(None))
+    index.take_changes()
+    index.observe(lamp(light(part)).model_copy(update={"kind": "updated"}))
+    (change,) = index.take_changes()
+    assert (change.kind, change.device.id, len(change.device.parts)) == ("changed", KEY, 1)
