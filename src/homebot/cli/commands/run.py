@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import gc
 import os
 import re
@@ -34,6 +35,7 @@ def run(options: argparse.Namespace) -> int:
     config, house = configuration(options)
     configure_logging(options.log_format)
     gc.set_threshold(*COLLECT_AFTER)
+    atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
     # A simulated house begins each time as it is described, so there is nothing to remember.
     is_kept = house is None and not options.ephemeral
     return on_an_event_loop(
