@@ -6,8 +6,12 @@ import re
 from typing import final
 
 from homebot.mqtt.broker.message import Message
+from homebot.mqtt.topics import topic_matches
 
 __all__ = ["RetainedMessages"]
+
+_FEW = 50
+"""Messages that are sooner matched one by one than by a pattern, which takes a third of a millisecond to make."""
 
 
 @final
@@ -53,6 +57,8 @@ class RetainedMessages:
         if "+" not in filter and "#" not in filter:
             message = self._messages.get(filter)
             found = [] if message is None else [message]
+        elif len(self._messages) <= _FEW:
+            found = [message for topic, message in self._messages.items() if topic_matches(filter, topic)]
         else:
             matches = _pattern(filter).fullmatch
             found = [message for topic, message in self._messages.items() if matches(topic)]
@@ -71,7 +77,7 @@ class RetainedMessages:
 
 
 def _pattern(filter: str) -> re.Pattern[str]:  # noqa: A002 - the protocol's own word
-    """A thousand topics are matched some five times faster by one pattern than by splitting each."""
+    """A thousand topics are matched some five times faster by one pattern than by splitting each; a few, slower."""
     levels = filter.split("/")
     ending = ""
     if levels[-1] == "#":

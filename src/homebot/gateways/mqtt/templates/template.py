@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from datetime import datetime
 from functools import lru_cache
-from typing import final
+from typing import TYPE_CHECKING, final
 
 from homebot.gateways.mqtt.templates.errors import TemplateError
 from homebot.gateways.mqtt.templates.limits import MAX_SOURCE, MAX_TEXT
 from homebot.gateways.mqtt.templates.path import Path
 from homebot.gateways.mqtt.templates.payload_context import PayloadContext
-from homebot.gateways.mqtt.templates.program import Program
-from homebot.gateways.mqtt.templates.syntax import parse
+
+if TYPE_CHECKING:
+    from homebot.gateways.mqtt.templates.program import Program
 
 __all__ = ["Template", "compile_template"]
 
@@ -39,6 +40,8 @@ class Template:
         stripped = source.strip()
         self._path = Path.parse(stripped)
         if self._path is None:
+            from homebot.gateways.mqtt.templates.syntax import parse  # noqa: PLC0415 - nine in ten are paths: no Jinja2
+
             try:
                 self._program = parse(stripped)
             except TemplateError as error:
