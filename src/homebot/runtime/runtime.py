@@ -10,7 +10,7 @@ from contextlib import AsyncExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from random import Random
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import anyio
 import structlog
@@ -27,12 +27,14 @@ from homebot.gateways import Gateway
 from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Graph, Node, RosoutFeed
-from homebot.house import SimulatedHouse, World
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime.embedded_broker import embedded_broker
 from homebot.runtime.plan import Component, make_plan
 from homebot.runtime.supervisor import Supervisor, Work
+
+if TYPE_CHECKING:
+    from homebot.house import World
 
 __all__ = ["Runtime"]
 
@@ -208,6 +210,8 @@ class Runtime:
             await self.door.run(task_status=task_status)
 
     def _house(self, world: World, url: str, home: str) -> Work:
+        from homebot.house import SimulatedHouse  # noqa: PLC0415 - who has a real house starts sooner without it
+
         async def work(*, task_status: TaskStatus[None]) -> None:
             make_client = AiomqttClient if self._broker is None else self._broker.make_client
             house = SimulatedHouse(url, home, world, self._clock, make_client=make_client, random=self._random)

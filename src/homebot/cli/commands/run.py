@@ -8,14 +8,16 @@ import gc
 import os
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from homebot.cli.until_told import on_an_event_loop, until_told
 from homebot.config import Config, load_config, parse_config
 from homebot.discovery.store import index_path
-from homebot.house import World, thesis_world
-from homebot.house.description import load_world
 from homebot.log import configure_logging
 from homebot.runtime import Runtime
+
+if TYPE_CHECKING:
+    from homebot.house import World
 
 __all__ = ["configuration", "run", "with_door_token"]
 
@@ -51,6 +53,8 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
     """
     base, house = _base(options)
     if options.house:
+        from homebot.house.description import load_world  # noqa: PLC0415 - a real house needs no simulated one
+
         house = load_world(Path(options.house))
     tables = base.model_dump()
     is_changed = bool(options.mqtt or options.root or options.act or options.app)
@@ -87,6 +91,8 @@ def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
         return parse_config({"home": home, "gateways": {"mqtt": {}}, "apps": apps}, COMMAND_LINE), None
     root = options.root or THESIS_ROOT
     tables = {"home": {"name": root}, "gateways": {"mqtt": {"root": root}}, "apps": apps}
+    from homebot.house import thesis_world  # noqa: PLC0415 - as above
+
     return parse_config(tables, COMMAND_LINE), thesis_world()
 
 
