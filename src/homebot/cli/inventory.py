@@ -17,6 +17,8 @@ from homebot.messages.json import message_from_json
 
 __all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons_for"]
 
+_NEAR = 100
+
 
 async def all_devices(door: DoorClient, service_type: str = "") -> tuple[Device, ...]:
     """Return the devices that offer *service_type*, sorted by id; all where it is empty."""
@@ -43,12 +45,11 @@ async def named_device(door: DoorClient, name: str) -> Device:
     Raises:
         PeerError: There is none, with similar ones named, or there are several, all named.
     """
+    named = _called(name, await _near(door, name))
+    if len(named) == 1:
+        return named[0]
     devices = await all_devices(door)
-    for one in devices:
-        if one.id == name:
-            return one
-    wanted = fold(name)
-    named = [one for one in devices if wanted in {fold(text) for text in (one.id, one.name, *one.names)}]
+    named = _called(name, devices)
     if len(named) == 1:
         return named[0]
     if named:
@@ -62,6 +63,20 @@ async def named_device(door: DoorClient, name: str) -> Device:
         else "`homebot devices` shows what there is"
     )
     raise PeerError(f"there is no device {name}; {hint}")
+
+
+async def _near(door: DoorClient, name: str) -> tuple[Device, ...]:
+    """Return the devices that a search for *name* finds, without carrying a whole house; none where they are many."""
+    answer = await door.call(QUERY_DEVICES, {"query": quoted(name), "offset": 0, "limit": _NEAR})
+    found = message_from_json(QueryDevicesResponse, answer)
+    return tuple(one.device for one in found.results) if found.total <= _NEAR else ()
+
+
+def _called(name: str, devices: tuple[Device, ...]) -> list[Device]:
+    """The one whose id *name* is, or all that are called so."""
+    wanted = fold(name)
+    own = [one for one in devices if one.id == name]
+    return own or [one for one in devices if wanted in {fold(text) for text in (one.id, one.name, *one.names)}]
 
 
 async def reasons_for(door: DoorClient, device: Device) -> tuple[str, ...]:
