@@ -8,6 +8,7 @@ import math
 import anyio
 import pytest
 
+from homebot.clock import LoopClock
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node
 
@@ -16,6 +17,31 @@ pytestmark = pytest.mark.virtual_time
 
 def now() -> float:
     return asyncio.get_running_loop().time()
+
+
+class SlowComputer(LoopClock):
+    """Time passes between one line of the program and the next."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._spent = 0.0
+
+    def monotonic(self) -> float:
+        self._spent += 0.6
+        return super().monotonic() + self._spent
+
+
+async def test_one_that_is_late_already_does_not_sleep() -> None:
+    calls = 0
+
+    def count() -> None:
+        nonlocal calls
+        calls += 1
+
+    async with Node(Graph(SlowComputer()), "busy") as node:
+        node.create_timer(1, count)
+        await anyio.sleep(3)
+    assert calls > 3
 
 
 async def test_it_calls_once_per_period_the_first_time_after_one(node: Node) -> None:

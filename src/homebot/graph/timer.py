@@ -59,7 +59,7 @@ class Timer:
         due = self._clock.monotonic() + self.period
         while not self._cancelled:
             with anyio.CancelScope() as self._scope:
-                await anyio.sleep(due - self._clock.monotonic())
+                await anyio.sleep(max(0.0, due - self._clock.monotonic()))
             self._scope = None
             if self._cancelled:
                 return

@@ -96,7 +96,7 @@ class VirtualHouse(TestHouse):
             UsageError: It cannot be read, or is past.
         """
         moment = next_moment(self.now, when)
-        await anyio.sleep(moment.timestamp() - self.clock.now())
+        await anyio.sleep(max(0.0, moment.timestamp() - self.clock.now()))
         await self.settle()
 
     async def press(self, device_id: str, command: str) -> None:
