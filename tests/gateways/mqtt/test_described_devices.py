@@ -584,6 +584,32 @@ async def test_an_announcement_may_be_longer_than_a_message_of_state(make_house:
         assert len(house.sighted()) == 1
 
 
+async def test_a_long_announcement_is_read_as_nothing_else(make_house: MakeHouse) -> None:
+    async with make_house(max_payload=2048) as house:
+        await house.announce("lamp1", state="hello/lamp1")
+        await house.announce("lamp1", state="hello/lamp1", name="x on_off=on " * 300)
+        assert len(house.sighted()) == 2
+        assert house.told() == []
+        assert house.gateway.counters.oversize == 1
+
+
+async def test_the_message_that_makes_a_device_known_is_read_as_its_state_once(make_house: MakeHouse) -> None:
+    async with make_house() as house:
+        await house.announce("lamp1", retain=False, state="hello/lamp1", name="x on_off=on x")
+        assert house.told() == [(LAMP, {"lamp.on_off": True}, False)]
+        await house.announce("lamp1", retain=False, state="hello/lamp1", name="y on_off=off y")
+        assert house.told() == [(LAMP, {"lamp.on_off": False}, False)]
+
+
+async def test_what_was_dropped_on_the_way_is_among_the_counts_of_health(make_house: MakeHouse) -> None:
+    """A link of MQTT 3.1.1 brings what is too large, and its client drops it."""
+    async with make_house(protocol="3.1.1", max_payload=1024, max_announcement=4096) as house:
+        await house.announce("lamp1", name="x" * 5000)
+        assert house.sighted() == []
+        counts = {one.name: one.count for one in (await house.health()).counts}
+        assert (counts["dropped_oversize"], counts["dropped_overflow"], counts["dropped_malformed"]) == (1, 0, 0)
+
+
 async def test_the_layout_of_the_thesis_and_a_convention_live_on_one_broker(make_house: MakeHouse) -> None:
     """A device that speaks on a topic of both is heard by both."""
     async with make_house(conventions=("thesis", CONVENTION)) as house:

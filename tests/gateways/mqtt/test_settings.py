@@ -10,6 +10,7 @@ from homebot.config import parse_settings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways.mqtt import MqttGatewaySettings
 from homebot.gateways.mqtt.conventions import find_conventions
+from homebot.gateways.mqtt.zigbee2mqtt.convention import MAX_BRIDGE_BYTES
 
 
 def settings(**table: object) -> MqttGatewaySettings:
@@ -67,7 +68,11 @@ def test_a_convention_that_is_not_installed_is_told_when_it_is_looked_for() -> N
 def test_announcements_may_be_larger_than_other_messages() -> None:
     url = "mqtt://broker"
     assert settings(url=url, conventions=["thesis"]).options().maximum_packet_size == 256 * 1024
-    assert settings(url=url, conventions=["homeassistant"]).options().maximum_packet_size == 8 * 1024 * 1024
+    assert settings(url=url, conventions=["homeassistant"]).options().maximum_packet_size == 32 * 1024 * 1024
+
+
+def test_the_largest_announcement_is_what_the_largest_list_of_a_convention_may_be() -> None:
+    assert settings().max_announcement == MAX_BRIDGE_BYTES
 
 
 def test_two_places_for_the_password_are_one_too_many() -> None:

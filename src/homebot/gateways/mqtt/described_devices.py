@@ -6,13 +6,11 @@ do what takes time or must wait: subscribing, asking, and ending what ends by it
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import anyio
 
 from homebot.devices import RawMessage
 from homebot.devices.command import SendCommand
-from homebot.devices.quarantine import GetHealth, HealthRequest, HealthResponse
+from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.services import SubscribeToTopicRequest
 from homebot.devices.words import read_words_address
 from homebot.gateways.base import Gateway
@@ -122,18 +120,16 @@ class DescribedDevices:
         return self._claims.route(topic)
 
     async def hear(self, message: MqttMessage, route: Route, *, raw: bool) -> None:
-        """Take a message on a topic that *route* leads from.
+        """Take a message on a topic that *route* leads from; whom it makes known reads it as well.
 
         Args:
             message: The message.
             route: Who reads it.
             raw: Whether to hand its bytes to those who listen to the topic itself.
         """
-        if route.conventions and not self.offers.owns(message.topic):
-            self._announcements.take(message, route.conventions)
-            missed, self._missed = self._missed, []
-            for topic, reader in missed:
-                await self._make_up_for(topic, reader)
+        if route.conventions:
+            await self.take(message, route)
+            route = self.route(message.topic) or route
         if not route.voices and not route.witnesses:
             return
         if raw:
@@ -148,12 +144,22 @@ class DescribedDevices:
                 for listener in listeners:
                     await self._listeners.deliver(listener, word, patient=message.qos > 0)
 
+    async def take(self, message: MqttMessage, route: Route) -> None:
+        """Take a message as nothing but an announcement; what homebot itself offers is none."""
+        if self.offers.owns(message.topic):
+            return
+        self._announcements.take(message, route.conventions)
+        missed, self._missed = self._missed, []
+        for topic, reader in missed:
+            if topic != message.topic:
+                await self._make_up_for(topic, reader)
+
     async def overhear(self, message: MqttMessage) -> None:
         """Take a message that we published ourselves, where it announces a device: no broker brings it back to us."""
         route = self.route(message.topic)
         if route is not None and route.conventions:
             self.tick()
-            await self.hear(message, replace(route, witnesses=(), voices=()), raw=False)
+            await self.take(message, route)
 
     def known(self, address: str) -> tuple[str, str] | None:
         """Return key and name of the device that speaks on *address*, a topic or a words address.
@@ -210,7 +216,14 @@ class DescribedDevices:
 
     def _health(self, request: HealthRequest) -> HealthResponse:
         del request
-        return HealthResponse(counts=self._counters.counts(), quarantined=self.tribunal.confined())
+        lost = self._connection.counters
+        counts = (
+            *self._counters.counts(),
+            Count(name="dropped_oversize", count=lost.dropped_oversize),
+            Count(name="dropped_overflow", count=lost.dropped_overflow),
+            Count(name="dropped_malformed", count=lost.dropped_malformed),
+        )
+        return HealthResponse(counts=counts, quarantined=self.tribunal.confined())
 
 
 def _publishers(conventions: tuple[Convention, ...], gateway: str, connection: MqttConnection) -> tuple[Publisher, ...]:

@@ -190,7 +190,8 @@ class MqttGateway(Gateway):
                 work = 0
                 await anyio.lowlevel.checkpoint()
             route, channel = self._described.route(message.topic), self._channels.get(message.topic)
-            if len(message.payload) > self._settings.max_payload and self._is_oversize(message, route):
+            if len(message.payload) > self._settings.max_payload:
+                work += await self._take_long(message, route)
                 continue
             if route is not None or channel is None:
                 work += 0 if route is None else _ANNOUNCEMENT * len(route.conventions) + len(route.voices)
@@ -228,13 +229,17 @@ class MqttGateway(Gateway):
             await self._described.hear(message, route, raw=channel is None)
         return channel
 
-    def _is_oversize(self, message: MqttMessage, route: Route | None) -> bool:
-        """Only announcements may be larger than other messages."""
+    async def _take_long(self, message: MqttMessage, route: Route | None) -> int:
+        """Only announcements may be larger than other messages; return how much work it was."""
+        work = 0
         if route is not None and route.conventions:
-            return False
+            await self._described.take(message, route)
+            work = _ANNOUNCEMENT * len(route.conventions)
+            if not route.voices and not route.witnesses:
+                return work
         self.counters.oversize += 1
         self._warn(OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", topic=message.topic)
-        return True
+        return work
 
     def _open(self, message: MqttMessage) -> Channel | None:
         try:

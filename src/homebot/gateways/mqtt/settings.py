@@ -54,8 +54,10 @@ class MqttGatewaySettings(BaseModel):
             fixed one gets what the broker kept while homebot was not running.
         protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1.
         max_payload: Largest message accepted, in bytes; the broker is told.
-        max_announcement: The same for announcements, where a convention has some; a larger message of state is then
-            dropped here. Zigbee2MQTT announces all its devices in one message, with about 4 kB each.
+        max_announcement: The same for announcements, where a convention has some; whatever else is larger than
+            ``max_payload`` is then dropped here. So large is Zigbee2MQTT's list of all its devices alone, about 4 kB
+            for each: 32 MiB is what that convention takes, for 5,000 devices. A device's own announcement is refused
+            above 256 kB, unread. An MQTT 5 broker drops what is too large without a word.
         session_expiry: Seconds for which the broker keeps messages for this gateway while it is away.
         stale_after: Seconds of silence after which a device counts as stale.
         conventions: Which uses of topics to understand, by entry-point name or ``module:Class``; by default all that
@@ -79,7 +81,7 @@ class MqttGatewaySettings(BaseModel):
     client_id: str = Field(default_factory=lambda: f"homebot-{secrets.token_hex(4)}")
     protocol: MqttProtocol = "auto"
     max_payload: Annotated[int, Field(ge=1024, lt=2**28)] = 256 * 1024
-    max_announcement: Annotated[int, Field(ge=1024, lt=2**28)] = 8 * 1024 * 1024
+    max_announcement: Annotated[int, Field(ge=1024, lt=2**28)] = 32 * 1024 * 1024
     session_expiry: Annotated[int, Field(ge=0, lt=2**32)] = 3600
     stale_after: Seconds = 3600.0
     conventions: tuple[str, ...] = Field(default_factory=default_conventions)

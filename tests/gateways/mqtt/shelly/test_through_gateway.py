@@ -52,3 +52,14 @@ async def test_it_is_asked_described_heard_and_switched(
         news = {"src": ID, "method": "NotifyStatus", "params": {"switch:0": {"output": False}}}
         await house.say(f"{ID}/events/rpc", news)
         assert house.told()[-1] == (key, {"switch:0.on_off": False}, False)
+
+
+async def test_the_word_that_makes_an_old_one_known_is_heard(
+    make_house: Callable[..., AbstractAsyncContextManager[Any]],
+) -> None:
+    """The first generation says what it is by saying how it is."""
+    async with make_house(conventions=("homebot.gateways.mqtt.shelly:Shelly",)) as house:
+        await house.say("shellies/shellyplug-s-6A6375/online", "true")
+        await house.say("shellies/shellyplug-s-6A6375/relay/0", "on")
+        assert [one.kind for one in house.sighted()][:1] == ["appeared"]
+        assert any(value is True for _, readings, _ in house.told() for value in readings.values())

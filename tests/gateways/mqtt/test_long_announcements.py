@@ -1,0 +1,44 @@
+"""What conventions make of a message that only a list of all devices may be as long as."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+
+import pytest
+
+from homebot.errors import WireError
+from homebot.gateways.mqtt.convention import Convention
+from homebot.gateways.mqtt.conventions import default_conventions, find_conventions
+
+CONVENTIONS = find_conventions(default_conventions(), {}, "").conventions
+LONG = b'{"a":[' + b"1," * (15 * 1024 * 1024) + b"1]}"
+BOUND = 0.1
+"""Seconds of the processor; to parse it takes several times as long."""
+
+
+def topics(convention: Convention) -> list[str]:
+    """A topic for each filter, and those of announcements where the filter alone does not make one."""
+    fills = ("shellyplus1-a8032abe54dc", "light", "A8032ABE54DC")
+    made = []
+    for one in convention.filters():
+        levels = one.replace("#", "+/+/config").split("/")
+        names = iter(fills * 2)
+        made.append("/".join(next(names) if level == "+" else level for level in levels))
+    known = {
+        "homeassistant": ["homeassistant/light/lamp/config", "homeassistant/device/lamp/config"],
+        "tasmota": ["tasmota/discovery/A8032ABE54DC/config", "tasmota/discovery/A8032ABE54DC/sensors"],
+        "homie": ["homie/lamp/$homie", "homie/5/lamp/$description", "homie/lamp/$nodes"],
+    }
+    return made + known.get(convention.name, [])
+
+
+@pytest.mark.parametrize("convention", CONVENTIONS, ids=lambda one: one.name)
+def test_a_message_of_30_mib_is_not_parsed_unless_it_is_the_list_of_a_bridge(convention: Convention) -> None:
+    for topic in topics(convention):
+        if topic.endswith(("/bridge/devices", "/bridge/info")):
+            continue
+        began = time.thread_time()
+        with suppress(WireError):
+            convention.take(topic, LONG, retained=True)
+        assert time.thread_time() - began < BOUND, topic
