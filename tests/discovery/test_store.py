@@ -107,6 +107,17 @@ def test_a_page_that_went_bad_is_found(path: Path) -> None:
     assert IndexFile(path).open(7.0) is not None
 
 
+def test_a_damaged_file_that_cannot_be_moved_is_told(tmp_path: Path) -> None:
+    """As on a disk that can only be read; here its name would be too long."""
+    path = tmp_path / ("i" * 245)
+    path.write_bytes(b"no database at all" * 1000)
+
+    with pytest.raises(LinkError, match="cannot be made anew"):
+        IndexFile(path).open(1e9)
+
+    assert path.read_bytes().startswith(b"no database")
+
+
 def test_a_place_that_cannot_be_written_is_told(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")

@@ -116,6 +116,7 @@ class Keeper:
             return False
         if damaged is not None:
             self._tell_damage(damaged)
+            self._index.save_all()
         return True
 
     async def _save(self, file: IndexFile) -> None:

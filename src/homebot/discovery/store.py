@@ -100,8 +100,7 @@ class IndexFile:
         except sqlite3.DatabaseError as exc:
             if not _is_damage(exc):
                 raise LinkError(f"the index file {self.path} cannot be opened: {exc}") from exc
-            set_aside = self.set_aside(now)
-            self._open_anew()
+            set_aside = self._replace(now)
         except OSError as exc:
             raise LinkError(f"the index file {self.path} cannot be opened: {exc}") from exc
         return set_aside
@@ -161,11 +160,14 @@ class IndexFile:
                 self._connection.close()
             self._connection = None
 
-    def _open_anew(self) -> None:
+    def _replace(self, now: float) -> Path:
+        """Set the damaged file aside and begin a new one; return where the damaged one is."""
         try:
+            set_aside = self.set_aside(now)
             self._open()
         except (sqlite3.Error, OSError) as exc:
             raise LinkError(f"the index file {self.path} cannot be made anew: {exc}") from exc
+        return set_aside
 
     def _open(self) -> None:
         self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
