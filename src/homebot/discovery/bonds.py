@@ -157,12 +157,15 @@ class Bonds:
 
     def shared(self, keys: Iterable[ClaimKey]) -> Iterator[tuple[str, tuple[ClaimKey, ...]]]:
         """Yield each identifier that holds different voices among *keys* together, with one announcement of each."""
-        voices = dict.fromkeys(self._voices[key] for key in keys if key in self._voices)
+        found = dict.fromkeys(self._voices[key] for key in keys if key in self._voices)
+        voices = {voice: number for number, voice in enumerate(found)}
         if len(voices) < _PAIR:
             return
         for identifier in dict.fromkeys(one for voice in voices for one in voice.identifiers):
-            holders = [voice for voice in voices if identifier in voice.identifiers]
-            if len(holders) >= _PAIR and self._is_link(identifier):
+            if not _PAIR <= len(self._holders[identifier]) <= MAX_HOLDERS or not self._is_link(identifier):
+                continue
+            holders = sorted((one for one in self._holders[identifier] if one in voices), key=voices.__getitem__)
+            if len(holders) >= _PAIR:
                 yield identifier, tuple(next(iter(self._claims[voice])) for voice in holders)
 
     def _voice(self, key: ClaimKey, sighting: Sighting) -> Voice:
