@@ -90,17 +90,17 @@ def test_the_table_of_handles_is_what_they_can_do(kind: type[Handle]) -> None:
     own = {name: one for name, one in inspect.getmembers(kind) if not name.startswith("_") and name not in vars(Handle)}
     tells = {name for name, one in own.items() if isinstance(one, property)}
     told = {name for name, one in own.items() if inspect.iscoroutinefunction(one)}
-    head = "| kind | found by | asked for, beside `area`, `name`, `reachable`, `fresh` | tells | is told |"
+    head = "| kind | found by | asked for, beside `area`, `name`, `reachable`, `fresh`, `category` | tells | is told |"
     (row,) = [row for row in table(FILE.read_text(), head) if row.startswith(f"| `{kind.__name__}` |")]
     _, _, found_by, *rest, _ = (re.findall(r"`(\w+)`", cell) for cell in row.split("|"))
     assert set(found_by) == kind.service_types
     assert rest[0] == asked
     assert [set(cell) for cell in rest[1:]] == [tells, told]
-    assert list(Place.__annotations__) == ["area", "name", "reachable", "fresh"]
+    assert list(Place.__annotations__) == ["area", "name", "reachable", "fresh", "category"]
 
 
 def test_every_kind_has_a_row() -> None:
-    head = "| kind | found by | asked for, beside `area`, `name`, `reachable`, `fresh` | tells | is told |"
+    head = "| kind | found by | asked for, beside `area`, `name`, `reachable`, `fresh`, `category` | tells | is told |"
     assert len(table(FILE.read_text(), head)) == len(KINDS)
 
 

@@ -29,6 +29,8 @@ async def find(devices: Devices) -> None:
     assert_type(await devices.find(DoorLock, locked=False, reachable=True), tuple[DoorLock, ...])
     assert_type(await devices.find(TemperatureSensor, below=18, name="fridge"), tuple[TemperatureSensor, ...])
     assert_type(await devices.find(Handle, area="kitchen"), tuple[Handle, ...])
+    assert_type(await devices.find(Light, category="config"), tuple[Light, ...])
+    await devices.find(Light, category="settings")  # type: ignore[call-overload]  # no category
     await devices.find(Light, locked=True)  # type: ignore[call-overload]  # what only locks can be asked
     await devices.find(Light, on="yes")  # type: ignore[call-overload]  # not whether it is on
     await devices.find(Light, "kitchen")  # type: ignore[call-overload]  # a query is named

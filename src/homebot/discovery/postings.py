@@ -17,6 +17,7 @@ from homebot.devices.query import (
     GatewayIs,
     HasText,
     InArea,
+    IsDisputed,
     Not,
     Or,
     Query,
@@ -34,6 +35,7 @@ Found: TypeAlias = frozenset[str] | set[str]
 _Key: TypeAlias = tuple[object, ...]
 
 _NONE: frozenset[str] = frozenset()
+_DISPUTED = ("disputed", True)
 _FEW = 200
 """Devices that are sooner looked at one by one than by going through all values of a capability."""
 
@@ -132,8 +134,10 @@ class Postings:
             case _:
                 return self._simple(query)
 
-    def _simple(self, query: CanDo | InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs) -> Found:
+    def _simple(self, query: CanDo | InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed) -> Found:
         match query:
+            case IsDisputed():
+                return self._sets.get(_DISPUTED, _NONE)
             case CanDo(name, settable):
                 return self._sets.get(("set" if settable else "can", name), _NONE)
             case InArea(area):
@@ -148,6 +152,8 @@ class Postings:
                 return {one for one in self._posted if one.casefold() == value}
             case FactIs("convention", value):
                 return self._sets.get(("convention", value), _NONE)
+            case FactIs("category", value):
+                return self._sets.get(("category", value), _NONE)
             case FactIs("name", value):
                 return self._begins("fact name", value)
             case FactIs(name, value):
@@ -266,6 +272,9 @@ def _keys(facets: Facets) -> list[_Key]:
     keys += [("set", one) for one in facets.settable]
     keys += [("gateway", one) for one in facets.gateways]
     keys += [("convention", one) for one in facets.conventions]
+    keys += [("category", one) for one in facets.categories]
+    if facets.is_disputed:
+        keys.append(_DISPUTED)
     keys += [("word", one) for one in facets.words]
     keys += [(f"fact {fact}", value) for fact, values in facets.facts.items() for value in values]
     return keys

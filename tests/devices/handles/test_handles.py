@@ -73,6 +73,13 @@ async def test_each_part_of_a_device_is_a_handle_of_its_own(house: House) -> Non
     assert (left.id, left.name, left.area) == ("strip#1", "Strip left", "Küche")
     assert (right.id, right.name) == ("strip#2", "Strip")
     assert left != right
+    (led,) = await house.devices.find(Switch, category="config")
+    assert led.id == "strip#led"
+    assert await house.devices.find(Switch, category="diagnostic") == ()
+    assert await house.devices.find(Handle, category="config", area="attic") == ()
+    house.gateway("mqtt")
+    await led.turn_off()
+    assert house.told == [("mqtt", "led", "on_off", False, 0.0)]
     assert left == (await house.devices.find(Switch, name="LEFT"))[0]
     assert {left, *await house.devices.find(Switch)} == {left, right}
     assert repr(left) == "<Switch strip#1>"

@@ -68,12 +68,20 @@ _flags = st.none() | st.booleans()
     can=_flags,
     number=_numbers,
     mode=st.sampled_from([None, "heat", "HEAT_UP", '"']),
+    category=st.sampled_from(["", "config", "diagnostic"]),
 )
 def test_whatever_is_wanted_is_found_by_the_text(
-    *, device: Device, area: str, flag: bool | None, can: bool | None, number: float | None, mode: str | None
+    *,
+    device: Device,
+    area: str,
+    flag: bool | None,
+    can: bool | None,
+    number: float | None,
+    mode: str | None,
+    category: str,
 ) -> None:
     """For every kind of question."""
-    place: Any = {"area": area} if area else {}
+    place: Any = ({"area": area} if area else {}) | ({"category": category} if category else {})
     for wanted in (
         Handle.wanted(**place),
         Light.wanted(on=flag, dimmable=can, **place),

@@ -42,7 +42,7 @@ class Handle:
         """Return what is asked for; the arguments of ``find`` and ``follow`` for this kind.
 
         Args:
-            place: Of any kind: ``area``, ``name``, ``reachable``, ``fresh``.
+            place: Of any kind: ``area``, ``name``, ``reachable``, ``fresh``, ``category``.
         """
         return Wanted(cls, place)
 

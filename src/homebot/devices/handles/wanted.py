@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar
 
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.part import Category
 from homebot.devices.query import CanDo, Not, Query, StateIs, quoted
 from homebot.devices.query.folding import fold
 from homebot.devices.query.terms import compares
@@ -35,12 +36,15 @@ class Place(TypedDict, total=False):
         name: What its device or the part is called, likewise.
         reachable: Whether it can be reached, as far as it says.
         fresh: Whether it spoke itself and is not silent for too long.
+        category: ``"config"`` for settings and ``"diagnostic"`` for self-observations instead of what devices are there
+            for: nobody who turns off all switches means the one of a lamp's own indicator.
     """
 
     area: str
     name: str
     reachable: bool
     fresh: bool
+    category: Category
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +66,7 @@ class Wanted(Generic[HandleT]):
         if not self._wants_device(device):
             return
         values = {(one.part, one.capability): one.value.plain() for one in device.states}
-        for one in _main_parts(device):
+        for one in _parts_in(device, self.place.get("category", "")):
             is_wanted = self._wants_type(one.part.service_type) and self._wants_name(device, one.part.name)
             if is_wanted and all(_fits(term, one, values) for term in self.terms):
                 yield one.id
@@ -70,7 +74,9 @@ class Wanted(Generic[HandleT]):
     def query(self) -> str:
         """Return as text what narrows the search down; what it finds beyond, :meth:`parts` leaves out."""
         asked = []
-        if self.kind.service_types:
+        if category := self.place.get("category", ""):
+            asked.append(f"category={category}")  # devices are not found by the types of such parts
+        elif self.kind.service_types:
             asked.append(f"({' or '.join(f'type={quoted(one)}' for one in sorted(self.kind.service_types))})")
         if fold(self.place.get("area", "")):
             asked.append(f"area={quoted(fold(self.place['area']))}")
@@ -102,9 +108,10 @@ class Kind(Protocol[P, HandleT]):
         ...
 
 
-def _main_parts(device: Device) -> list[DevicePart]:
-    """Settings and self-observations count only where there is nothing else."""
-    return [one for one in device.parts if not one.part.category] or list(device.parts)
+def _parts_in(device: Device, category: Category) -> list[DevicePart]:
+    """Settings and self-observations count unasked only where there is nothing else."""
+    found = [one for one in device.parts if one.part.category == category]
+    return found if found or category else list(device.parts)
 
 
 def _as_text(term: Query) -> str:

@@ -36,6 +36,7 @@ UNITS = frozenset({"%", "K", "°C", "C", "W", "kWh", "V", "A", "Hz", "lx", "hPa"
 
 _FLAGS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
 _FRESHNESS = ("fresh", "unconfirmed", "stale")
+_CATEGORIES = ("config", "diagnostic")
 _REACHABLE = {"yes": "yes", "true": "yes", "no": "no", "false": "no", "unknown": "unknown"}
 _NUMBER = re.compile(r"[+-]?\d{1,15}(?:\.\d{1,15})?")
 _CONTACT = {"open": True, "closed": False}
@@ -116,6 +117,10 @@ def _field(field: str, name: Token, value: Token) -> Query:
             return And(tuple(HasText(one) for one in words_of(value.text)))
         case "gateway":
             return GatewayIs(value.text)
+        case "category":
+            if word not in _CATEGORIES:
+                raise UsageError(f"{name.text} is {' or '.join(_CATEGORIES)}, not {value.text!r}")
+            return FactIs(field, word)
         case "id" | "convention":
             return FactIs(field, value.text.casefold())
         case _:

@@ -37,10 +37,12 @@ class Facets:
         reachable: See :class:`Device`.
         gateways: Who hears it.
         conventions: How it was announced.
+        categories: ``config`` and ``diagnostic``, where it has parts of these.
         facts: All facts by name, folded.
         values: Type of the part, capability, and value.
         main_type: The type that it has in the first place; without parts its word.
         is_guessed: Whether the type of its first part was guessed.
+        is_disputed: Whether anything about it is.
     """
 
     id: str
@@ -56,10 +58,12 @@ class Facets:
     reachable: str
     gateways: frozenset[str]
     conventions: frozenset[str]
+    categories: frozenset[str]
     facts: Mapping[str, tuple[str, ...]]
     values: tuple[tuple[str, str, PlainValue], ...]
     main_type: str
     is_guessed: bool
+    is_disputed: bool
 
 
 def facets_of(device: Device) -> Facets:
@@ -90,10 +94,12 @@ def facets_of(device: Device) -> Facets:
         reachable=device.reachable.state,
         gateways=frozenset([one.gateway for one in device.endpoints] + [one.gateway for one in routes]),
         conventions=frozenset([one.convention for one in device.facts] + [one.convention for one in routes]),
+        categories=frozenset(one.part.category for one in device.parts if one.part.category),
         facts=facts,
         values=tuple((types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states),
         main_type=main.service_type if main is not None else device.service_type,
         is_guessed=main.guessed if main is not None else False,
+        is_disputed=bool(device.conflicts),
     )
 
 

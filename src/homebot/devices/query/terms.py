@@ -18,6 +18,7 @@ __all__ = [
     "GatewayIs",
     "HasText",
     "InArea",
+    "IsDisputed",
     "Not",
     "Operator",
     "Or",
@@ -120,10 +121,18 @@ class GatewayIs:
 
 @dataclass(frozen=True, slots=True)
 class FactIs:
-    """A fact, its ``id``, its ``name`` or its ``convention`` is this, or begins with it, folded."""
+    """A fact, its ``id``, its ``name`` or its ``convention`` is this, or begins with it, folded.
+
+    One of its parts is of the ``category`` ``config`` or ``diagnostic``.
+    """
 
     name: str
     value: str
+
+
+@dataclass(frozen=True, slots=True)
+class IsDisputed:
+    """Others say something else of it, or command what is its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +157,19 @@ class Not:
 
 
 Query: TypeAlias = (
-    TypeIs | CanDo | InArea | StateIs | HasText | FreshnessIs | ReachableIs | GatewayIs | FactIs | And | Or | Not
+    TypeIs
+    | CanDo
+    | InArea
+    | StateIs
+    | HasText
+    | FreshnessIs
+    | ReachableIs
+    | GatewayIs
+    | FactIs
+    | IsDisputed
+    | And
+    | Or
+    | Not
 )
 
 _OPENINGS = frozenset({"closure", "contact_sensor"})
@@ -205,8 +226,10 @@ def fits(query: Query, device: Facets) -> bool:
             return _fits_whole(query, device)
 
 
-def _fits_whole(query: InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs, device: Facets) -> bool:
+def _fits_whole(query: InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed, device: Facets) -> bool:
     match query:
+        case IsDisputed():
+            return device.is_disputed
         case InArea(area):
             return bool(device.area) and _begins(device.area, area)
         case FreshnessIs(freshness):
@@ -221,6 +244,8 @@ def _fits_whole(query: InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs, 
             return _begins(device.name, value) or any(_begins(one, value) for one in device.facts.get("name", ()))
         case FactIs("convention", value):
             return value in device.conventions
+        case FactIs("category", value):
+            return value in device.categories
         case FactIs(name, value):
             return any(_begins(one, value) for one in device.facts.get(name, ()))
 

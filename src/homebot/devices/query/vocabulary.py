@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.query.folding import fold
-from homebot.devices.query.terms import CanDo, FreshnessIs, Or, Query, ReachableIs, StateIs
+from homebot.devices.query.terms import CanDo, FreshnessIs, IsDisputed, Or, Query, ReachableIs, StateIs
 
 __all__ = ["ABILITIES", "ADJECTIVES", "CAPABILITY_WORDS", "CONDITIONS", "FIELDS", "FILLERS", "KEYWORDS"]
 
@@ -30,6 +30,7 @@ FIELDS: Mapping[str, str] = MappingProxyType(
         "id": "id",
         "name": "name",
         "convention": "convention",
+        "category": "category",
         "manufacturer": "manufacturer",
         "vendor": "manufacturer",
         "brand": "manufacturer",
@@ -123,6 +124,7 @@ CONDITIONS: Mapping[str, Query] = MappingProxyType(
         "online": ReachableIs("yes"),
         "unreachable": ReachableIs("no"),
         "offline": ReachableIs("no"),
+        "disputed": IsDisputed(),
     }
 )
 """Adjectives of how a device is."""
