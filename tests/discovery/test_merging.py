@@ -8,7 +8,9 @@ from itertools import permutations
 import pytest
 
 from homebot.devices import DeviceChange, Sighting
-from homebot.devices.part import Part
+from homebot.devices.device import EVERYTHING
+from homebot.devices.part import Capability, Part
+from homebot.devices.query import parse_query
 from homebot.devices.report import Report
 from homebot.discovery import DeviceIndex
 
@@ -349,3 +351,55 @@ def test_a_device_that_tells_more_of_who_it_is_is_described_anew(
     (device,) = index.devices()
     assert MAC in device.identifiers
     assert {one.part.service_type for one in device.parts} == {"generic_switch", "light"}
+
+
+def test_a_part_can_do_what_any_of_its_ways_can(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+    """Each way says what it takes, where that is not all; a way of words alone takes nothing."""
+    rich = part("light", "on_off", "level", id="x", reads=("z/lamp",), writes=("z/lamp/set",))
+    poor = part("light", "on_off", "power", id="state", reads=("z/lamp",))
+    after(
+        index,
+        announce("light/0x17", rich, ids=(IEEE,)),
+        announce("z/0x17", poor, convention="zigbee2mqtt", ids=(IEEE,)),
+    )
+    (device,) = index.devices()
+    (only,) = device.parts
+    assert [(one.name, one.settable) for one in only.part.capabilities] == [
+        ("on_off", True),
+        ("power", False),
+        ("level", True),
+    ]
+    assert [(way.part, way.takes) for way in only.routes] == [("state", ()), ("x", EVERYTHING)]
+    assert [way.can("level") for way in only.routes] == [False, True]
+    assert device.endpoints[0].address == "words:zigbee2mqtt:z/0x17#state"
+    assert device.endpoints[0].command_address == "words:homeassistant:light/0x17#x"
+    (id_of_one,) = index.find(parse_query("can=level"))
+    assert id_of_one == device.id
+
+
+def test_the_words_of_all_ways_are_those_of_the_part(index: DeviceIndex, announce: Announce) -> None:
+    """The span is that of the best way that can be told."""
+
+    def lamp(part_id: str, *, settable: bool, options: tuple[str, ...], top: float) -> Part:
+        effect = Capability(name="effect", settable=settable, options=options)
+        level = Capability(name="level", settable=settable, bounds=(0.0, top))
+        return Part(id=part_id, service_type="light", capabilities=(effect, level), reads=("z",), writes=("z/set",))
+
+    after(
+        index,
+        announce("light/a", lamp("x", settable=True, options=("blink", "fire"), top=90.0), ids=(IEEE,)),
+        announce(
+            "z",
+            lamp("state", settable=True, options=("blink", "okay"), top=100.0),
+            convention="zigbee2mqtt",
+            ids=(IEEE,),
+        ),
+    )
+    effect, level = index.devices()[0].parts[0].part.capabilities
+    assert effect.options == ("blink", "okay", "fire")
+    assert level.bounds == (0.0, 100.0)
+
+    mute = lamp("state", settable=False, options=("said",), top=80.0)
+    after(index, announce("z", mute, convention="zigbee2mqtt", ids=(IEEE,)))
+    effect, level = index.devices()[0].parts[0].part.capabilities
+    assert (effect.settable, effect.options, level.bounds) == (True, ("blink", "fire"), (0.0, 90.0))

@@ -37,11 +37,14 @@ class SendCommandResponse(Message):
         message: Why not.
         problem: Whose no that is: ``refused`` by the part, the gateway or the network, where the same again fails
             again, or the device or its network is ``unreachable`` now.
+        unable: Whether it was refused because the part cannot do that as it is described there. Nothing was sent then,
+            and another way to the part may do.
     """
 
     success: bool
     message: str = ""
     problem: Literal["", "refused", "unreachable"] = ""
+    unable: bool = False
 
 
 SendCommand = ServiceType("homebot/srv/SendCommand", Command, SendCommandResponse)

@@ -10,6 +10,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
 __all__ = [
+    "EVERYTHING",
     "ChangeKind",
     "Device",
     "DeviceChange",
@@ -28,6 +29,9 @@ Freshness: TypeAlias = Literal["fresh", "unconfirmed", "stale"]
 ChangeKind: TypeAlias = Literal[
     "appeared", "changed", "stale", "returned", "removed", "merged", "unmerged", "conflict", "resolved"
 ]
+
+EVERYTHING: tuple[str, ...] = ("*",)
+"""What a :class:`Route` takes by which the part can be told all that it can be told at all."""
 
 
 class KeyValue(Message):
@@ -63,22 +67,28 @@ class Route(Message):
         key: What that gateway calls the announcement.
         part: What the part is called there.
         convention: By which convention it was announced.
+        takes: Names of the capabilities that can be told by it, or :data:`EVERYTHING`.
     """
 
     gateway: str
     key: str
     part: str
     convention: str = ""
+    takes: tuple[str, ...] = EVERYTHING
+
+    def can(self, capability: str) -> bool:
+        """Whether the part can be told *capability* by it."""
+        return self.takes == EVERYTHING or capability in self.takes
 
 
 class DevicePart(Message):
     """Something a device offers, however many announcements speak of it.
 
     Attributes:
-        id: Unique in the device, and as lasting as the first announcement of the part.
-        part: What it is, as its best route describes it.
-        routes: The ways to it, best first: commands go by the first whose gateway is there. Empty while another device
-            has a claim to its topics; see :attr:`Device.conflicts`.
+        id: Unique in the device, and lasting: it stays when other announcements tell of the part too, or instead.
+        part: What it is, as its best route describes it, with the capabilities of all routes.
+        routes: The ways to it, best first: a command goes by the first that takes it and whose gateway is there. Empty
+            while another device has a claim to its topics; see :attr:`Device.conflicts`.
     """
 
     id: str

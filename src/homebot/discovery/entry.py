@@ -20,6 +20,7 @@ from homebot.devices.device_types import wanted_types
 from homebot.devices.value import Value
 from homebot.devices.words import takes_words, words_address
 from homebot.discovery.claim import Claim, ClaimKey, Told, preference
+from homebot.discovery.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.parts import Disputed, MergedParts, main_part, merge_parts
 from homebot.discovery.rhythm import Rhythm
 from homebot.messages import Time
@@ -46,6 +47,7 @@ class Entry:
         rival: The device that keeps a topic from it, as was last told; empty for none.
         lasts: For how many seconds its gateways think that silence is no bad sign.
         saved_at: The time when it was last seen that was last to be written to the index file.
+        known_ids: Ids that parts had, beside those of the description that stands.
     """
 
     id: str
@@ -59,6 +61,7 @@ class Entry:
     lasts: float = 0.0
     told_conflicts: tuple[str, ...] = ()
     rival: str = ""
+    known_ids: PartIds = field(default_factory=lambda: NO_IDS)
     _description: _Description | None = None
     _device: Device | None = None
 
@@ -87,7 +90,15 @@ class Entry:
 
     def described_anew(self) -> None:
         """Its announcements changed, or what is disputed about it."""
+        self.known_ids = self.part_ids()
         self._device = self._description = None
+
+    def part_ids(self) -> PartIds:
+        """Return the ids that its parts have, and those that they had in announcements that are gone."""
+        if self._description is None:
+            return self.known_ids
+        ids = self._description.merged.ids()
+        return {**self.known_ids, **ids} if self.known_ids else ids
 
     def parts(self, disputed: Disputed) -> MergedParts:
         """Return its parts."""
@@ -138,7 +149,9 @@ class Entry:
 
     def _described(self, disputed: Disputed) -> _Description:
         if self._description is None:
-            self._description = _describe(tuple(self.claims.values()), disputed)
+            self._description = _describe(tuple(self.claims.values()), disputed, self.known_ids)
+            if self.known_ids:
+                self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
 
     def _states(self, merged: MergedParts) -> Iterator[State]:
@@ -183,9 +196,9 @@ class _Description:
     merged: MergedParts
 
 
-def _describe(claims: tuple[Claim, ...], disputed: Disputed) -> _Description:
+def _describe(claims: tuple[Claim, ...], disputed: Disputed, known_ids: PartIds) -> _Description:
     ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
-    merged = merge_parts(ordered, disputed)
+    merged = merge_parts(ordered, disputed, known_ids)
     main = main_part(merged.parts)
     names = tuple(dict.fromkeys(one.sighting.name for one in ordered))
     first = ordered[0].sighting
@@ -258,7 +271,7 @@ def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoi
                 address, command_address = sighting.address, sighting.command_address
             else:
                 address = words_address(route.key, route.part)
-                command_address = address if takes_words(main.part) else ""
+                command_address = _told_at(main, route.gateway)
             endpoint = Endpoint.of_checked(
                 gateway=route.gateway, key=route.key, address=address, command_address=command_address
             )
@@ -273,6 +286,12 @@ def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoi
                 command_address="" if main is not None else sighting.command_address,
             )
     return tuple(found.values())
+
+
+def _told_at(part: DevicePart, gateway: str) -> str:
+    """Where *part* is told words: by the first of the gateway's ways that takes any."""
+    ways = (one for one in part.routes if one.gateway == gateway and one.takes) if takes_words(part.part) else ()
+    return next((words_address(one.key, one.part) for one in ways), "")
 
 
 @lru_cache(maxsize=64)

@@ -249,7 +249,10 @@ class DeviceIndex:
 
     def entry(self, device_id: str) -> Entry | None:
         """Return what is kept of the device, for the index file."""
-        return self._entries.get(device_id)
+        entry = self._entries.get(device_id)
+        if entry is not None:
+            entry.parts(self._disputed)  # so that those that are new have their ids
+        return entry
 
     def save_all(self) -> None:
         """Note that nothing is in the index file."""

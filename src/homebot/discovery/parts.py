@@ -11,7 +11,9 @@ from homebot.devices import DevicePart, Route
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
 from homebot.devices.query.folding import fold
+from homebot.discovery.abilities import taken_by, united
 from homebot.discovery.claim import Claim, preference
+from homebot.discovery.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
 
 __all__ = ["MAX_PARTS", "Disputed", "MergedParts", "main_part", "merge_parts"]
 
@@ -35,19 +37,26 @@ class MergedParts:
 
     parts: tuple[DevicePart, ...]
     conflicts: tuple[str, ...]
-    places: dict[tuple[str, str, str], int]
+    places: dict[PartPlace, int]
     left_out: int = 0
+
+    def ids(self) -> dict[PartPlace, str]:
+        """Return which id the part has that each part of a claim is."""
+        return {place: self.parts[number].id for place, number in self.places.items()}
 
 
 @dataclass(slots=True)
 class _Merged:
+    """A part in the making: *ways* are those that nobody disputes."""
+
     part: Part
-    claims: list[Claim]
-    routes: list[Route] = field(default_factory=list)
+    claims: list[Claim] = field(default_factory=list)
+    places: list[tuple[int, PartPlace]] = field(default_factory=list)
+    ways: list[tuple[PartPlace, str, Part]] = field(default_factory=list)
 
 
-def merge_parts(claims: Sequence[Claim], disputed: Disputed) -> MergedParts:
-    """Return the parts that *claims* on one device tell of.
+def merge_parts(claims: Sequence[Claim], disputed: Disputed, known: PartIds = NO_IDS) -> MergedParts:
+    """Return the parts that *claims* on one device tell of; those that are *known* keep their ids.
 
     Two parts are one when they are of one type, come from different conventions or gateways, and have one name, or
     related ids, or are the only ones of their type or with their capabilities. In one convention they are one only when
@@ -55,7 +64,7 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed) -> MergedParts:
     """
     merged: list[_Merged] = []
     by_type: dict[str, list[_Merged]] = {}
-    places: dict[tuple[str, str, str], int] = {}
+    places: dict[PartPlace, int] = {}
     conflicts: list[str] = []
     ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
     alone: frozenset[_Place] = _only_ones(ordered) if len(claims) > 1 else frozenset()
@@ -75,20 +84,20 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed) -> MergedParts:
                 if len(merged) >= MAX_PARTS:
                     left_out += 1
                     continue
-                found = _Merged(part, [])
+                found = _Merged(part)
                 same_type.append(found)
                 merged.append(found)
+            place = (gateway, key, part.id)
             found.claims.append(claim)
+            found.places.append((claim.number, place))
             if dispute := disputed(claim, part):
                 conflicts.append(dispute)
             else:
-                convention = claim.sighting.convention
-                route = Route.of_checked(gateway=gateway, key=key, part=part.id, convention=convention)
-                found.routes.append(route)
-            places[gateway, key, part.id] = id(found)
+                found.ways.append((place, claim.sighting.convention, part))
+            places[place] = id(found)
     numbers = {id(one): number for number, one in enumerate(merged)}
     return MergedParts(
-        _named(merged), tuple(conflicts), {place: numbers[one] for place, one in places.items()}, left_out
+        _named(merged, known), tuple(conflicts), {place: numbers[one] for place, one in places.items()}, left_out
     )
 
 
@@ -102,18 +111,18 @@ def main_part(parts: Iterable[DevicePart]) -> DevicePart | None:
 _RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
 
 
-def _named(merged: list[_Merged]) -> tuple[DevicePart, ...]:
-    taken: set[str] = set()
-    parts = []
-    for one in merged:
-        part_id = one.part.id
-        if part_id in taken:
-            part_id = f"{one.claims[0].label}/{part_id}"
-        while part_id in taken:
-            part_id += "'"
-        taken.add(part_id)
-        parts.append(DevicePart.of_checked(id=part_id, part=one.part, routes=tuple(one.routes)))
-    return tuple(parts)
+def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
+    ids = part_ids([Named(one.part.id, one.claims[0].label, one.places) for one in merged], known)
+    return tuple(_device_part(part_id, one) for part_id, one in zip(ids, merged, strict=True))
+
+
+def _device_part(part_id: str, one: _Merged) -> DevicePart:
+    part = united([found for _, _, found in one.ways]) if len(one.ways) > 1 else one.part
+    routes = tuple(
+        Route.of_checked(gateway=gateway, key=key, part=name, convention=convention, takes=taken_by(described, part))
+        for (gateway, key, name), convention, described in one.ways
+    )
+    return DevicePart.of_checked(id=part_id, part=part, routes=routes)
 
 
 def _only_ones(claims: Sequence[Claim]) -> frozenset[_Place]:

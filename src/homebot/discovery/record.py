@@ -9,9 +9,10 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from homebot.devices import Sighting
-from homebot.discovery.claim import Claim
+from homebot.discovery.claim import Claim, ClaimKey
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
+from homebot.discovery.part_ids import PartPlace
 from homebot.discovery.rhythm import Rhythm
 from homebot.errors import WireError
 from homebot.messages import Time
@@ -27,6 +28,7 @@ class _ClaimRecord(BaseModel):
 
     sighting: Sighting
     first_seen: Time
+    part_ids: dict[str, str] = {}
 
 
 class _EntryRecord(BaseModel):
@@ -51,10 +53,15 @@ _RecordT = TypeVar("_RecordT", bound=BaseModel)
 
 def entry_record(entry: Entry) -> str:
     """Return the record of a device; what its parts told is not in it, for it would be old."""
+    ids: dict[ClaimKey, dict[str, str]] = {}
+    for (gateway, key, part), part_id in entry.part_ids().items():
+        if part_id != part:
+            ids.setdefault((gateway, key), {})[part] = part_id
     claims = tuple(
         _ClaimRecord(
             sighting=claim.sighting.model_copy(update={"seen_at": claim.seen_at, "confirmed": False}),
             first_seen=claim.first_seen,
+            part_ids=ids.get(claim.key, {}),
         )
         for claim in entry.claims.values()
     )
@@ -70,6 +77,7 @@ def read_entry(device_id: str, text: str) -> Entry:
     record = _read(_EntryRecord, text)
     gaps = [gap for gap in record.gaps if math.isfinite(gap) and gap > 0]
     claims = {}
+    ids: dict[PartPlace, str] = {}
     for number, one in enumerate(record.claims):
         sighting = one.sighting
         claims[sighting.gateway, sighting.key] = Claim(
@@ -80,9 +88,12 @@ def read_entry(device_id: str, text: str) -> Entry:
             expires_at=sighting.expires_at,
             confirmed=False,
         )
+        ids |= {
+            (sighting.gateway, sighting.key, part.id): one.part_ids.get(part.id, part.id) for part in sighting.parts
+        }
     if not device_id or not claims:
         raise WireError("a device without an id or an announcement", text[:100].encode(errors="replace"))
-    return Entry(device_id, record.first_seen, "unconfirmed", claims, rhythm=Rhythm(gaps))
+    return Entry(device_id, record.first_seen, "unconfirmed", claims, rhythm=Rhythm(gaps), known_ids=ids)
 
 
 def tombstone_record(stone: Tombstone) -> str:

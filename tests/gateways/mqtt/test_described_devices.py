@@ -468,7 +468,7 @@ async def test_a_command_that_cannot_be_is_refused_with_the_reason(
     async with make_house() as house:
         await house.announce("lamp1")
         answer = await house.command(key, part, capability, True)
-        assert (answer.success, answer.problem) == (False, "refused")
+        assert (answer.success, answer.problem, answer.unable) == (False, "refused", True)
         assert why in answer.message
         assert house.gateway.counters.commands_refused == 1
 
@@ -478,7 +478,7 @@ async def test_a_gateway_that_only_observes_refuses_every_command_and_still_asks
         await house.listen("lamp1/#")
         await house.announce("lamp1", asks=True)
         answer = await house.command(LAMP, "lamp", "on_off", True)
-        assert (answer.problem, "only observes" in answer.message) == ("refused", True)
+        assert (answer.problem, answer.unable, "only observes" in answer.message) == ("refused", False, True)
         assert [one.topic for one in await house.heard()] == ["lamp1/get"]
 
 

@@ -54,14 +54,21 @@ class Commands:
 
     async def serve(self, command: Command) -> SendCommandResponse:
         """Answer the service: send *command*, and say what became of it when the broker has it."""
+        is_able = True
         try:
-            await self.send(command.key, command.part, command.capability, command.value.plain(), command.transition)
+            self._permit(command.key)
+            is_able = False
+            publications = self._publications(
+                command.key, command.part, command.capability, command.value.plain(), command.transition
+            )
+            is_able = True
+            await self._publish(publications)
         except LinkError as exc:
             self._counters.commands_failed += 1
             return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
         except HomebotError as exc:
             self._counters.commands_refused += 1
-            return SendCommandResponse(success=False, message=str(exc), problem="refused")
+            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=not is_able)
         self._counters.commands += 1
         return SendCommandResponse(success=True)
 
@@ -69,31 +76,29 @@ class Commands:
         """Tell a part the word *said*; see :mod:`homebot.devices.words`.
 
         Raises:
-            RefusedError: As for :meth:`send`, or the part does not take that word.
+            RefusedError: Nobody is described by that key and part, it does not take that word, the gateway only
+                observes, or the broker said no.
             LinkError: There is no link.
         """
+        self._permit(key)
         voice = self._voice(key, part_id)
-        await self._write(voice, *meaning(said, voice.described.part), 0.0)
+        await self._publish(self._written(voice, *meaning(said, voice.described.part), 0.0))
 
-    async def send(self, key: str, part_id: str, capability: str, value: PlainValue, transition: float) -> None:
-        """Make *capability* become *value*.
+    def _permit(self, key: str) -> None:
+        if not self._acts:
+            raise RefusedError(f"a command to {key[:100]}", ONLY_OBSERVES)
 
-        Raises:
-            RefusedError: Nobody is described by that key and part, it cannot do that, the gateway only observes, or
-                the broker said no.
-            LinkError: There is no link.
-        """
+    def _publications(
+        self, key: str, part_id: str, capability: str, value: PlainValue, transition: float
+    ) -> tuple[Publication, ...]:
         channel = self._channels.of(key)
         if channel is not None and self._claims.get(key) is None:
-            await self._say(channel, part_id, capability, value)
-        else:
-            await self._write(self._voice(key, part_id), capability, value, transition)
+            return (self._said(channel, part_id, capability, value),)
+        return self._written(self._voice(key, part_id), capability, value, transition)
 
-    async def _say(self, channel: Channel, part_id: str, capability: str, value: PlainValue) -> None:
+    def _said(self, channel: Channel, part_id: str, capability: str, value: PlainValue) -> Publication:
         """There is no word for a transition."""
         device = channel.device
-        if not self._acts:
-            raise RefusedError(f"a command to {device.key[:100]}", ONLY_OBSERVES)
         if device.part is None or device.part.id != part_id:
             raise RefusedError(f"a command to {device.key[:100]}", f"it has no part {part_id[:100]!r}")
         if not device.command_address:
@@ -101,12 +106,10 @@ class Commands:
         said = told(capability, value, device.part)
         validate_topic(device.command_address)
         self._plain.told(device.command_address, said)
-        await self._connection.publish(device.command_address, said.encode(errors="replace"), qos=1)
+        return Publication(device.command_address, said.encode(errors="replace"), qos=1)
 
     def _voice(self, key: str, part_id: str) -> Voice:
         what = f"a command to {key[:100]}"
-        if not self._acts:
-            raise RefusedError(what, ONLY_OBSERVES)
         claim = self._claims.get(key)
         if claim is None:
             raise RefusedError(what, "no device is announced by that key")
@@ -116,18 +119,18 @@ class Commands:
             raise RefusedError(what, f"it has no part {part_id[:100]!r}; it has {known}")
         return voice
 
-    async def _write(self, voice: Voice, capability: str, value: PlainValue, transition: float) -> None:
-        for publication in self._written(voice, capability, value, transition):
-            validate_topic(publication.topic)
-            await self._connection.publish(
-                publication.topic, publication.payload, qos=publication.qos, retain=publication.retain
-            )
+    async def _publish(self, publications: tuple[Publication, ...]) -> None:
+        for one in publications:
+            await self._connection.publish(one.topic, one.payload, qos=one.qos, retain=one.retain)
 
     def _written(self, voice: Voice, capability: str, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         try:
-            return voice.described.codec.write(capability, value, transition=transition)
+            publications = tuple(voice.described.codec.write(capability, value, transition=transition))
         except RefusedError:
             raise
         except Exception as exc:  # told by the tribunal; a plug-in's fault must not be everybody's
             self._tribunal.failed(voice.claim.described.topic, voice.claim.described.convention, exc)
             raise RefusedError(f"{capability} of {voice.claim.key[:100]}", "its convention failed") from exc
+        for one in publications:
+            validate_topic(one.topic)
+        return publications

@@ -1,0 +1,48 @@
+"""What a part can do by all the ways to it together. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from homebot.devices.device import EVERYTHING
+from homebot.devices.part import Capability, Part
+
+__all__ = ["taken_by", "united"]
+
+
+def united(parts: Sequence[Part]) -> Part:
+    """Return the first of *parts* with the capabilities of all of them: it is what they all describe, best first."""
+    best = parts[0]
+    if len(parts) == 1 or all(one.capabilities == best.capabilities for one in parts):
+        return best
+    found: dict[str, Capability] = {}
+    for part in parts:
+        for capability in part.capabilities:
+            known = found.get(capability.name)
+            found[capability.name] = capability if known is None else _joined(known, capability)
+    capabilities = tuple(found.values())
+    return best if capabilities == best.capabilities else best.model_copy(update={"capabilities": capabilities})
+
+
+def taken_by(part: Part, whole: Part) -> tuple[str, ...]:
+    """Return what can be told by the way that is described as *part*, where all ways together are *whole*."""
+    if part is whole:
+        return EVERYTHING
+    names = _settable(part)
+    return EVERYTHING if names == _settable(whole) else tuple(names)
+
+
+def _settable(part: Part) -> dict[str, None]:
+    return {one.name: None for one in part.capabilities if one.settable}
+
+
+def _joined(best: Capability, other: Capability) -> Capability:
+    """What can be told decides, where one of the two cannot: its span and words are those of commands."""
+    if best == other:
+        return best
+    shown = other if other.settable and not best.settable else best
+    options = shown.options
+    if best.settable == other.settable and best.options and other.options:
+        options = tuple(dict.fromkeys(best.options + other.options))
+    readable, settable = best.readable or other.readable, best.settable or other.settable
+    return shown.model_copy(update={"readable": readable, "settable": settable, "options": options})

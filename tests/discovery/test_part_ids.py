@@ -1,0 +1,159 @@
+"""The ids of parts last, whoever tells of them later."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices import Sighting
+from homebot.devices.part import Part
+from homebot.discovery import DeviceIndex
+from homebot.discovery.part_ids import MAX_LOST, NO_IDS, Named, PartPlace, lost_ids, part_ids
+from homebot.discovery.record import entry_record, read_entry
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+
+IEEE = "eui64:00158d0001abcdef"
+
+
+@pytest.fixture
+def index() -> DeviceIndex:
+    return DeviceIndex(forget_after=1000.0)
+
+
+@pytest.fixture
+def foreign(announce: Announce, part: MakePart) -> Sighting:
+    lamp = part("light", "on_off", id="0x17_light", reads=("z",), writes=("z/set",))
+    return announce("light/0x17", lamp, ids=(IEEE,))
+
+
+@pytest.fixture
+def native(announce: Announce, part: MakePart) -> Sighting:
+    lamp = part("light", "on_off", id="state", reads=("z",), writes=("z/set",))
+    return announce("0x17", lamp, convention="zigbee2mqtt", ids=(IEEE,))
+
+
+@pytest.fixture
+def sensor(announce: Announce, part: MakePart) -> Sighting:
+    """What keeps the device alive while nobody tells of its lamp."""
+    return announce("sensor/0x17", part("x_sensor", "value", id="0x17_sensor"), ids=(IEEE,))
+
+
+def gone(sighting: Sighting) -> Sighting:
+    return sighting.model_copy(update={"kind": "removed"})
+
+
+def lamps(index: DeviceIndex) -> list[str]:
+    return [one.id for device in index.devices() for one in device.parts if one.part.service_type == "light"]
+
+
+def test_a_part_keeps_its_id_when_the_devices_own_convention_tells_of_it_later(
+    index: DeviceIndex, foreign: Sighting, native: Sighting
+) -> None:
+    index.observe(foreign)
+    assert lamps(index) == ["0x17_light"]
+    index.observe(native)
+    (device,) = index.devices()
+    assert [(one.id, [way.part for way in one.routes]) for one in device.parts] == [
+        ("0x17_light", ["state", "0x17_light"])
+    ]
+
+
+def test_a_part_keeps_its_id_when_the_announcement_that_gave_it_goes_and_comes_back(
+    index: DeviceIndex, foreign: Sighting, native: Sighting, sensor: Sighting
+) -> None:
+    """Also when for a while nobody tells of the part."""
+    seen = []
+    for step in (sensor, foreign, native, gone(foreign), gone(native), native, foreign, gone(native)):
+        index.observe(step)
+        seen += lamps(index)
+    assert set(seen) == {"0x17_light"}
+    assert len(seen) == 6
+
+
+def test_ids_are_the_same_after_a_restart(
+    index: DeviceIndex, foreign: Sighting, native: Sighting, sensor: Sighting
+) -> None:
+    """Whatever comes first then."""
+    for one in (foreign, native, sensor, gone(foreign)):
+        index.observe(one)
+        index.devices()
+    (device,) = index.devices()
+    entry = index.entry(device.id)
+    assert entry is not None
+    record = entry_record(entry)
+
+    again = DeviceIndex(forget_after=1000.0)
+    again.restore(read_entry(device.id, record), 1.0)
+    assert lamps(again) == ["0x17_light"]
+    for one in (native, foreign):
+        again.observe(one)
+        assert lamps(again) == ["0x17_light"]
+
+
+def test_a_device_of_a_file_from_before_there_were_ids_has_those_of_its_announcements(foreign: Sighting) -> None:
+    index = DeviceIndex(forget_after=1000.0)
+    index.observe(foreign)
+    entry = index.entry("desk_lamp")
+    assert entry is not None
+    record = entry_record(entry).replace(',"part_ids":{}', "")
+    assert "part_ids" not in record
+    again = DeviceIndex(forget_after=1000.0)
+    again.restore(read_entry("desk_lamp", record), 1.0)
+    assert lamps(again) == ["0x17_light"]
+
+
+def test_of_two_parts_that_were_thought_to_be_one_that_which_is_called_so_keeps_the_id(
+    index: DeviceIndex, announce: Announce, part: MakePart, foreign: Sighting, native: Sighting
+) -> None:
+    """The other one truly is another part."""
+    index.observe(foreign)
+    assert lamps(index) == ["0x17_light"]
+    index.observe(native)
+    assert lamps(index) == ["0x17_light"]
+    plug = part("plug", "on_off", id="state", reads=("z",), writes=("z/set",))
+    index.observe(announce("0x17", plug, convention="zigbee2mqtt", ids=(IEEE,)))
+    (device,) = index.devices()
+    assert {one.id: one.part.service_type for one in device.parts} == {"0x17_light": "light", "state": "plug"}
+
+
+def test_a_new_part_does_not_take_the_id_of_one_that_is_there(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    index.observe(announce("a", part("contact_sensor", id="x"), ids=(IEEE,)))
+    index.devices()
+    index.observe(announce("z", part("plug", id="x"), convention="zigbee2mqtt", ids=(IEEE,)))
+    (device,) = index.devices()
+    assert {one.id: one.part.service_type for one in device.parts} == {
+        "x": "contact_sensor",
+        "zigbee2mqtt:z/x": "plug",
+    }
+
+
+def test_what_is_remembered_of_parts_that_are_gone_is_bounded() -> None:
+    known = {("g", "k", str(number)): "other" for number in range(2 * MAX_LOST)}
+    lost = lost_ids(known, ())
+    assert (len(lost), next(iter(lost))) == (MAX_LOST, ("g", "k", str(MAX_LOST)))
+    assert lost_ids({("g", "k", "a"): "a", ("g", "k", "b"): "x"}, [("g", "k", "b")]) is NO_IDS
+
+
+places = st.tuples(st.just("g"), st.sampled_from("kl"), st.sampled_from("ab"))
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from("abc"), st.lists(st.tuples(st.integers(0, 3), places), max_size=3)), max_size=8),
+    st.dictionaries(places, st.sampled_from(["a", "b", "l/a"])),
+)
+def test_ids_are_always_different_and_last(
+    parts: list[tuple[str, list[tuple[int, PartPlace]]]], known: dict[PartPlace, str]
+) -> None:
+    named = [Named(name, "l", places) for name, places in parts]
+    ids = part_ids(named, known)
+    assert len(set(ids)) == len(ids) == len(parts)
+    told = {place: part_id for part, part_id in zip(named, ids, strict=True) for _, place in part.places}
+    if len(told) == sum(len(part.places) for part in named):
+        assert part_ids(named, told) == tuple(part_id for part_id in ids)
