@@ -12,7 +12,9 @@ import pytest
 from structlog.testing import capture_logs
 
 from homebot.devices import Sighting
+from homebot.devices.names import DISCOVERY_HEALTH
 from homebot.devices.part import Part
+from homebot.devices.quarantine import GetHealth, HealthRequest
 from homebot.discovery import Directory, DirectorySettings
 from homebot.graph import Graph, Node
 from homebot.testing import FakeGateway
@@ -97,6 +99,15 @@ async def test_a_place_that_cannot_be_written_is_told_and_costs_no_device(
             directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
             assert len(directory.index.devices()) == 1
     assert "discovery.index_file_not_written" in [line["event"] for line in lines]
+
+
+async def test_a_file_that_cannot_be_written_is_a_trouble_for_those_who_ask(path: Path) -> None:
+    graph = Graph()
+    path.mkdir()
+    async with Node(graph, "doctor") as doctor, directory_with(path, graph):
+        client = doctor.create_client(GetHealth, DISCOVERY_HEALTH)
+        (trouble,) = (await client.call(HealthRequest())).troubles
+        assert "cannot be opened" in trouble
 
 
 async def test_a_file_of_a_newer_homebot_is_not_used(path: Path) -> None:

@@ -53,15 +53,17 @@ class HealthRequest(Message):
 
 
 class HealthResponse(Message):
-    """How a gateway is.
+    """How a gateway is, or the directory.
 
     Attributes:
         counts: What it took in, refused and dropped.
         quarantined: Whom it ignores now.
+        troubles: What is wrong with it now, in words; empty where nothing is.
     """
 
     counts: tuple[Count, ...]
     quarantined: tuple[Quarantine, ...] = ()
+    troubles: tuple[str, ...] = ()
 
 
 GetHealth = ServiceType("homebot/srv/GetHealth", HealthRequest, HealthResponse)

@@ -144,4 +144,7 @@ class Answers:
             "index_file_failures": self._keeper.failures,
             "index_file_damaged": self._keeper.damaged,
         }
-        return HealthResponse(counts=tuple(Count(name=name, count=count) for name, count in counts.items()))
+        troubles = () if self._keeper.state in {"off", "ok"} else (self._keeper.state,)
+        return HealthResponse(
+            counts=tuple(Count(name=name, count=count) for name, count in counts.items()), troubles=troubles
+        )

@@ -212,6 +212,8 @@ class StillHouse:
         forgotten: The ids that were forgotten.
         acts: Whether the gateway acts.
         is_well: Whether nothing is wrong.
+        crowd: How many more devices there are that are silent, each disputed twice.
+        carried: How many devices were given out.
     """
 
     def __init__(self) -> None:
@@ -219,6 +221,8 @@ class StillHouse:
         self.forgotten: list[str] = []
         self.acts = True
         self.is_well = False
+        self.crowd = 0
+        self.carried = 0
 
     def node(self, graph: Graph) -> Node:
         node = Node(graph, "still")
@@ -230,17 +234,20 @@ class StillHouse:
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)
         node.create_service(ForgetDevice, FORGET_DEVICE, self._forget)
         node.create_service(GetHealth, GatewayNames("mqtt").health, self._health)
-        node.create_service(
-            GetHealth, DISCOVERY_HEALTH, lambda _: HealthResponse(counts=(Count(name="devices", count=3),))
-        )
+        node.create_service(GetHealth, DISCOVERY_HEALTH, self._directory_health)
         return node
 
     def _devices(self) -> tuple[Device, ...]:
         lamp = kitchen_lamp()
-        return (lamp.model_copy(update={"conflicts": ()}),) if self.is_well else (attic(), lamp, window())
+        if self.is_well:
+            return (lamp.model_copy(update={"conflicts": ()}),)
+        silent = window().model_copy(update={"conflicts": ("it is a door", "it is a wall")})
+        crowd = [silent.model_copy(update={"id": f"windows/{number:03}"}) for number in range(self.crowd)]
+        return (attic(), lamp, window(), *crowd)
 
     def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
         found = [one for one in self._devices() if request.service_type in {"", one.service_type}]
+        self.carried += len(found)
         return FindDevicesResponse(devices=tuple(found), sequence=1)
 
     def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
@@ -253,7 +260,9 @@ class StillHouse:
             Found(device=one, score=2.0 - number, reasons=(f"it is number {number + 1}", f"it is {one.freshness}"))
             for number, one in enumerate(found)
         )
-        return QueryDevicesResponse(success=True, results=results[: request.limit or None], total=len(found))
+        shown = results[: request.limit or None]
+        self.carried += len(shown)
+        return QueryDevicesResponse(success=True, results=shown, total=len(found))
 
     def _forget(self, request: ForgetDeviceRequest) -> ForgetDeviceResponse:
         self.forgotten.append(request.device)
@@ -274,6 +283,11 @@ class StillHouse:
         )
         counts = (Count(name="announcements", count=1024), Count(name="announcements_rejected", count=7))
         return HealthResponse(counts=counts, quarantined=() if self.is_well else (offender,))
+
+    def _directory_health(self, request: HealthRequest) -> HealthResponse:
+        del request
+        trouble = "the index file /data/index.sqlite cannot be written: database or disk is full"
+        return HealthResponse(counts=(Count(name="devices", count=3),), troubles=() if self.is_well else (trouble,))
 
     def _publish(self, command: RawCommand) -> None:
         self.published.append((command.address, command.payload, command.retain))

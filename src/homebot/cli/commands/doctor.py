@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator
+from collections.abc import Sequence
 
 from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
-from homebot.cli.inventory import all_devices, house_time
+from homebot.cli.inventory import find_devices, house_time
 from homebot.cli.moments import ago
 from homebot.cli.outbox import gateway_state
 from homebot.cli.table import printable, to_lines
@@ -46,7 +46,7 @@ def doctor(options: argparse.Namespace) -> int:
             is_well = _tell_gateway(name, state) and is_well
         for name, health in sorted((await _health(door)).items()):
             is_well = _tell_health(name, health, now, everything=options.counts) and is_well
-        is_well = _tell_devices(await all_devices(door), now) and is_well
+        is_well = await _tell_devices(door, now) and is_well
         print("\nall is well" if is_well else "\nnot all is well")
         return 0 if is_well else 1
 
@@ -77,10 +77,13 @@ def _tell_gateway(name: str, state: GatewayState | None) -> bool:
 
 
 def _tell_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:
+    for trouble in health.troubles:
+        print(f"{name} is in trouble: {printable(trouble)}")
     shown = [one for one in health.counts if everything or (one.count and _is_fault(one))]
     _tell(f"{name} counted since it started", [(one.name.replace("_", " "), str(one.count)) for one in shown])
-    _tell(f"{name} does not listen to", [_offender(one, now) for one in health.quarantined])
-    return not health.quarantined
+    offenders = [_offender(one, now) for one in health.quarantined[:_MOST]]
+    _tell(f"{name} does not listen to", offenders, len(health.quarantined))
+    return not health.quarantined and not health.troubles
 
 
 def _offender(one: Quarantine, now: float) -> tuple[str, ...]:
@@ -89,29 +92,37 @@ def _offender(one: Quarantine, now: float) -> tuple[str, ...]:
     return one.offender, f"since {ago(one.since, now)}, for {left:.0f} s more", times
 
 
-def _tell_devices(devices: tuple[Device, ...], now: float) -> bool:
-    silent = [one for one in devices if one.freshness == "stale"]
-    away = [one for one in devices if one.reachable.state == "no" and one.freshness != "stale"]
-    unconfirmed = [one for one in devices if one.freshness == "unconfirmed"]
-    disputed = [one for one in devices if one.conflicts]
-    print(f"devices: {len(devices)}, not heard yet: {len(unconfirmed)}")
-    _tell("silent for too long", [(one.id, f"last seen {ago(one.last_seen, now)}") for one in silent])
-    _tell("cannot be reached", [(one.id, one.reachable.why) for one in away])
-    _tell("disputed", [(one.id, conflict) for one in disputed for conflict in one.conflicts])
-    return not (silent or away or disputed)
+async def _tell_devices(door: DoorClient, now: float) -> bool:
+    """Ask for numbers, and for the devices that are shown: a whole house takes long to carry."""
+    total = (await find_devices(door, "", 1)).total
+    print(f"devices: {total}, not heard yet: {(await find_devices(door, 'unconfirmed', 1)).total}")
+    is_well = True
+    for title, query, says in (
+        ("silent for too long", "stale", lambda one: f"last seen {ago(one.last_seen, now)}"),
+        ("cannot be reached", "offline not stale", lambda one: one.reachable.why),
+        ("disputed", "disputed", _dispute),
+    ):
+        found = await find_devices(door, query, _MOST)
+        devices = sorted((one.device for one in found.results), key=lambda one: one.id)
+        hint = f"; all: homebot find --limit {found.total} '{query}'"
+        _tell(title, [(one.id, says(one)) for one in devices], found.total, hint)
+        is_well = is_well and not found.total
+    return is_well
 
 
-def _tell(title: str, rows: Iterable[tuple[str, ...]]) -> None:
-    for line in _titled(title, list(rows)):
-        print(line)
+def _dispute(device: Device) -> str:
+    more = len(device.conflicts) - 1
+    return device.conflicts[0] + (f" (and {more} more: homebot show '{device.id}')" if more else "")
 
 
-def _titled(title: str, rows: list[tuple[str, ...]]) -> Iterator[str]:
+def _tell(title: str, rows: Sequence[tuple[str, ...]], total: int = 0, hint: str = "") -> None:
+    """Print *rows*, and how many of the *total* they are where there are more."""
     if rows:
-        yield f"{title}:"
-        yield from (f"  {line}" for line in to_lines(rows[:_MOST]))
-        if len(rows) > _MOST:
-            yield f"  … and {len(rows) - _MOST} more"
+        print(f"{title}:")
+    for line in to_lines(rows):
+        print(f"  {line}")
+    if total > len(rows):
+        print(f"  … these are the first {len(rows)} of {total}{hint}")
 
 
 def _is_fault(one: Count) -> bool:
