@@ -54,7 +54,7 @@ class Tribunal:
     def accuse(self, topic: str, event: str, why: str) -> None:
         """Tell of an offence on *topic*, and quarantine who repeats it."""
         topic, why = topic[:_LONGEST], why[:_LONGEST]
-        self.warn(event, why, topic=topic)
+        self.warn(event, f"{topic}: {why}", topic=topic)
         offender = self._offenders.offend(topic, why, self._board.now)
         if offender is not None:
             self._counters.quarantines += 1
