@@ -13,7 +13,8 @@ _EXAMPLES = """\
   homebot find 'sensor with temperature not stale'
 
 A query is made of types (light, lamp, window, …), capabilities (dimmable, temperature > 21), states (on, open, locked),
-`in ROOM`, freshness (stale, unreachable), and words of names and models, joined by `and`, `or`, `not` and brackets.
+`in ROOM`, trouble (stale, unreachable, disputed), settings (category=config), and words of names and models, joined by
+`and`, `or`, `not` and brackets.
 """
 
 

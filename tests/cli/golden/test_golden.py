@@ -64,6 +64,15 @@ def test_where_nothing_is_wrong_the_doctor_says_so(still: StillHouse, still_home
     check("doctor_all_well", capsys.readouterr().out)
 
 
+def test_the_doctor_asks_for_no_more_devices_than_it_names(
+    still: StillHouse, still_homebot: Homebot, capsys: Text
+) -> None:
+    still.crowd = 300
+    assert main(["--door", still_homebot.door, "doctor"]) == 1
+    check("doctor_crowd", capsys.readouterr().out)
+    assert still.carried <= 3 * 20 + 2
+
+
 def test_results_are_json_on_request(still_homebot: Homebot, capsys: Text) -> None:
     assert main(["--door", still_homebot.door, "find", "--json", "light"]) == 0
     (found,) = json.loads(capsys.readouterr().out)
