@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from homebot.devices import DeviceChange, Sighting
 from homebot.devices.part import Part
+from homebot.devices.query import parse_query
 from homebot.devices.report import REACHABLE, Report
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone, Tombstones
@@ -193,8 +194,38 @@ def test_reports_of_nobody_and_of_unknown_parts_are_counted(
     lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",))
     index.report(tell(lamp, "on_off", True, part="l"))
     index.observe(lamp)
-    index.report(tell(lamp, "on_off", True, part="other"))
-    assert (index.counts()["strays"], index.counts()["unknown_parts"]) == (1, 1)
+    index.report(tell(lamp, "on_off", False, part="other"))
+    index.report(tell(lamp, "level", 5.0, part="l"))
+    assert (index.counts()["strays"], index.counts()["unknown_parts"]) == (1, 2)
+    (device,) = index.devices()
+    assert [(one.part, one.capability, one.value.plain()) for one in device.states] == [("l", "on_off", True)]
+
+
+def test_an_old_report_of_a_part_that_vanished_changes_nothing(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    """Nor one of a capability that the part has no longer; what waited to be told of them is not told."""
+    before = announce(
+        "l", part("light", "on_off", "level", id="l"), part("x_sensor", "value", id="s"), ids=("id:lamp",)
+    )
+    index.observe(before)
+    index.sort()
+    index.tells_states = True
+    old = [
+        tell(before, "level", 5.0, part="l"),
+        tell(before, "value", 7.0, part="s"),
+        tell(before, "on_off", True, part="l"),
+    ]
+    for one in old:
+        index.report(one)
+    index.observe(announce("l", part("light", "on_off", id="l"), ids=("id:lamp",)))
+    for one in old:
+        index.report(one.model_copy(update={"retained": True}))
+    index.take_changes()
+    (device,) = index.devices()
+    assert [(one.part, one.capability) for one in device.states] == [("l", "on_off")]
+    assert [one.state.capability for one in index.take_states()] == ["on_off"]
+    assert not index.find(parse_query("level > 1"))
 
 
 def test_what_a_part_told_goes_with_it(index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell) -> None:

@@ -110,12 +110,12 @@ def is_described_anew(before: Sighting, now: Sighting) -> bool:
 
 
 def note_description(claim: Claim, before: Sighting) -> None:
-    """Note since when *claim* says what it did not say *before*; what parts told that it has no longer is forgotten."""
+    """Note since when *claim* says what it did not say *before*; what it can tell no longer is forgotten."""
     now = claim.sighting
     known = {"name": before.name, "area": before.area, **{one.key: one.value for one in before.metadata}}
     said = {"name": now.name, "area": now.area, **{one.key: one.value for one in now.metadata}}
     kept = {name: found for name, found in claim.said.items() if name in said}
     anew = {name: (value, now.seen_at) for name, value in said.items() if known.get(name) != value}
     claim.said = {**kept, **anew}
-    parts = {part.id for part in now.parts}
-    claim.told = {place: told for place, told in claim.told.items() if place[0] in parts}
+    places = {(part.id, capability.name) for part in now.parts for capability in part.capabilities}
+    claim.told = {place: told for place, told in claim.told.items() if place in places}

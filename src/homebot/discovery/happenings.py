@@ -9,6 +9,7 @@ from typing import final
 from homebot.devices import Device, DeviceChange, State, StateChange
 from homebot.devices.device import ChangeKind
 from homebot.discovery.entry import Entry
+from homebot.discovery.parts import MergedParts
 
 __all__ = ["Happenings"]
 
@@ -43,7 +44,7 @@ class Happenings:
         self._describe = describe
         self._happened: list[_Happened] = []
         self._last: dict[str, _Happened] = {}
-        self._states: list[tuple[Entry, State]] = []
+        self._states: list[tuple[Entry, MergedParts, State]] = []
 
     def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Note a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
@@ -63,12 +64,12 @@ class Happenings:
                     one.device = device
         self._happened.append(_Happened("removed", entry, why, other, device))
 
-    def note_state(self, entry: Entry, state: State) -> None:
-        """Note that a part of *entry* told another value; while 10,000 wait, it is dropped and counted."""
+    def note_state(self, entry: Entry, parts: MergedParts, state: State) -> None:
+        """Note that one of the *parts* of *entry* told another value; while 10,000 wait, it is dropped and counted."""
         if len(self._states) >= _MAX_STATES:
             self.states_lost += 1
         else:
-            self._states.append((entry, state))
+            self._states.append((entry, parts, state))
 
     def take(self, at_most: int | None) -> tuple[DeviceChange, ...]:
         """Return the oldest changes, and what they made disputed, and forget them."""
@@ -76,10 +77,14 @@ class Happenings:
         self._happened = [] if at_most is None else self._happened[at_most:]
         return tuple(change for one in taken for change in self._changes(one))
 
-    def take_states(self) -> tuple[StateChange, ...]:
-        """Return the changes of states, oldest first, and forget them."""
+    def take_states(self, counts: Callable[[Entry, MergedParts, State], bool]) -> tuple[StateChange, ...]:
+        """Return the changes of states, oldest first, and forget them.
+
+        Args:
+            counts: Tells whether what the parts of a device told still counts.
+        """
         taken, self._states = self._states, []
-        return tuple(self._state_change(entry, state) for entry, state in taken)
+        return tuple(self._state_change(entry, state) for entry, parts, state in taken if counts(entry, parts, state))
 
     def _changes(self, one: _Happened) -> Iterator[DeviceChange]:
         """The change, and what became disputed by it."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import final
 
-from homebot.devices import Device, DeviceChange, Sighting, StateChange
+from homebot.devices import Device, DeviceChange, Sighting, State, StateChange
 from homebot.devices.device import ChangeKind
 from homebot.devices.part import Part
 from homebot.devices.query import Query, facets_of, type_is
@@ -23,10 +23,11 @@ from homebot.discovery.disputes import Disputes
 from homebot.discovery.entry import Entry
 from homebot.discovery.happenings import Happenings
 from homebot.discovery.ids import Tombstone, Tombstones, new_id
+from homebot.discovery.parts import MergedParts
 from homebot.discovery.postings import Postings
 from homebot.discovery.regroup import Regrouped, regroup
 from homebot.discovery.strays import Strays
-from homebot.discovery.values import has_part, reach, state_of, tell
+from homebot.discovery.values import can_tell, reach, state_of, tell
 from homebot.messages import Time
 
 __all__ = ["MAX_CLAIMS", "MAX_DEVICES", "DeviceIndex", "IndexCounters"]
@@ -56,7 +57,7 @@ class IndexCounters:
     Attributes:
         rejected: Announcements of new devices while the index was full, and those of a device that has too many.
         ghosts: Announcements that the broker had kept, of devices that were forgotten.
-        unknown_parts: Readings of parts that were not announced.
+        unknown_parts: Readings of parts that were not announced, or not with that capability; they change nothing.
     """
 
     rejected: int = 0
@@ -193,8 +194,11 @@ class DeviceIndex:
         return self._happenings.take(at_most)
 
     def take_states(self) -> tuple[StateChange, ...]:
-        """Return the changes of states, oldest first, and forget them; to be called after :meth:`take_changes`."""
-        return self._happenings.take_states()
+        """Return the changes of states, oldest first, and forget them; to be called after :meth:`take_changes`.
+
+        Those of parts and capabilities that went meanwhile are left out.
+        """
+        return self._happenings.take_states(self._counts)
 
     def devices(self, service_type: str = "") -> tuple[Device, ...]:
         """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""
@@ -533,7 +537,8 @@ class DeviceIndex:
 
     def _tell(self, entry: Entry, claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> None:
         """Note a value; make it findable, and tell it, where it is a new one."""
-        if (reading.part, reading.capability) not in claim.told and not has_part(claim, reading.part):
+        place = (reading.part, reading.capability)
+        if place not in claim.told and not can_tell(claim, *place):
             self.counters.unknown_parts += 1
             return
         told = tell(claim, reading, stamp, live=live)
@@ -541,16 +546,24 @@ class DeviceIndex:
         if told is None or not (is_sorted or self.tells_states):
             return
         merged = entry.parts(self._disputed)
-        place = merged.places.get((*claim.key, reading.part))
-        if place is None:
+        number = merged.places.get((*claim.key, reading.part))
+        if number is None:
             return
-        part = merged.parts[place]
+        part = merged.parts[number]
         if is_sorted and len(part.routes) > 1:
             self._unsorted[entry.id] = None
         elif is_sorted:
             self._postings.tell(entry.id, part.id, part.part.service_type, reading.capability, told.value)
         if self.tells_states:
-            self._happenings.note_state(entry, state_of(part.id, reading, told))
+            self._happenings.note_state(entry, merged, state_of(part.id, reading, told))
+
+    def _counts(self, entry: Entry, parts: MergedParts, state: State) -> bool:
+        if self._entries.get(entry.id) is not entry:
+            return False
+        if entry.parts(self._disputed) is parts:
+            return True
+        place = (state.part, state.capability)
+        return any((one.part, one.capability) == place for one in self._device(entry).states)
 
     def _mark(self, device_id: str) -> None:
         if self.is_saved:

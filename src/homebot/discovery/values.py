@@ -8,12 +8,13 @@ from homebot.discovery.claim import Claim, Told
 from homebot.discovery.entry import Entry
 from homebot.messages import Time
 
-__all__ = ["has_part", "reach", "state_of", "tell"]
+__all__ = ["can_tell", "reach", "state_of", "tell"]
 
 
-def has_part(claim: Claim, part_id: str) -> bool:
-    """Whether the part was announced."""
-    return any(part.id == part_id for part in claim.sighting.parts)
+def can_tell(claim: Claim, part_id: str, capability: str) -> bool:
+    """Whether a part with that capability was announced."""
+    part = next((one for one in claim.sighting.parts if one.id == part_id), None)
+    return part is not None and any(one.name == capability for one in part.capabilities)
 
 
 def tell(claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> Told | None:
