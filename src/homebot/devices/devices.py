@@ -21,6 +21,7 @@ from homebot.devices.services import (
     SubscribeToTopicRequest,
     SubscribeToTopicResponse,
 )
+from homebot.devices.told_at import told_at
 from homebot.errors import ClosedError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
 from homebot.log import LogLimit
@@ -133,7 +134,7 @@ class Devices:
             if not self._acts(endpoint.gateway):
                 raise RefusedError(f"a command to {device.id}", ONLY_OBSERVES)
             if out.subscription_count:
-                await out.send(RawCommand(address=endpoint.command_address, payload=payload))
+                await out.send(RawCommand(address=told_at(device, endpoint, payload), payload=payload))
                 if out.subscription_count:  # else the gateway went while its queue was full
                     return
         raise LinkError(f"{device.id} was not told {payload!r}: its gateway {endpoints[0].gateway} is not running")

@@ -1,0 +1,59 @@
+"""Where a device is told a word."""
+
+from __future__ import annotations
+
+from homebot.devices import Device, DevicePart, Endpoint, Route
+from homebot.devices.part import Capability, Part
+from homebot.devices.told_at import told_at
+from homebot.devices.words import words_address
+from homebot.messages import Time
+
+OWN, OTHER = words_address("own", "state"), words_address("other", "x")
+NEVER = Time(sec=0, nanosec=0)
+
+
+def lamp(*routes: Route) -> Device:
+    """A lamp that can be dimmed; nobody knows by which way."""
+    capabilities = (Capability(name="on_off", settable=True), Capability(name="level", settable=True))
+    part = Part(id="state", service_type="light", capabilities=capabilities)
+    return Device(
+        id="lamp",
+        name="Lamp",
+        service_type="light",
+        endpoints=(Endpoint(gateway="mqtt", key="own", address=OWN, command_address=OWN),),
+        metadata=(),
+        first_seen=NEVER,
+        last_seen=NEVER,
+        expires=NEVER,
+        freshness="fresh",
+        parts=(DevicePart(id="state", part=part, routes=routes),),
+    )
+
+
+def at(device: Device, said: str) -> str:
+    return told_at(device, device.endpoints[0], said)
+
+
+def test_a_word_goes_by_the_way_that_takes_what_it_means() -> None:
+    """Of its gateway; a word that means nothing is for that to refuse."""
+    device = lamp(
+        Route(gateway="mqtt", key="own", part="state", takes=("on_off",)),
+        Route(gateway="far", key="far", part="y"),
+        Route(gateway="mqtt", key="other", part="x"),
+    )
+    assert [at(device, said) for said in ("on", "0.5", "0", "2700 K", "")] == [OWN, OTHER, OWN, OWN, OWN]
+
+
+def test_a_word_that_no_way_of_the_gateway_takes_goes_where_the_device_listens() -> None:
+    device = lamp(
+        Route(gateway="mqtt", key="own", part="state", takes=("on_off",)), Route(gateway="far", key="far", part="y")
+    )
+    assert at(device, "0.5") == OWN
+
+
+def test_a_device_with_one_way_listens_where_it_says() -> None:
+    """And so does one that speaks plain words, whatever its parts."""
+    assert at(lamp(Route(gateway="mqtt", key="own", part="state", takes=("on_off",))), "0.5") == OWN
+    plain = lamp(Route(gateway="mqtt", key="own", part="state"), Route(gateway="mqtt", key="other", part="x"))
+    endpoint = Endpoint(gateway="mqtt", key="own", address="home/lamp/out", command_address="home/lamp/in")
+    assert told_at(plain, endpoint, "0.5") == "home/lamp/in"
