@@ -601,6 +601,17 @@ async def test_the_message_that_makes_a_device_known_is_read_as_its_state_once(m
         assert house.told() == [(LAMP, {"lamp.on_off": False}, False)]
 
 
+async def test_a_list_that_the_broker_drops_for_its_length_is_a_trouble(make_house: MakeHouse) -> None:
+    """A link of MQTT 5: nobody is told."""
+    async with make_house(conventions=("zigbee2mqtt",), max_payload=1024, max_announcement=4096) as house:
+        await house.say("zigbee2mqtt/bridge/info", {"version": "2.14.1"}, retain=True)
+        await house.say("zigbee2mqtt/bridge/devices", b"[" + b" " * 5000 + b"]", retain=True)
+        (trouble,) = (await house.health()).troubles
+        assert "larger than max_announcement" in trouble
+        await house.say("zigbee2mqtt/bridge/devices", "[]", retain=True)
+        assert (await house.health()).troubles == ()
+
+
 async def test_what_was_dropped_on_the_way_is_among_the_counts_of_health(make_house: MakeHouse) -> None:
     """A link of MQTT 3.1.1 brings what is too large, and its client drops it."""
     async with make_house(protocol="3.1.1", max_payload=1024, max_announcement=4096) as house:

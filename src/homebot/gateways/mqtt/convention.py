@@ -14,7 +14,7 @@ from homebot.devices.part import Part
 from homebot.devices.report import Reading
 from homebot.gateways.mqtt.description import Heard, Publication
 
-__all__ = ["Announcement", "Convention", "Publisher", "PublishingConvention", "TopicLayout"]
+__all__ = ["Announcement", "Convention", "Publisher", "PublishingConvention", "TopicLayout", "TroubledConvention"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +114,15 @@ class Publisher(Protocol):
 
     def take(self, topic: str, payload: bytes) -> Command | None:
         """Return the command that a message on one of the filters is; None where it is none."""
+        ...
+
+
+@runtime_checkable
+class TroubledConvention(Protocol):
+    """A convention that may notice that something it should hear does not come."""
+
+    def troubles(self) -> tuple[str, ...]:
+        """Return what is wrong now, in words for people; empty where nothing is."""
         ...
 
 

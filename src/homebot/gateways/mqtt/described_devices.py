@@ -21,7 +21,7 @@ from homebot.gateways.mqtt.channels import Channels
 from homebot.gateways.mqtt.claim import Voice, Witness
 from homebot.gateways.mqtt.claims import Change, Claims, Route
 from homebot.gateways.mqtt.commands import Commands
-from homebot.gateways.mqtt.convention import Convention, Publisher, PublishingConvention
+from homebot.gateways.mqtt.convention import Convention, Publisher, PublishingConvention, TroubledConvention
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.filter_tree import FilterTree
 from homebot.gateways.mqtt.last_words import LastWord, LastWords
@@ -223,7 +223,9 @@ class DescribedDevices:
             Count(name="dropped_overflow", count=lost.dropped_overflow),
             Count(name="dropped_malformed", count=lost.dropped_malformed),
         )
-        return HealthResponse(counts=counts, quarantined=self.tribunal.confined())
+        troubled = (one for one in self.conventions if isinstance(one, TroubledConvention))
+        troubles = tuple(trouble for one in troubled for trouble in one.troubles())
+        return HealthResponse(counts=counts, quarantined=self.tribunal.confined(), troubles=troubles)
 
 
 def _publishers(conventions: tuple[Convention, ...], gateway: str, connection: MqttConnection) -> tuple[Publisher, ...]:

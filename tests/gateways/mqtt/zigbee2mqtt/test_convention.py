@@ -57,6 +57,20 @@ def sources(device: Described) -> list[str]:
     return [source.topic for source in device.availability.sources]
 
 
+def test_a_bridge_whose_list_does_not_come_is_in_trouble() -> None:
+    """As where the list is larger than a broker may send."""
+    convention = bridge("zigbee2mqtt", "attic")
+    assert convention.troubles() == ()
+    info(convention, {})
+    (trouble,) = convention.troubles()
+    assert trouble.startswith("zigbee2mqtt/bridge/info came, but zigbee2mqtt/bridge/devices did not")
+    with pytest.raises(WireError):
+        convention.take("zigbee2mqtt/bridge/devices", b"{", retained=True)
+    assert convention.troubles() == ()
+    info(convention, {})
+    assert convention.troubles() == ()
+
+
 def test_it_listens_to_the_two_topics_of_each_bridge_and_not_to_groups() -> None:
     assert bridge("zigbee2mqtt", "attic/z2m").filters() == (
         "zigbee2mqtt/bridge/info",

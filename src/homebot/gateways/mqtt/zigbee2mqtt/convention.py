@@ -67,6 +67,7 @@ class Zigbee2Mqtt:
         self.rejected = 0
         self._devices: dict[str, dict[str, _Known]] = {base: {} for base in settings.bases}
         self._rules = {base: AvailabilityRule() for base in settings.bases}
+        self._listless = dict.fromkeys(settings.bases, False)  # no list came yet; whether what is beside it did
 
     def filters(self) -> tuple[str, ...]:
         """Return the topics of the lists, after those of what says how to read them."""
@@ -75,6 +76,15 @@ class Zigbee2Mqtt:
     def births(self) -> tuple[Publication, ...]:
         """Return nothing: the lists are retained."""
         return ()
+
+    def troubles(self) -> tuple[str, ...]:
+        """Return which bridges told how they are set up, but not which devices they have: both are retained."""
+        return tuple(
+            f"{base}/bridge/info came, but {base}/bridge/devices did not: a list that is larger than max_announcement "
+            "is dropped by the broker without a word"
+            for base, is_told in self._listless.items()
+            if is_told
+        )
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:  # noqa: ARG002 - a list counts as much when it was kept
         """Take a list of devices and return what it tells of each. A broken entry costs that device alone."""
@@ -91,6 +101,7 @@ class Zigbee2Mqtt:
 
     def _take_devices(self, base: str, topic: str, payload: bytes) -> tuple[Heard, ...]:
         before = self._devices[base]
+        self._listless.pop(base, None)
         if not payload:
             self._devices[base] = {}
             return tuple(Withdrawn(one.described.key, "its bridge's list was removed") for one in before.values())
@@ -147,6 +158,8 @@ class Zigbee2Mqtt:
 
     def _take_info(self, base: str, payload: bytes) -> tuple[Heard, ...]:
         """Take how the bridge is set up, and describe anew the devices whose availability is told otherwise now."""
+        if base in self._listless:
+            self._listless[base] = True
         rule = read_availability_rule(parse_object(payload, MAX_BRIDGE_BYTES))
         if rule == self._rules[base]:
             return ()
