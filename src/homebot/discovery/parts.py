@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import TypeAlias
 
 from homebot.devices import DevicePart, Route
@@ -45,14 +46,43 @@ class MergedParts:
         return {place: self.parts[number].id for place, number in self.places.items()}
 
 
+_Source: TypeAlias = tuple[str, str]
+"""Gateway and convention."""
+
+
 @dataclass(slots=True)
 class _Merged:
-    """A part in the making: *ways* are those that nobody disputes."""
+    """A part in the making, the so-manieth; *ways* are those that nobody disputes."""
 
     part: Part
+    number: int
     claims: list[Claim] = field(default_factory=list)
     places: list[tuple[int, PartPlace]] = field(default_factory=list)
     ways: list[tuple[PartPlace, str, Part]] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class _SameType:
+    """The parts of one type, by whose they are first: a thousand of one source must not be held against each other."""
+
+    by_source: dict[_Source, list[_Merged]] = field(default_factory=dict)
+    by_id: dict[tuple[_Source, str], list[_Merged]] = field(default_factory=dict)
+
+    def add(self, claim: Claim, one: _Merged) -> None:
+        source = _source(claim)
+        self.by_source.setdefault(source, []).append(one)
+        self.by_id.setdefault((source, one.part.id), []).append(one)
+
+    def namesakes(self, claim: Claim, part: Part) -> Iterator[_Merged]:
+        """Those that another announcement of the same source calls the same."""
+        return (one for one in self.by_id.get((_source(claim), part.id), ()) if one.claims[0] is not claim)
+
+    def strangers(self, claim: Claim) -> list[_Merged]:
+        """Those that no announcement of the same source tells of, in the order of their coming."""
+        mine = _source(claim)
+        found = [one for source, some in self.by_source.items() if source != mine for one in some]
+        found.sort(key=attrgetter("number"))
+        return [one for one in found if all(_source(other) != mine for other in one.claims)]
 
 
 def merge_parts(claims: Sequence[Claim], disputed: Disputed, known: PartIds = NO_IDS) -> MergedParts:
@@ -63,7 +93,7 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed, known: PartIds = NO
     they have one id and the same topics. Two of one id that do not are in conflict: the older one counts.
     """
     merged: list[_Merged] = []
-    by_type: dict[str, list[_Merged]] = {}
+    by_type: dict[str, _SameType] = {}
     places: dict[PartPlace, int] = {}
     conflicts: list[str] = []
     ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
@@ -72,7 +102,7 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed, known: PartIds = NO
     for claim in ordered:
         gateway, key = claim.key
         for part in claim.sighting.parts:
-            same_type = by_type.setdefault(part.service_type, [])
+            same_type = by_type.setdefault(part.service_type, _SameType())
             rival = _rival(claim, part, same_type) if len(claims) > 1 else None
             if rival is not None:
                 conflicts.append(f"{claim.label} announces {part.id!r}, which is {rival.claims[0].label}'s")
@@ -84,8 +114,8 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed, known: PartIds = NO
                 if len(merged) >= MAX_PARTS:
                     left_out += 1
                     continue
-                found = _Merged(part)
-                same_type.append(found)
+                found = _Merged(part, len(merged))
+                same_type.add(claim, found)
                 merged.append(found)
             place = (gateway, key, part.id)
             found.claims.append(claim)
@@ -94,11 +124,8 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed, known: PartIds = NO
                 conflicts.append(dispute)
             else:
                 found.ways.append((place, claim.sighting.convention, part))
-            places[place] = id(found)
-    numbers = {id(one): number for number, one in enumerate(merged)}
-    return MergedParts(
-        _named(merged, known), tuple(conflicts), {place: numbers[one] for place, one in places.items()}, left_out
-    )
+            places[place] = found.number
+    return MergedParts(_named(merged, known), tuple(conflicts), places, left_out)
 
 
 def main_part(parts: Iterable[DevicePart]) -> DevicePart | None:
@@ -148,29 +175,22 @@ _Place: TypeAlias = tuple[str, str, str, frozenset[str]]
 _ANYTHING = frozenset({"*"})
 
 
-def _rival(claim: Claim, part: Part, others: list[_Merged]) -> _Merged | None:
+def _rival(claim: Claim, part: Part, others: _SameType) -> _Merged | None:
     """The part that another announcement in the same convention calls the same, though it is elsewhere."""
-    if not part.id:
-        return None
-    for other in others:
-        first = other.claims[0]
-        if other.part.id == part.id and _same_source(claim, first) and claim is not first:
-            return None if _same_topics(part, other.part) else other
-    return None
+    first = next(others.namesakes(claim, part), None) if part.id else None
+    return None if first is None or _same_topics(part, first.part) else first
 
 
-def _twin(claim: Claim, part: Part, others: list[_Merged], alone: frozenset[_Place]) -> _Merged | None:
+def _twin(claim: Claim, part: Part, others: _SameType, alone: frozenset[_Place]) -> _Merged | None:
     """The part that is most likely the same, if one is."""
+    same = next((one for one in others.namesakes(claim, part) if _same_topics(part, one.part)), None)
+    if same is not None:
+        return same
     best, likelihood = None, 0
-    for other in others:
-        first = other.claims[0]
-        if _same_source(claim, first):
-            if claim is not first and part.id == other.part.id and _same_topics(part, other.part):
-                return other
-        elif not any(_same_source(claim, one) for one in other.claims):
-            found = _likelihood(claim, part, other, alone)
-            if found > likelihood:
-                best, likelihood = other, found
+    for other in others.strangers(claim):
+        found = _likelihood(claim, part, other, alone)
+        if found > likelihood:
+            best, likelihood = other, found
     return best
 
 
@@ -208,7 +228,7 @@ def _is_rather_another(claim: Claim, part: Part, twin: _Merged, merged: Iterable
     return any(
         one.part.service_type != part.service_type
         and _shared_id(part.id, one.part.id) > shared
-        and not _same_source(claim, one.claims[0])
+        and _source(claim) != _source(one.claims[0])
         for one in merged
     )
 
@@ -222,9 +242,8 @@ def _shared_id(one: str, other: str) -> int:
     return len(short) if short and f" {short} " in f" {long} " else 0
 
 
-def _same_source(one: Claim, other: Claim) -> bool:
-    mine, others = one.sighting, other.sighting
-    return mine.convention == others.convention and mine.gateway == others.gateway
+def _source(claim: Claim) -> _Source:
+    return claim.sighting.gateway, claim.sighting.convention
 
 
 def _same_topics(part: Part, other: Part) -> bool:
