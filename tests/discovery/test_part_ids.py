@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from homebot.devices import Sighting
@@ -82,13 +82,7 @@ def test_ids_are_the_same_after_a_restart(
     for one in (foreign, native, sensor, gone(foreign)):
         index.observe(one)
         index.devices()
-    (device,) = index.devices()
-    entry = index.entry(device.id)
-    assert entry is not None
-    record = entry_record(entry)
-
-    again = DeviceIndex(forget_after=1000.0)
-    again.restore(read_entry(device.id, record), 1.0)
+    again = after_restart(index)
     assert lamps(again) == ["0x17_light"]
     for one in (native, foreign):
         again.observe(one)
@@ -141,6 +135,65 @@ def test_what_is_remembered_of_parts_that_are_gone_is_bounded() -> None:
     assert lost_ids({("g", "k", "a"): "a", ("g", "k", "b"): "x"}, [("g", "k", "b")]) is NO_IDS
 
 
+def the_four(announce: Announce, part: MakePart) -> tuple[Sighting, ...]:
+    """Two conventions about a lamp with a plug, and what each says of it at another time."""
+
+    def lamp(name: str) -> Part:
+        return part("light", "on_off", id=name, reads=("z",), writes=("z/set",))
+
+    def plug(name: str) -> Part:
+        return part("plug", "on_off", id=name, reads=("z",), writes=("z/set",))
+
+    return (
+        announce("light/0x17", lamp("state"), ids=(IEEE,)),
+        announce("plug/0x17", plug("0x17_plug"), ids=(IEEE,)),
+        announce("0x17", lamp("light"), plug("state"), convention="zigbee2mqtt", ids=(IEEE,)),
+        announce("0x17", plug("light"), convention="zigbee2mqtt", ids=(IEEE,)),
+    )
+
+
+def part_routes(index: DeviceIndex) -> dict[str, frozenset[tuple[str, str]]]:
+    """Who tells of each part of the only device."""
+    return {
+        one.id: frozenset((way.key, way.part) for way in one.routes)
+        for device in index.devices()
+        for one in device.parts
+    }
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(st.tuples(st.integers(0, 3), st.sampled_from(["says", "says", "is gone", "restart"])), max_size=12))
+def test_whatever_is_said_in_whatever_order_a_part_that_stays_one_keeps_its_id(
+    announce: Announce, part: MakePart, steps: list[tuple[int, str]]
+) -> None:
+    sightings = the_four(announce, part)
+    index = DeviceIndex(forget_after=1000.0)
+    for number, what in steps:
+        before = part_routes(index)
+        if what == "restart":
+            index = after_restart(index)
+            assert part_routes(index) == before
+            continue
+        had = {one.id for one in index.devices()}
+        index.observe(sightings[number] if what == "says" else gone(sightings[number]))
+        now = part_routes(index)
+        if not had or not index.devices():
+            continue
+        for part_id, ways in now.items():
+            were = [old for old, old_ways in before.items() if ways & old_ways]
+            if len(were) == 1 and sum(bool(before[were[0]] & other) for other in now.values()) == 1:
+                assert part_id == were[0]
+
+
+def after_restart(index: DeviceIndex) -> DeviceIndex:
+    again = DeviceIndex(forget_after=1000.0)
+    for device in index.devices():
+        entry = index.entry(device.id)
+        assert entry is not None
+        again.restore(read_entry(device.id, entry_record(entry)), 1.0)
+    return again
+
+
 places = st.tuples(st.just("g"), st.sampled_from("kl"), st.sampled_from("ab"))
 
 
@@ -156,4 +209,4 @@ def test_ids_are_always_different_and_last(
     assert len(set(ids)) == len(ids) == len(parts)
     told = {place: part_id for part, part_id in zip(named, ids, strict=True) for _, place in part.places}
     if len(told) == sum(len(part.places) for part in named):
-        assert part_ids(named, told) == tuple(part_id for part_id in ids)
+        assert part_ids(named, told) == ids
