@@ -13,6 +13,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
 from homebot.devices.report import Report
 from homebot.discovery import DeviceIndex
+from homebot.discovery.parts import MAX_COMPARED
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]
@@ -339,6 +340,32 @@ def test_a_device_of_many_entities_is_bounded(index: DeviceIndex, announce: Anno
     (device,) = index.devices()
     assert len(device.parts) == 1000
     assert index.counters.rejected == 100
+
+
+def test_parts_beyond_a_thousand_are_left_out_and_that_is_told(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    for source in ("a", "b"):
+        sensors = [part("x_sensor", id=f"{source}{number}") for number in range(501)]
+        index.observe(announce(source, *sensors, ids=(MAC,)))
+
+    (device,) = index.devices()
+    assert len(device.parts) == 1000
+    assert device.conflicts == ("2 further parts are left out, for a device has 1,000 at most",)
+
+
+def test_many_parts_that_two_conventions_tell_of_are_held_against_each_other_within_bounds(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """Those that come late stay parts of their own."""
+    for convention, ids in (("zigbee2mqtt", (IEEE,)), ("homeassistant", (IEEE, "id:lamp"))):
+        sensors = [part("x_sensor", "measurement", id=f"s{n}", name=f"Sensor {n}") for n in range(200)]
+        index.observe(announce("many", *sensors, convention=convention, ids=ids))
+
+    (device,) = index.devices()
+    merged = [one for one in device.parts if len(one.routes) > 1]
+    assert [one.id for one in merged] == [f"s{n}" for n in range(MAX_COMPARED // 200)]
+    assert len(device.parts) == 400 - len(merged)
 
 
 def test_a_device_that_tells_more_of_who_it_is_is_described_anew(

@@ -16,10 +16,13 @@ from homebot.discovery.abilities import taken_by, united
 from homebot.discovery.claim import Claim, preference
 from homebot.discovery.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
 
-__all__ = ["MAX_PARTS", "Disputed", "MergedParts", "main_part", "merge_parts"]
+__all__ = ["MAX_COMPARED", "MAX_PARTS", "Disputed", "MergedParts", "main_part", "merge_parts"]
 
 MAX_PARTS = 1000
 """Parts of one device; further ones are left out."""
+
+MAX_COMPARED = 10_000
+"""How often two parts of one type are held against each other; further ones stay parts of their own."""
 
 Disputed: TypeAlias = Callable[[Claim, Part], str]
 """Says in words who else has what a part of a claim would use; empty for nobody."""
@@ -33,13 +36,11 @@ class MergedParts:
         parts: The parts, in the order of the preferred announcements.
         conflicts: What was left out, and why, in words.
         places: Which part of the device each part of a claim is, by gateway, key and part.
-        left_out: How many parts were too many.
     """
 
     parts: tuple[DevicePart, ...]
     conflicts: tuple[str, ...]
     places: dict[PartPlace, int]
-    left_out: int = 0
 
     def ids(self) -> dict[PartPlace, str]:
         """Return which id the part has that each part of a claim is."""
@@ -67,6 +68,7 @@ class _SameType:
 
     by_source: dict[_Source, list[_Merged]] = field(default_factory=dict)
     by_id: dict[tuple[_Source, str], list[_Merged]] = field(default_factory=dict)
+    compared: int = 0
 
     def add(self, claim: Claim, one: _Merged) -> None:
         source = _source(claim)
@@ -78,9 +80,12 @@ class _SameType:
         return (one for one in self.by_id.get((_source(claim), part.id), ()) if one.claims[0] is not claim)
 
     def strangers(self, claim: Claim) -> list[_Merged]:
-        """Those that no announcement of the same source tells of, in the order of their coming."""
+        """Those that no announcement of the same source tells of, in their order, to be held against one of its."""
         mine = _source(claim)
         found = [one for source, some in self.by_source.items() if source != mine for one in some]
+        self.compared += len(found)
+        if self.compared > MAX_COMPARED:
+            return []
         found.sort(key=attrgetter("number"))
         return [one for one in found if all(_source(other) != mine for other in one.claims)]
 
@@ -125,7 +130,9 @@ def merge_parts(claims: Sequence[Claim], disputed: Disputed, known: PartIds = NO
             else:
                 found.ways.append((place, claim.sighting.convention, part))
             places[place] = found.number
-    return MergedParts(_named(merged, known), tuple(conflicts), places, left_out)
+    if left_out:
+        conflicts.append(f"{left_out} further parts are left out, for a device has {MAX_PARTS:,} at most")
+    return MergedParts(_named(merged, known), tuple(conflicts), places)
 
 
 def main_part(parts: Iterable[DevicePart]) -> DevicePart | None:
@@ -139,7 +146,9 @@ _RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
 
 
 def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
-    ids = part_ids([Named(one.part.id, one.claims[0].label, one.places) for one in merged], known)
+    ids: Sequence[str] = [one.part.id for one in merged]
+    if known or len(set(ids)) < len(ids):
+        ids = part_ids([Named(one.part.id, one.claims[0].label, one.places) for one in merged], known)
     return tuple(_device_part(part_id, one) for part_id, one in zip(ids, merged, strict=True))
 
 
