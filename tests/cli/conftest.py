@@ -15,8 +15,23 @@ from pydantic import SecretStr
 from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
 from homebot.clock import Clock
-from homebot.devices import FIND_DEVICES, Device, Endpoint, FindDevices, KeyValue, RawMessage
-from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
+from homebot.devices import (
+    FIND_DEVICES,
+    QUERY_DEVICES,
+    Device,
+    Endpoint,
+    FindDevices,
+    Found,
+    KeyValue,
+    QueryDevices,
+    RawMessage,
+)
+from homebot.devices.services import (
+    FindDevicesRequest,
+    FindDevicesResponse,
+    QueryDevicesRequest,
+    QueryDevicesResponse,
+)
 from homebot.graph import Graph, Node, Publisher, qos_profile_latched
 from homebot.messages import Int32, SetBool, String, Time
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
@@ -123,8 +138,13 @@ def _talker(graph: Graph) -> Node:
         found = [one for one in (_lamp(stamp),) if request.service_type in {"", one.service_type}]
         return FindDevicesResponse(devices=tuple(found), sequence=1)
 
+    def query(request: QueryDevicesRequest) -> QueryDevicesResponse:
+        assert request.query == ""
+        return QueryDevicesResponse(success=True, results=(Found(device=_lamp(stamp), score=1.0, reasons=()),), total=1)
+
     node.create_service(SetBool, "/switch", switch)
     node.create_service(FindDevices, FIND_DEVICES, find)
+    node.create_service(QueryDevices, QUERY_DEVICES, query)
     return node
 
 

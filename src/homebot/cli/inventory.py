@@ -19,20 +19,35 @@ __all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons
 
 _NEAR = 100
 
+_PAGE = 200
+"""Devices in one answer: homebot does nothing else while it spells one out, and a whole house may take seconds."""
+
+_ROUNDS = 3
+"""Times that all pages are asked for, should devices change places in between so that one slips through."""
+
 
 async def all_devices(door: DoorClient, service_type: str = "") -> tuple[Device, ...]:
     """Return the devices that offer *service_type*, sorted by id; all where it is empty."""
-    answer = await door.call(FIND_DEVICES, {"service_type": service_type})
-    return message_from_json(FindDevicesResponse, answer).devices
+    if service_type:
+        answer = await door.call(FIND_DEVICES, {"service_type": service_type})
+        return message_from_json(FindDevicesResponse, answer).devices
+    found: dict[str, Device] = {}
+    for _ in range(_ROUNDS):
+        page = await find_devices(door, "", _PAGE)
+        pages = [page, *[await find_devices(door, "", _PAGE, offset) for offset in range(_PAGE, page.total, _PAGE)]]
+        found |= {one.device.id: one.device for some in pages for one in some.results}
+        if len(found) >= pages[-1].total:
+            break
+    return tuple(found[one] for one in sorted(found))
 
 
-async def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryDevicesResponse:
-    """Return what fits *query*, best first.
+async def find_devices(door: DoorClient, query: str, limit: int = 0, offset: int = 0) -> QueryDevicesResponse:
+    """Return what fits *query*, best first; *limit* at most, without the *offset* best.
 
     Raises:
         PeerError: The query is not understood; the message says what of it.
     """
-    answer = await door.call(QUERY_DEVICES, {"query": query, "offset": 0, "limit": limit})
+    answer = await door.call(QUERY_DEVICES, {"query": query, "offset": offset, "limit": limit})
     found = message_from_json(QueryDevicesResponse, answer)
     if not found.success:
         raise PeerError(found.message)

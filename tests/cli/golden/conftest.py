@@ -214,6 +214,7 @@ class StillHouse:
         is_well: Whether nothing is wrong.
         crowd: How many more devices there are that are silent, each disputed twice.
         carried: How many devices were given out.
+        restless: For how many questions the devices change places.
     """
 
     def __init__(self) -> None:
@@ -223,6 +224,7 @@ class StillHouse:
         self.is_well = False
         self.crowd = 0
         self.carried = 0
+        self.restless = 0
 
     def node(self, graph: Graph) -> Node:
         node = Node(graph, "still")
@@ -256,11 +258,13 @@ class StillHouse:
         except UsageError as exc:
             return QueryDevicesResponse(success=False, message=str(exc))
         found = [one for one in self._devices() if fits(query, facets_of(one))]
+        found = found[self.restless :] + found[: self.restless]
+        self.restless = max(0, self.restless - 1)
         results = tuple(
             Found(device=one, score=2.0 - number, reasons=(f"it is number {number + 1}", f"it is {one.freshness}"))
             for number, one in enumerate(found)
         )
-        shown = results[: request.limit or None]
+        shown = results[request.offset :][: request.limit or None]
         self.carried += len(shown)
         return QueryDevicesResponse(success=True, results=shown, total=len(found))
 

@@ -73,6 +73,26 @@ def test_the_doctor_asks_for_no_more_devices_than_it_names(
     assert still.carried <= 3 * 20 + 2
 
 
+def test_all_devices_of_a_large_house_are_listed_once_each(
+    still: StillHouse, still_homebot: Homebot, capsys: Text
+) -> None:
+    still.crowd = 450
+    assert main(["--door", still_homebot.door, "devices", "--json"]) == 0
+    ids = [one["id"] for one in json.loads(capsys.readouterr().out)]
+    assert len(ids) == len(set(ids)) == 453
+    assert ids == sorted(ids)
+    assert still.carried == 453
+
+
+def test_a_device_that_slips_from_page_to_page_is_listed(
+    still: StillHouse, still_homebot: Homebot, capsys: Text
+) -> None:
+    still.crowd, still.restless = 450, 3
+    assert main(["--door", still_homebot.door, "devices", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)) == 453
+    assert still.carried == 453 * 2
+
+
 def test_results_are_json_on_request(still_homebot: Homebot, capsys: Text) -> None:
     assert main(["--door", still_homebot.door, "find", "--json", "light"]) == 0
     (found,) = json.loads(capsys.readouterr().out)
