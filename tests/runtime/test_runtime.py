@@ -218,6 +218,21 @@ async def test_a_start_that_is_cancelled_stops_what_it_started() -> None:
     assert JOURNAL.lines == ["steady starts", "never ready", "steady ends"]
 
 
+async def test_a_program_that_is_cancelled_stops_everything_at_once() -> None:
+    """However its task group and ours lie in each other."""
+    runtime = Runtime(config(gateways={"mqtt": {}}, apps={"steady": app(Steady)}))
+    with anyio.fail_after(5):
+        async with anyio.create_task_group() as tasks:
+
+            async def program() -> None:
+                async with runtime:
+                    tasks.cancel_scope.cancel()
+                    await anyio.sleep_forever()
+
+            tasks.start_soon(program)
+    assert runtime.graph.get_node_names() == ()
+
+
 async def test_an_error_of_the_program_passes_as_it_is() -> None:
     """Not wrapped in groups."""
     with pytest.raises(KeyError, match="mine"):

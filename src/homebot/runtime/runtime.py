@@ -10,6 +10,7 @@ from contextlib import AsyncExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from random import Random
+from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 import anyio
@@ -109,19 +110,32 @@ class Runtime:
         """
         try:
             await self._start(self._stack)
-        except BaseException:
-            await self._stack.aclose()
+        except BaseException as exc:
+            await self._stop(exc)
             raise
         return self
 
-    async def __aexit__(self, *exc_info: object) -> None:
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         _log.info(STOPPING, message="stopping")
-        await self._stack.aclose()
+        await self._stop(error)
 
     def cut_start_short(self) -> None:
         """Start nothing more and wait for nothing, if the start is still under way; entering then returns at once."""
         self._start_is_cut = True
         self.supervisor.hurry()
+
+    async def _stop(self, error: BaseException | None) -> None:
+        """Stop what was started. An error passes as it is, not wrapped into groups.
+
+        A cancellation is shown to the task groups, which know whether it is their own: kept from them it comes up again
+        in each, and where two are each other's cause anyio 4.16 looks for the first for ever.
+        """
+        if isinstance(error, anyio.get_cancelled_exc_class()):
+            await self._stack.__aexit__(type(error), error, error.__traceback__)
+        else:
+            await self._stack.aclose()
 
     async def _start(self, stack: AsyncExitStack) -> None:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
