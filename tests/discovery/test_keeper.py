@@ -101,6 +101,20 @@ async def test_a_place_that_cannot_be_written_is_told_and_costs_no_device(
     assert "discovery.index_file_not_written" in [line["event"] for line in lines]
 
 
+async def test_a_device_that_no_file_can_hold_costs_itself_alone(
+    path: Path, announce: Announce, part: MakePart
+) -> None:
+    with capture_logs() as lines:
+        async with directory_with(path) as directory:
+            directory.index.observe(announce("bad", part(), ids=("id:half-a-pair",), name="\ud800"))
+            directory.index.observe(announce("\ud800", name="A key is an id"))
+            directory.index.observe(announce("good", part(), ids=("id:lamp",), name="Lamp"))
+            directory.index.forget("homeassistant:\ud800", 1.0)
+    assert "discovery.index_record_rejected" in [line["event"] for line in lines]
+    async with directory_with(path) as directory:
+        assert [one.id for one in directory.index.devices()] == ["lamp"]
+
+
 async def test_a_file_that_cannot_be_written_is_a_trouble_for_those_who_ask(path: Path) -> None:
     graph = Graph()
     path.mkdir()

@@ -134,10 +134,10 @@ class Keeper:
                 return
 
     async def _write(self, file: IndexFile, batch: tuple[str, ...]) -> bool:
-        entries = [entry for one in batch if (entry := self._index.entry(one)) is not None]
+        devices = [row for one in batch if (row := self._row(one)) is not None]
         stones = [stone for one in batch if (stone := self._index.tombstones.get(one)) is not None]
         records = Records(
-            tuple((entry.id, entry_record(entry)) for entry in entries),
+            tuple(devices),
             tuple((stone.id, tombstone_record(stone)) for stone in stones),
         )
         if self.state != "ok" and not await self._open(file):
@@ -154,6 +154,16 @@ class Keeper:
             self.state = "ok"
             self._node.log.info(WRITTEN_AGAIN, message=f"{self.file} is written again", file=self.file)
         return True
+
+    def _row(self, device_id: str) -> tuple[str, str] | None:
+        entry = self._index.entry(device_id)
+        try:
+            return None if entry is None else (device_id, entry_record(entry))
+        except WireError as exc:
+            self.failures += 1
+            if self._limit.allows(BAD_RECORD) is not None:
+                self._node.log.warning(BAD_RECORD, message=f"a device is not remembered: {exc}")
+            return None
 
     async def _set_aside(self, file: IndexFile, why: str) -> None:
         """Begin a new file with all that is known now."""

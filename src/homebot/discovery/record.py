@@ -52,7 +52,11 @@ _RecordT = TypeVar("_RecordT", bound=BaseModel)
 
 
 def entry_record(entry: Entry) -> str:
-    """Return the record of a device; what its parts told is not in it, for it would be old."""
+    """Return the record of a device; what its parts told is not in it, for it would be old.
+
+    Raises:
+        WireError: A text in it is half a surrogate pair, which no file can hold.
+    """
     ids: dict[ClaimKey, dict[str, str]] = {}
     for (gateway, key, part), part_id in entry.part_ids().items():
         if part_id != part:
@@ -65,7 +69,11 @@ def entry_record(entry: Entry) -> str:
         )
         for claim in entry.claims.values()
     )
-    return _EntryRecord(first_seen=entry.first_seen, gaps=entry.rhythm.gaps, claims=claims).model_dump_json()
+    try:
+        entry.id.encode()
+        return _EntryRecord(first_seen=entry.first_seen, gaps=entry.rhythm.gaps, claims=claims).model_dump_json()
+    except ValueError as exc:
+        raise WireError(f"{entry.id[:100]!r} cannot be kept: {exc}", b"") from exc
 
 
 def read_entry(device_id: str, text: str) -> Entry:

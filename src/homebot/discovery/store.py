@@ -129,11 +129,12 @@ class IndexFile:
         connection = self._opened()
         try:
             with connection:
-                rows = [(one,) for one in gone]
+                rows = [(one,) for one in gone if _is_text(one)]
+                stones = [(one, record) for one, record in records.tombstones if _is_text(one)]
                 connection.executemany("DELETE FROM devices WHERE id = ?", rows)
                 connection.executemany("DELETE FROM tombstones WHERE id = ?", rows)
                 connection.executemany("INSERT OR REPLACE INTO devices VALUES (?, ?)", records.devices)
-                connection.executemany("INSERT OR REPLACE INTO tombstones VALUES (?, ?)", records.tombstones)
+                connection.executemany("INSERT OR REPLACE INTO tombstones VALUES (?, ?)", stones)
         except sqlite3.Error as exc:
             if _is_damage(exc):
                 raise WireError(f"the index file {self.path} is damaged: {exc}", b"") from exc
@@ -221,6 +222,11 @@ def _is_damage(exc: sqlite3.Error) -> bool:
     if not isinstance(exc, sqlite3.OperationalError):
         return isinstance(exc, sqlite3.DatabaseError)
     return "no such" in str(exc) or "already exists" in str(exc)
+
+
+def _is_text(device_id: str) -> bool:
+    """Whether it is no half of a surrogate pair, of which no row can be."""
+    return not any("\ud800" <= one <= "\udfff" for one in device_id)
 
 
 def _texts(rows: Iterable[tuple[object, object]]) -> tuple[tuple[str, str], ...]:
