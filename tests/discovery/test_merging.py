@@ -56,6 +56,14 @@ def test_the_entities_of_one_device_are_one_device_told_of_once(
     assert device.evidence == ()
 
 
+def test_a_device_that_is_described_anew_before_it_was_told_of_was_announced(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    index.observe(announce("l", part(), ids=(MAC,)).model_copy(update={"why": "it is described anew"}))
+    (change,) = index.take_changes()
+    assert (change.kind, change.why) == ("appeared", "it was announced")
+
+
 def test_one_lamp_through_two_conventions_is_one_lamp_with_two_routes(
     index: DeviceIndex, announce: Announce, part: MakePart
 ) -> None:

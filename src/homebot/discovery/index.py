@@ -309,14 +309,16 @@ class DeviceIndex:
             confirmed=sighting.confirmed,
         )
         self._claims[key] = claim
+        is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first word was overtaken
+        why = "it was announced" if is_late else sighting.why
         if is_alone:
-            self._appear({key: claim}, sighting.why)
+            self._appear({key: claim}, why)
         elif sibling is not None:
             self._join(self._owner[sibling], claim)
         else:
-            self._regroup(affected, sighting.why)
+            self._regroup(affected, why)
         if sighting.confirmed and not is_alone:
-            self._hear(self._owner[key], claim, sighting.seen_at, sighting.why)
+            self._hear(self._owner[key], claim, sighting.seen_at, why)
         for report in self._strays.take(key, sighting.seen_at.sec):
             self.report(report)
 

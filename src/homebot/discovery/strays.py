@@ -61,8 +61,8 @@ class Strays:
             return None
         lasts = sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds()
         expires_at = Time.from_seconds(report.received_at.to_seconds() + lasts)
-        update = {"seen_at": report.received_at, "expires_at": expires_at, "confirmed": True, "why": "it spoke again"}
-        return sighting.model_copy(update=update)
+        update = {"seen_at": report.received_at, "expires_at": expires_at, "confirmed": True}
+        return sighting.model_copy(update={**update, "kind": "appeared", "why": "it spoke again"})
 
     def take(self, key: ClaimKey, now: int) -> tuple[Report, ...]:
         """Return the reports of the device that is announced at *now*, oldest first, and forget them."""
