@@ -145,6 +145,19 @@ def test_a_full_disk_costs_nothing_that_was_there(path: Path) -> None:
     file.close()
 
 
+def test_a_file_that_another_homebot_uses_is_left_to_it(path: Path) -> None:
+    """Until that one ends."""
+    first, second = IndexFile(path), IndexFile(path, patience=0.01)
+    first.open(0.0)
+    with pytest.raises(UsageError, match=r"is used by another homebot; .*--ephemeral"):
+        second.open(0.0)
+    first.write(Records((("lamp", "{}"),), ()), ())
+    first.close()
+    second.open(0.0)
+    assert second.read().devices == (("lamp", "{}"),)
+    second.close()
+
+
 def test_the_place_is_the_users(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path))
     assert index_path("my home/x").parent.parent == tmp_path

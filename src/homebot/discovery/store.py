@@ -74,10 +74,12 @@ class IndexFile:
 
     Args:
         path: Where it is; directories are made.
+        patience: Seconds to wait for another homebot that uses it and may be about to end.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, patience: float = _BUSY) -> None:
         self.path = path
+        self._patience = patience
         self._connection: sqlite3.Connection | None = None
 
     def open(self, now: float) -> Path | None:
@@ -91,13 +93,18 @@ class IndexFile:
 
         Raises:
             LinkError: It cannot be opened or written now, for example because the disk is full.
-            UsageError: A newer homebot wrote it.
+            UsageError: A newer homebot wrote it, or another one uses it now.
         """
         self.close()
         set_aside = None
         try:
             self._open()
         except sqlite3.DatabaseError as exc:
+            if "locked" in str(exc):
+                raise UsageError(
+                    f"the index file {self.path} is used by another homebot; give this one a place of its own "
+                    "(HOMEBOT_DATA), or run it with --ephemeral"
+                ) from exc
             if not _is_damage(exc):
                 raise LinkError(f"the index file {self.path} cannot be opened: {exc}") from exc
             set_aside = self._replace(now)
@@ -172,8 +179,10 @@ class IndexFile:
 
     def _open(self) -> None:
         self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        connection = sqlite3.connect(self.path, timeout=_BUSY, check_same_thread=False, isolation_level=None)
+        connection = sqlite3.connect(self.path, timeout=self._patience, check_same_thread=False, isolation_level=None)
         try:
+            # Two homebots of one file would overwrite each other's devices.
+            connection.execute("PRAGMA locking_mode = EXCLUSIVE")
             version = self._version(connection)
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = NORMAL")
