@@ -31,14 +31,17 @@ from homebot.errors import UsageError
 
 __all__ = ["UNITS", "comparison"]
 
-UNITS = frozenset({"%", "K", "°C", "C", "W", "kWh", "V", "A", "Hz", "lx", "hPa", "ppm", "µg/m³", "m³/h", "dBm"})
-"""Units that may stand after a number; they say nothing, for every capability has one unit."""
+UNITS = frozenset(
+    {"%", "K", "°C", "C", "°F", "F", "W", "mW", "kW", "Wh", "kWh", "MWh", "V", "mV", "A", "mA", "Hz"}
+    | {"lx", "hPa", "kPa", "Pa", "mbar", "bar", "ppm", "ppb", "µg/m³", "m³/h", "l/min", "dBm"}
+)
+"""Units that may stand after a number. A capability has one, and another is refused rather than taken for it."""
 
 _FLAGS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
 _FRESHNESS = ("fresh", "unconfirmed", "stale")
 _CATEGORIES = ("config", "diagnostic")
 _REACHABLE = {"yes": "yes", "true": "yes", "no": "no", "false": "no", "unknown": "unknown"}
-_NUMBER = re.compile(r"[+-]?\d{1,15}(?:\.\d{1,15})?")
+_NUMBER = re.compile(r"([+-]?\d{1,15}(?:\.\d{1,15})?)(\D*)")
 _CONTACT = {"open": True, "closed": False}
 
 
@@ -83,10 +86,10 @@ def _wanted(capability: CapabilityType, value: Token) -> PlainValue:
                 raise UsageError(f"{capability.name} is true or false, not {value.text!r}")
             return flags[word]
         case "number":
-            digits = value.text.removesuffix("%").removesuffix("°C").removesuffix("K")
-            if _NUMBER.fullmatch(digits) is None:
+            number = _NUMBER.fullmatch(value.text)
+            if number is None or number[2] not in {"", capability.unit, capability.unit.removeprefix("°")}:
                 raise UsageError(f"{capability.name} is a number{_in_unit(capability)}, not {value.text!r}")
-            return float(digits)
+            return float(number[1])
         case "text":
             if capability.options and word not in {fold(one) for one in capability.options}:
                 options = ", ".join(capability.options)

@@ -151,8 +151,10 @@ class _Parser:
             raise UsageError(f"nothing stands after {name.text} {operator.text}; a value must")
         self._place += 1
         unit = self._peek()
-        if unit is not None and unit.kind == "word" and unit.text in UNITS:
+        is_number = value.kind == "word" and value.text[-1:].isdigit()
+        if is_number and unit is not None and unit.kind == "word" and unit.text in UNITS:
             self._place += 1
+            value = replace(value, text=value.text + unit.text)
         return name, operator, value
 
     def _is_compared(self) -> bool:
