@@ -12,6 +12,8 @@ from homebot.devices.follow import Follow
 from homebot.devices.gateway_state import ONLY_OBSERVES, GatewayState
 from homebot.devices.handles import FollowHandles, Handle, Handles, Kind
 from homebot.devices.names import FIND_DEVICES, GatewayNames
+from homebot.devices.offer import Offer
+from homebot.devices.offering import Offering
 from homebot.devices.raw import RawCommand, RawMessage
 from homebot.devices.service_starts import service_starts
 from homebot.devices.services import (
@@ -100,6 +102,14 @@ class Devices:
         if isinstance(service_type, str):
             return Follow(self._node, service_type)
         return FollowHandles(self._node, self._typed(), service_type.wanted(*none, **query))
+
+    def offer(self, offer: Offer, gateway: str = "mqtt") -> Offering:
+        """Offer something to the other systems of the house: ``with devices.offer(robot) as offering``.
+
+        It is seen where the gateway publishes offers, as that of MQTT does with ``[gateways.mqtt.homeassistant]`` and
+        ``publish = true``.
+        """
+        return Offering(self._node, offer, gateway)
 
     async def listen(self, device: Device, handler: MessageHandler) -> None:
         """Call *handler* with every raw message of *device*, in order, one at a time.
