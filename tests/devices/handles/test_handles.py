@@ -172,7 +172,7 @@ async def test_every_kind_can_be_asked_for_by_its_state(
             {"temperature": 20.5, "heating_setpoint": 21.0, "mode": "heat", "cooling_setpoint": 25.0, "action": None},
         ),
         (Fan, {"on_off": True, "fan_speed": 66.0, "fan_mode": "auto"}, {"on": True, "speed": 66.0, "mode": "auto"}),
-        (WaterValve, {"valve": "open", "position": 100.0}, {"state": "open", "position": 100.0}),
+        (WaterValve, {"valve": "open", "position": 100.0}, {"movement": "open", "position": 100.0}),
         (RoboticVacuumCleaner, {"vacuum": "docked", "battery": 80.0}, {"state": "docked", "battery": 80.0}),
         (ElectricalMeter, {"power": 5.0, "energy": 1.25}, {"watts": 5.0, "kilowatt_hours": 1.25}),
         (SmokeAlarm, {"carbon_monoxide_alarm": True}, {"smoke": None, "carbon_monoxide": True}),

@@ -15,11 +15,10 @@ from homebot.devices.handles.measuring import (
     PressureSensor,
     TemperatureSensor,
 )
-from homebot.devices.handles.opening import Closure, WindowCovering
+from homebot.devices.handles.opening import Closure, WaterValve, WindowCovering
 from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
 from homebot.devices.handles.switchable import Plug, Siren, Switch
 from homebot.devices.handles.wanted import Kind, Place, Wanted
-from homebot.devices.handles.water_valve import WaterValve
 
 __all__ = [
     "AirConditioner",

@@ -1,4 +1,4 @@
-"""What opens and closes: coverings of windows, and closures such as windows, doors and gates."""
+"""What opens and closes: coverings of windows, closures such as windows, doors and gates, and valves."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.wanted import Place, Wanted
 from homebot.devices.query import StateIs
 
-__all__ = ["Closure", "WindowCovering"]
-
-_CLOSED = StateIs("movement", "=", "closed")
-_UNCLOSED = StateIs("movement", "!=", "closed")
+__all__ = ["Closure", "WaterValve", "WindowCovering"]
 
 
 class _Opening(Handle):
+    moves_by: ClassVar[str] = "movement"
+
     @classmethod
     def wanted(cls, *, closed: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
         """Return what is asked for.
@@ -23,7 +22,7 @@ class _Opening(Handle):
             closed: Whether it says that it is closed; one that has not said fits neither.
             place: As for every kind; see :class:`Handle`.
         """
-        return cls._asked(place, None if closed is None else _CLOSED if closed else _UNCLOSED)
+        return cls._asked(place, None if closed is None else StateIs(cls.moves_by, "=" if closed else "!=", "closed"))
 
     @property
     def position(self) -> float | None:
@@ -33,7 +32,7 @@ class _Opening(Handle):
     @property
     def movement(self) -> str | None:
         """``open``, ``closed``, ``opening``, ``closing`` or ``stopped``."""
-        return self._text("movement")
+        return self._text(self.moves_by)
 
     async def open(self) -> None:
         """Open it.
@@ -60,7 +59,7 @@ class _Opening(Handle):
             RefusedError: It cannot be told.
             LinkError: No gateway of it is there now.
         """
-        await self.command("movement", "stopped")
+        await self.command(self.moves_by, "stopped")
 
     async def set_position(self, position: float) -> None:
         """Make it *position* percent open.
@@ -72,8 +71,8 @@ class _Opening(Handle):
         await self.command("position", position)
 
     async def _move(self, movement: str, position: float) -> None:
-        if self.can("movement") or not self.can("position"):
-            await self.command("movement", movement)
+        if self.can(self.moves_by) or not self.can("position"):
+            await self.command(self.moves_by, movement)
         else:
             await self.command("position", position)
 
@@ -102,3 +101,10 @@ class Closure(_Opening):
     """A window, door, gate or garage door with a motor; see :attr:`Handle.device` for which."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"closure"})
+
+
+class WaterValve(_Opening):
+    """A valve for water or gas."""
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"water_valve"})
+    moves_by: ClassVar[str] = "valve"
