@@ -53,7 +53,7 @@ async def test_the_thesis_layout_outlives_it_as_well(path: Path) -> None:
     graph = Graph()
     async with Node(graph, "fake", namespace="/gateway") as node, directory_with(path, graph):
         FakeGateway(node).sees("lights/lamp")
-        await anyio.sleep(0.01)
+        await anyio.wait_all_tasks_blocked()
     async with directory_with(path) as directory:
         assert [one.id for one in directory.index.devices("light")] == ["lights/lamp"]
 
