@@ -33,6 +33,10 @@ def _bound_integers(schema: Any) -> None:
         _bound_integers(field)
 
 
+_ALL_FIELDS: dict[type[BaseModel], set[str]] = {}
+"""The names of the fields of each message type; kept here because pydantic 2.9 takes no private class variable."""
+
+
 class Message(BaseModel):
     """A frozen value with exact ROS field types, checked once where it is made and then passed by reference.
 
@@ -55,7 +59,6 @@ class Message(BaseModel):
 
     ros_type: ClassVar[str]
     key_field: ClassVar[str | None] = None
-    _all_fields: ClassVar[set[str]]
 
     @classmethod
     def of_checked(cls, **fields: object) -> Self:
@@ -66,7 +69,7 @@ class Message(BaseModel):
         """
         message = cls.__new__(cls)
         _set_fields(message, "__dict__", fields)
-        _set_fields(message, "__pydantic_fields_set__", cls._all_fields)
+        _set_fields(message, "__pydantic_fields_set__", _ALL_FIELDS[cls])
         _set_fields(message, "__pydantic_extra__", None)
         _set_fields(message, "__pydantic_private__", None)
         return message
@@ -82,7 +85,7 @@ class Message(BaseModel):
         super().__pydantic_init_subclass__(**kwargs)
         if cls.key_field is not None and cls.key_field.partition(".")[0] not in cls.model_fields:
             raise UsageError(f"{cls.__name__} has no field {cls.key_field!r} to be its key")
-        cls._all_fields = set(cls.model_fields)
+        _ALL_FIELDS[cls] = set(cls.model_fields)
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
