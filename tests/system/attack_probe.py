@@ -1,0 +1,194 @@
+"""A homebot in a process of its own, to be attacked, and what that costs it: loop lag, memory, what stays open.
+
+``with attacked(folder) as homebot`` starts it with :class:`LoopProbe`, an app that watches the event loop from within.
+``homebot.toll()`` reads what was seen since the last reading; ``rss`` and ``open_files`` work for any process.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import anyio
+from websockets.sync.client import connect
+
+from homebot.apps import App
+from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
+
+__all__ = ["Attacked", "LoopProbe", "Toll", "attacked", "open_files", "rss", "until"]
+
+ROOT = Path(__file__).parent.parent.parent
+
+T = TypeVar("T")
+
+_PULSE = 0.005
+_LATE = 0.05
+_SERVICE = "/loop_probe/read"
+
+
+def rss(pid: int) -> float:
+    """Return the resident memory of a process in MiB."""
+    status = Path(f"/proc/{pid}/status").read_text(encoding="ascii")
+    return int(re.search(r"VmRSS:\s+(\d+) kB", status)[1]) / 1024  # type: ignore[index]
+
+
+def open_files(pid: int) -> int:
+    """Return how many files and sockets a process has open."""
+    return len(os.listdir(f"/proc/{pid}/fd"))  # noqa: PTH208  # a count is enough
+
+
+@dataclass(frozen=True)
+class Toll:
+    """What homebot is like now, and how late its event loop was since the last reading.
+
+    Attributes:
+        lag: Seconds by which the loop was late at worst.
+        late: How often it was late by more than 50 ms.
+        rss: Resident memory in MiB.
+        files: Open files and sockets.
+        tasks: Tasks of the event loop.
+        entities: Entities on the graph by their nodes.
+    """
+
+    lag: float
+    late: int
+    rss: float
+    files: int
+    tasks: int
+    entities: dict[str, int]
+
+    def __str__(self) -> str:
+        held = sum(self.entities.values())
+        return (
+            f"worst lag {self.lag * 1000:.0f} ms ({self.late} above 50 ms), {self.rss:.0f} MiB, "
+            f"{self.files} files, {self.tasks} tasks, {held} entities"
+        )
+
+    @property
+    def left_open(self) -> tuple[int, int, dict[str, int]]:
+        """What must be after a flood as it was before it."""
+        return self.files, self.tasks, self.entities
+
+
+class LoopProbe(App):
+    """Measures how late the event loop is; runs inside the homebot that is attacked."""
+
+    async def run(self) -> None:
+        self._lags: list[float] = []
+        self.node.create_service(Trigger, _SERVICE, self._read)
+        while True:
+            before = time.monotonic()
+            await anyio.sleep(_PULSE)
+            self._lags.append(time.monotonic() - before - _PULSE)
+            del self._lags[:-100_000]
+
+    def _read(self, _request: TriggerRequest) -> SuccessResponse:
+        lags, self._lags = self._lags, []
+        entities = Counter(info.node for info in self.node.graph.get_endpoints())
+        seen = {
+            "lag": max(lags, default=0.0),
+            "late": sum(lag > _LATE for lag in lags),
+            "tasks": len(asyncio.all_tasks()),
+            "entities": dict(sorted(entities.items())),
+        }
+        return SuccessResponse(success=True, message=json.dumps(seen))
+
+
+class Attacked:
+    """A ``homebot run`` in a process of its own.
+
+    Attributes:
+        pid: Its process.
+        door: Port of its door.
+        broker: Port of its embedded broker.
+        log: File that its log goes to.
+    """
+
+    def __init__(self, process: subprocess.Popen[bytes], log: Path, token: str) -> None:
+        self.pid = process.pid
+        self.log = log
+        self._process = process
+        self._token = token
+        text = self._said("is running; tools come in on")
+        self.door = int(re.search(r"tools come in on \S+:(\d+)", text)[1])  # type: ignore[index]
+        broker = re.search(r"embedded MQTT broker on \S+:(\d+)", text)
+        self.broker = int(broker[1]) if broker else 0
+
+    @property
+    def url(self) -> str:
+        """The door's address."""
+        return f"ws://127.0.0.1:{self.door}/"
+
+    def toll(self) -> Toll:
+        """Read what was seen since the last reading; through the door, as anybody can."""
+        headers = {"Authorization": f"Bearer {self._token}"} if self._token else None
+        with connect(self.url, additional_headers=headers, proxy=None, compression=None, open_timeout=30) as door:
+            door.send(json.dumps({"op": "call_service", "id": "toll", "service": _SERVICE, "timeout": 30}))
+            while (answer := json.loads(door.recv(timeout=30))).get("id") != "toll":
+                pass
+        seen = json.loads(answer["values"]["message"])
+        return Toll(rss=rss(self.pid), files=open_files(self.pid), **seen)
+
+    def settled(self, before: Toll, within: float = 30.0) -> Toll:
+        """Return the toll once as much is open as *before*, or the last one after *within* seconds."""
+        deadline = time.monotonic() + within
+        now = self.toll()
+        while now.left_open != before.left_open and time.monotonic() < deadline:
+            time.sleep(0.2)
+            now = self.toll()
+        return now
+
+    def text(self) -> str:
+        """Return the log so far."""
+        return self.log.read_text(encoding="utf-8")
+
+    def _said(self, words: str) -> str:
+        def line() -> str | None:
+            if self._process.poll() is not None:
+                raise AssertionError(f"homebot ended:\n{self.text()}")
+            text = self.text()
+            return text if words in text else None
+
+        return until(line, 30)
+
+
+@contextmanager
+def attacked(folder: Path, *arguments: str, token: str = "") -> Iterator[Attacked]:
+    """Run ``homebot run`` with the probe and *arguments* inside *folder*, on free ports; it must end well."""
+    log = folder / "homebot.log"
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("HOMEBOT_")}
+    environment |= {"PYTHONPATH": str(ROOT), "HOMEBOT_DATA": str(folder / "data")}
+    if token:
+        environment["HOMEBOT_DOOR_TOKEN"] = token
+    command = [sys.executable, "-m", "homebot", "run", "--app", f"{__name__}:LoopProbe", "--door", "127.0.0.1:0"]
+    with (
+        log.open("wb") as out,
+        subprocess.Popen([*command, *arguments], stdout=out, stderr=out, cwd=folder, env=environment) as process,
+    ):
+        try:
+            yield Attacked(process, log, token)
+            process.terminate()
+            assert process.wait(15) == 0, log.read_text(encoding="utf-8")[-4000:]
+        finally:
+            process.kill()
+    assert "Traceback" not in log.read_text(encoding="utf-8")
+
+
+def until(look: Callable[[], T | None], within: float) -> T:
+    """Return what *look* finds, asking again until it finds something."""
+    deadline = time.monotonic() + within
+    while (found := look()) is None:
+        assert time.monotonic() < deadline, f"nothing within {within:g} s"
+        time.sleep(0.02)
+    return found
