@@ -276,6 +276,24 @@ def test_a_payload_that_is_no_text_is_told_with_its_address() -> None:
         message.text()
 
 
+async def test_an_endpoint_of_something_that_is_no_gateway_costs_itself_and_not_the_app() -> None:
+    """The other endpoints are listened to all the same."""
+    graph = Graph()
+    async with Node(graph, "g", namespace="/gateway") as gateway_node, Node(graph, "app") as node:
+        gateway = FakeGateway(gateway_node)
+        devices = Devices(node)
+        bad, good = _device("no gateway!"), _device("g")
+        device = good.model_copy(update={"endpoints": bad.endpoints + good.endpoints})
+        heard: list[str] = []
+        with pytest.raises(RefusedError, match="has a character that names may not hold"):
+            await devices.listen(device, lambda message: heard.append(message.text()))
+        await gateway.says("lights/x", "on")
+        await anyio.wait_all_tasks_blocked()
+        assert heard == ["on"]
+        with pytest.raises(RefusedError, match="has a character that names may not hold"):
+            await devices.tell(bad, "off")
+
+
 def _device(gateway: str) -> Device:
     now = Time(sec=0, nanosec=0)
     endpoint = Endpoint(gateway=gateway, key="lights/x", address="lights/x/out", command_address="lights/x/in")

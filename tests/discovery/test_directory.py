@@ -19,9 +19,11 @@ from homebot.devices import (
     GetIndexData,
     Sighting,
 )
+from homebot.devices.report import REACHABLE, Reading, Report
+from homebot.devices.value import Value
 from homebot.discovery import Directory, DirectorySettings
-from homebot.graph import Graph, Node, Subscription
-from homebot.messages import String
+from homebot.graph import Graph, Node, Subscription, qos_profile_latched
+from homebot.messages import String, Time
 from homebot.testing import FakeGateway, FakeGatewaySettings
 
 pytestmark = pytest.mark.virtual_time
@@ -178,9 +180,9 @@ async def test_a_topic_of_sightings_that_another_type_holds_is_left_out_and_told
     class Impostor(Sighting):
         ros_type = Sighting.ros_type
 
-    async with layer() as house, Node(house.graph, "impostor") as node:
+    async with layer() as house, Node(house.graph, "impostor", namespace="/gateway") as node:
         with capture_logs() as lines:
-            node.create_publisher(Impostor, "sightings")
+            node.create_publisher(Impostor, "/gateway/impostor/received_topics")
             await anyio.sleep(0.001)
         assert [line["event"] for line in lines] == ["discovery.source_not_followed"]
         house.gateway.sees("lights/lamp")
@@ -221,3 +223,43 @@ async def test_a_full_index_is_told_once() -> None:
                 house.gateway.sees(f"lights/extra{number}")
             assert await house.heard() == [("appeared", "lights/a")]
         assert [line["event"] for line in lines] == ["discovery.index_full"]
+
+
+async def test_the_directory_follows_gateways_only_on_their_own_topics_in_their_own_name() -> None:
+    """Whoever else publishes sightings or reports, on a gateway's topic too, makes no device and changes none."""
+    async with (
+        layer() as house,
+        Node(house.graph, "door") as outsider,
+        Node(house.graph, "bad", namespace="/gateway") as bad,
+    ):
+        house.gateway.sees("lights/lamp")
+        assert await house.heard() == [("appeared", "lights/lamp")]
+        forged = house.directory.index._claims["fake", "lights/lamp"].sighting.model_copy(
+            update={"key": "lights/forged"}
+        )
+        for topic in ("/gateway/fake/received_topics", "sightings", "/gateway/forged/received_topics"):
+            outsider.create_publisher(Sighting, topic, qos_profile_latched).publish(forged)
+        own = bad.create_publisher(Sighting, "/gateway/bad/received_topics", qos_profile_latched)
+        own.publish(forged)
+        own.publish(forged.model_copy(update={"gateway": "no gateway!"}))
+        assert await house.heard() == []
+        own.publish(forged.model_copy(update={"gateway": "bad"}))
+        assert await house.heard() == [("appeared", "lights/forged")]
+
+
+async def test_a_report_of_an_outsider_changes_no_device() -> None:
+    async with layer() as house, Node(house.graph, "door") as outsider:
+        house.gateway.sees("lights/lamp", confirmed=False)
+        await house.heard()
+        report = Report(
+            gateway="fake",
+            key="lights/lamp",
+            readings=(Reading(part="", capability=REACHABLE, value=Value.of(False)),),
+            address="said",
+            retained=False,
+            received_at=Time.from_seconds(1.0),
+        )
+        outsider.create_publisher(Report, "/gateway/fake/readings").publish(report)
+        await house.heard()
+        (device,) = house.directory.index.devices()
+        assert device.reachable.state == "unknown"

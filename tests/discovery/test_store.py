@@ -196,6 +196,16 @@ def test_a_tombstone_of_the_file_is_as_it_was() -> None:
     assert read_tombstone("lamp", tombstone_record(stone)) == stone
 
 
+def test_a_device_of_what_can_be_no_gateway_is_no_record(announce: Announce, part: MakePart) -> None:
+    """Apps would look for that gateway."""
+    index = DeviceIndex(forget_after=1000.0)
+    index.observe(announce("l", part("light", "on_off"), name="Lamp", gateway="no gateway!"))
+    entry = index.entry("lamp")
+    assert entry is not None
+    with pytest.raises(WireError, match="a device of no gateway"):
+        read_entry("lamp", entry_record(entry))
+
+
 @given(st.text(max_size=200))
 def test_any_other_text_is_no_record(text: str) -> None:
     with pytest.raises(WireError):

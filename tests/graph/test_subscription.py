@@ -6,7 +6,7 @@ import anyio
 import pytest
 
 from homebot.errors import UsageError
-from homebot.graph import Graph, Node
+from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.messages import String
 
 
@@ -137,3 +137,18 @@ async def test_an_error_in_a_callback_crashes_its_node_and_no_other(graph: Graph
                 await anyio.sleep_forever()
         assert graph.get_node_names() == ("/other",)
         assert got == [text("boom")]
+
+
+async def test_a_subscription_from_one_node_gets_what_that_node_publishes_and_nothing_else() -> None:
+    """Also what is kept for late joiners, and whoever comes first."""
+    latched = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    graph = Graph()
+    async with Node(graph, "wanted") as wanted, Node(graph, "other") as other, Node(graph, "reader") as reader:
+        early = reader.create_subscription(String, "/t", qos_profile=latched, from_node="/wanted")
+        publishers = [node.create_publisher(String, "/t", latched) for node in (other, wanted)]
+        for publisher in publishers:
+            publisher.publish(text(publisher.info.node))
+        late = reader.create_subscription(String, "/t", qos_profile=latched, from_node="/wanted")
+        for subscription in (early, late):
+            assert [subscription.take(), subscription.take()] == [text("/wanted"), None]
+        assert publishers[0].subscription_count == 0

@@ -24,6 +24,7 @@ from homebot.devices.names import (
     GET_INDEX_DATA,
     QUERY_DEVICES,
     GatewayNames,
+    gateway_of,
 )
 from homebot.devices.raw import RawCommand, RawMessage
 from homebot.devices.services import FindDevices, Found, GetChanges, GetIndexData, QueryDevices, SubscribeToTopic
@@ -60,4 +61,5 @@ __all__ = [
     "State",
     "StateChange",
     "SubscribeToTopic",
+    "gateway_of",
 ]

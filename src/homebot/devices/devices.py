@@ -7,7 +7,7 @@ from typing import ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
-from homebot.devices.device import Device
+from homebot.devices.device import Device, Endpoint
 from homebot.devices.follow import Follow
 from homebot.devices.gateway_state import ONLY_OBSERVES, GatewayState
 from homebot.devices.handles import FollowHandles, Handle, Handles, Kind
@@ -24,10 +24,11 @@ from homebot.devices.services import (
     SubscribeToTopicResponse,
 )
 from homebot.devices.told_at import told_at
-from homebot.errors import ClosedError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
+from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
 from homebot.log import LogLimit
 from homebot.messages import Time
+from homebot.names import validate_node_name
 
 __all__ = ["Devices", "MessageHandler"]
 
@@ -119,13 +120,17 @@ class Devices:
         that is away is asked when it comes, and again whenever it was restarted.
 
         Raises:
-            RefusedError: A gateway of the device does not deliver.
-            ServiceError: It is there but does not answer.
+            RefusedError: A gateway of the device does not deliver, or cannot be; its others are listened to.
+            ServiceError: It is there but does not answer; likewise.
         """
+        problem: RefusedError | ServiceError | None = None
         for endpoint in device.endpoints:
-            if endpoint.address not in self._wanted.setdefault(endpoint.gateway, set()):
-                await self._want(endpoint.gateway, endpoint.address)
-            self._handlers[endpoint.gateway, endpoint.key] = handler
+            try:
+                await self._listen_at(endpoint, handler)
+            except (RefusedError, ServiceError) as exc:
+                problem = problem or exc
+        if problem is not None:
+            raise problem
 
     async def tell(self, device: Device, payload: str) -> None:
         """Send *payload* to *device* through its first endpoint that takes commands and whose gateway is there.
@@ -140,6 +145,7 @@ class Devices:
         if not endpoints:
             raise RefusedError(f"a command to {device.id}", "it takes none")
         for endpoint in endpoints:
+            _check(endpoint)
             out = self._out(endpoint.gateway)
             if not self._acts(endpoint.gateway):
                 raise RefusedError(f"a command to {device.id}", ONLY_OBSERVES)
@@ -148,6 +154,12 @@ class Devices:
                 if out.subscription_count:  # else the gateway went while its queue was full
                     return
         raise LinkError(f"{device.id} was not told {payload!r}: its gateway {endpoints[0].gateway} is not running")
+
+    async def _listen_at(self, endpoint: Endpoint, handler: MessageHandler) -> None:
+        _check(endpoint)
+        if endpoint.address not in self._wanted.setdefault(endpoint.gateway, set()):
+            await self._want(endpoint.gateway, endpoint.address)
+        self._handlers[endpoint.gateway, endpoint.key] = handler
 
     def _typed(self) -> Handles:
         if self._handles is None:
@@ -207,8 +219,9 @@ class Devices:
     def _acts(self, gateway: str) -> bool:
         """Whether *gateway* sends commands, by its last word; one that has not spoken yet is trusted."""
         if gateway not in self._states:
+            names = GatewayNames(gateway)
             self._states[gateway] = self._node.create_subscription(
-                GatewayState, GatewayNames(gateway).state, qos_profile=qos_profile_latched
+                GatewayState, names.state, qos_profile=qos_profile_latched, from_node=names.node
             )
         if (state := self._states[gateway].take()) is not None:
             self._acting[gateway] = state.acts
@@ -224,3 +237,11 @@ class Devices:
     def _dispatch(self, message: RawMessage) -> Awaitable[None] | None:
         handler = self._handlers.get((message.gateway, message.key))
         return handler(message) if handler else None
+
+
+def _check(endpoint: Endpoint) -> None:
+    """Refuse an endpoint of something that cannot be a gateway: an app must not end because of it."""
+    try:
+        validate_node_name(endpoint.gateway)
+    except InvalidNameError as exc:
+        raise RefusedError(f"the endpoint {endpoint.key[:100]}", str(exc)) from exc

@@ -10,7 +10,7 @@ import anyio.lowlevel
 
 from homebot.devices.device import DeviceChange, StateChange
 from homebot.devices.followed import FollowedDevices
-from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, FIND_DEVICES
+from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
 from homebot.devices.service_starts import service_starts
 from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
 from homebot.errors import ClosedError, ServiceError
@@ -105,9 +105,13 @@ class Follow:
         raise ClosedError("the query is closed")
 
     def _begin(self) -> Subscription[DeviceChange]:
-        self._changes = changes = self._node.create_subscription(DeviceChange, DEVICE_CHANGES, qos_profile=1)
+        self._changes = changes = self._node.create_subscription(
+            DeviceChange, DEVICE_CHANGES, qos_profile=1, from_node=DIRECTORY_NODE
+        )
         if self._followed.wants_states:
-            self._states = self._node.create_subscription(StateChange, DEVICE_STATES, self._note_state, 1)
+            self._states = self._node.create_subscription(
+                StateChange, DEVICE_STATES, self._note_state, 1, from_node=DIRECTORY_NODE
+            )
         self._node.create_task(self._watch_directory)
         return changes
 

@@ -7,6 +7,7 @@ from homebot.names import escape_token
 __all__ = [
     "DEVICE_CHANGES",
     "DEVICE_STATES",
+    "DIRECTORY_NODE",
     "DISCOVERY_HEALTH",
     "FIND_DEVICES",
     "FORGET_DEVICE",
@@ -14,6 +15,7 @@ __all__ = [
     "GET_INDEX_DATA",
     "QUERY_DEVICES",
     "GatewayNames",
+    "gateway_of",
 ]
 
 GET_INDEX_DATA = "/getIndexData"
@@ -25,11 +27,17 @@ DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"
 DISCOVERY_HEALTH = "/discovery/health"
 
+DIRECTORY_NODE = "/discovery"
+"""The node of the directory; nobody else tells of changes."""
+
+_GATEWAYS = "/gateway/"
+
 
 class GatewayNames:
     """The graph names of one gateway.
 
     Attributes:
+        node: Full name of its node.
         received_topics: Topic of its sightings.
         out: Topic of the raw commands for its devices.
         readings: Topic of what its devices say of themselves, as :class:`homebot.devices.report.Report`.
@@ -44,7 +52,8 @@ class GatewayNames:
     """
 
     def __init__(self, gateway: str) -> None:
-        base = f"/gateway/{gateway}"
+        base = f"{_GATEWAYS}{gateway}"
+        self.node = base
         self.received_topics = f"{base}/received_topics"
         self.out = f"{base}/out"
         self.readings = f"{base}/readings"
@@ -61,3 +70,9 @@ class GatewayNames:
     def received_data(self, *device: str) -> str:
         """Return the topic that mirrors a device's raw messages; its name is escaped where it is no legal token."""
         return "/".join((self._received_data, *(escape_token(part) for part in device)))
+
+
+def gateway_of(node: str) -> str:
+    """Return the name of the gateway whose node has the full name *node*; empty where that is no gateway's."""
+    name = node.removeprefix(_GATEWAYS)
+    return "" if name == node or "/" in name else name

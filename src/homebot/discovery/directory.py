@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -15,13 +16,21 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.devices import DEVICE_CHANGES, DEVICE_STATES, DeviceChange, Sighting, StateChange
+from homebot.devices import (
+    DEVICE_CHANGES,
+    DEVICE_STATES,
+    DeviceChange,
+    GatewayNames,
+    Sighting,
+    StateChange,
+    gateway_of,
+)
 from homebot.devices.report import Report
 from homebot.discovery.answers import Answers
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
 from homebot.discovery.keeper import Keeper
 from homebot.errors import TypeMismatchError
-from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscription
+from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
 from homebot.log import LogLimit
 from homebot.units import Seconds
 
@@ -38,6 +47,7 @@ CONFLICT = "discovery.conflict"
 RESOLVED = "discovery.resolved"
 REJECTED = "discovery.index_full"
 NOT_FOLLOWED = "discovery.source_not_followed"
+FOREIGN = "discovery.foreign_sighting"
 
 BURST = 50
 """Lines of each kind of change in ten seconds; a flood of devices is counted rather than told."""
@@ -73,6 +83,9 @@ class DirectorySettings(BaseModel):
 
 class Directory:
     """Listens to the sightings and reports of every gateway, present and to come.
+
+    It takes from a gateway's own node, on that gateway's own topics, what the gateway says in its own name; whatever
+    another program publishes there is nothing to it.
 
     Args:
         node: The node that it is on the graph.
@@ -128,7 +141,7 @@ class Directory:
                             pass
                         self._follow_all()
                     elif change.change == "added" and change.entity.kind is EntityKind.PUBLISHER:
-                        self._follow(change.entity.name, change.entity.ros_type)
+                        self._follow(change.entity)
 
     def _follow_all(self) -> None:
         """Sightings first: a report of a device that nobody announced says nothing."""
@@ -136,19 +149,22 @@ class Directory:
         for kind in (Sighting, Report):
             for endpoint in endpoints:
                 if endpoint.ros_type == kind.ros_type:
-                    self._follow(endpoint.name, endpoint.ros_type)
+                    self._follow(endpoint)
 
-    def _follow(self, topic: str, ros_type: str) -> None:
-        if topic in self._sources:
+    def _follow(self, publisher: EndpointInfo) -> None:
+        gateway = gateway_of(publisher.node)
+        names = GatewayNames(gateway)
+        if not gateway or publisher.name in self._sources:
             return
-        if ros_type == Sighting.ros_type:
-            self._listen(Sighting, topic, self._observe)
-        elif ros_type == Report.ros_type:
-            self._listen(Report, topic, self._report)
+        if (publisher.name, publisher.ros_type) == (names.received_topics, Sighting.ros_type):
+            self._listen(Sighting, publisher, partial(self._observe, gateway))
+        elif (publisher.name, publisher.ros_type) == (names.readings, Report.ros_type):
+            self._listen(Report, publisher, partial(self._report, gateway))
 
-    def _listen(self, kind: type[MessageT], topic: str, take: Callable[[MessageT], None]) -> None:
+    def _listen(self, kind: type[MessageT], publisher: EndpointInfo, take: Callable[[MessageT], None]) -> None:
+        topic = publisher.name
         try:
-            source = self._node.create_subscription(kind, topic, qos_profile=_SOURCES_QOS)
+            source = self._node.create_subscription(kind, topic, qos_profile=_SOURCES_QOS, from_node=publisher.node)
         except TypeMismatchError as exc:
             self._node.log.warning(NOT_FOLLOWED, message=str(exc), topic=topic)
             return
@@ -157,13 +173,30 @@ class Directory:
             take(kept)
         self._node.create_task(lambda: source.run(take, concurrent=False))
 
-    def _observe(self, sighting: Sighting) -> None:
+    def _is_own(self, gateway: str, message: Sighting | Report) -> bool:
+        """Whether *gateway* speaks for itself; one that speaks for another is told of, and not believed."""
+        if message.gateway == gateway:
+            return True
+        if self._limit.allows(FOREIGN) is not None:
+            self._node.log.warning(
+                FOREIGN,
+                message=f"gateway {gateway} told of {message.key[:100]!r} in the name of {message.gateway[:100]!r}; "
+                "it may speak for itself only",
+                gateway=gateway,
+            )
+        return False
+
+    def _observe(self, gateway: str, sighting: Sighting) -> None:
+        if not self._is_own(gateway, sighting):
+            return
         self.index.observe(sighting)
         if self.index.counters.rejected > self._rejected:
             self._tell_rejected(sighting)
         self._look()
 
-    def _report(self, report: Report) -> None:
+    def _report(self, gateway: str, report: Report) -> None:
+        if not self._is_own(gateway, report):
+            return
         self.index.tells_states = self._states.subscription_count > 0
         self.index.report(report)
         self._look()

@@ -14,8 +14,9 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.part_ids import PartPlace
 from homebot.discovery.rhythm import Rhythm
-from homebot.errors import WireError
+from homebot.errors import InvalidNameError, WireError
 from homebot.messages import Time
+from homebot.names import validate_node_name
 
 __all__ = ["MAX_RECORD", "entry_record", "read_entry", "read_tombstone", "tombstone_record"]
 
@@ -88,6 +89,10 @@ def read_entry(device_id: str, text: str) -> Entry:
     ids: dict[PartPlace, str] = {}
     for number, one in enumerate(record.claims):
         sighting = one.sighting
+        try:
+            validate_node_name(sighting.gateway)
+        except InvalidNameError as exc:
+            raise WireError(f"a device of no gateway: {exc}", text[:100].encode(errors="replace")) from exc
         claims[sighting.gateway, sighting.key] = Claim(
             sighting=sighting,
             number=number,

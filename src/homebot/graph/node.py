@@ -127,6 +127,7 @@ class Node:
         qos_profile: QoSLike = 10,
         *,
         concurrent: bool = False,
+        from_node: str = "",
     ) -> Subscription[MessageT]:
         """Request messages of *msg_type* on *topic*.
 
@@ -136,6 +137,7 @@ class Node:
             callback: A function or coroutine function called with each message; without one, iterate.
             qos_profile: What is requested; a number is the depth of the queue.
             concurrent: Whether the callback may be called again before it is done, at most *depth* times.
+            from_node: Full name of the only node whose messages are wanted; empty for all nodes.
 
         Raises:
             InvalidNameError: *topic* is no legal name.
@@ -151,7 +153,7 @@ class Node:
             self.graph.release_topic(channel)
             self._hide(subscription)
 
-        subscription = Subscription(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close)
+        subscription = Subscription(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, from_node)
         channel.add_subscription(subscription)
         self._show(subscription)
         if callback is not None:

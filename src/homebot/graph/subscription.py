@@ -45,6 +45,7 @@ class Subscription(Generic[MessageT]):
     Attributes:
         info: The endpoint as the graph shows it.
         qos: What it requests.
+        from_node: The only node whose messages it gets; empty for all nodes.
         mailbox: The waiting messages.
         incompatible_qos_count: Publishers that do not offer what this subscription requests.
         expired: Messages not delivered because their lifespan had passed.
@@ -58,10 +59,12 @@ class Subscription(Generic[MessageT]):
         qos: QoSProfile,
         clock: Clock,
         on_close: Callable[[], None],
+        from_node: str = "",
     ) -> None:
         """Not for use by hand: see :meth:`homebot.graph.Node.create_subscription`."""
         self.info = EndpointInfo(EntityKind.SUBSCRIPTION, node, topic, message_type.ros_type, qos)
         self.qos = qos
+        self.from_node = from_node
         self.incompatible_qos_count = 0
         self.expired = 0
         self._on_close = on_close

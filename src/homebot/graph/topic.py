@@ -58,14 +58,15 @@ class Topic:
         """Connect *publisher* with every subscription that fits."""
         self.publishers.append(publisher)
         for subscription in self.subscriptions:
-            self._report_mismatch(publisher, subscription)
+            if _is_wanted(publisher, subscription):
+                self._report_mismatch(publisher, subscription)
         self._connect(publisher)
 
     def add_subscription(self, subscription: Subscription[Any]) -> None:
         """Connect *subscription* with every publisher that fits, and replay what they keep for late joiners."""
         self.subscriptions.append(subscription)
         for publisher in self.publishers:
-            if self._report_mismatch(publisher, subscription):
+            if not _is_wanted(publisher, subscription) or self._report_mismatch(publisher, subscription):
                 continue
             if _is_transient_local(subscription):
                 publisher.replay(subscription)
@@ -112,7 +113,11 @@ class Topic:
 
 
 def _fit(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
-    return not qos_incompatibilities(publisher.qos, subscription.qos)
+    return _is_wanted(publisher, subscription) and not qos_incompatibilities(publisher.qos, subscription.qos)
+
+
+def _is_wanted(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
+    return subscription.from_node in {"", publisher.info.node}
 
 
 def _is_transient_local(subscription: Subscription[Any]) -> bool:

@@ -6,7 +6,7 @@ from homebot.devices.command import Command, SendCommand, SendCommandResponse
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import GatewayNames
 from homebot.devices.value import PlainValue, Value
-from homebot.errors import LinkError, RefusedError, ServiceError
+from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError
 from homebot.graph import Client, Node
 
 __all__ = ["Commander"]
@@ -57,7 +57,10 @@ class Commander:
         raise LinkError(f"{device.id} was not told {capability}: {problem}")
 
     async def _call(self, gateway: str, command: Command) -> SendCommandResponse:
-        client = self._client(gateway)
+        try:
+            client = self._client(gateway)
+        except InvalidNameError as exc:
+            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
         if not client.service_is_ready():
             return SendCommandResponse(success=False, problem="unreachable")
         try:

@@ -11,7 +11,7 @@ from homebot.devices.handles.commander import Commander
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.known import KnownDevice
 from homebot.devices.handles.wanted import Wanted
-from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, FIND_DEVICES
+from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.graph import Node
 
@@ -34,8 +34,8 @@ class Handles:
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._known: WeakValueDictionary[str, KnownDevice] = WeakValueDictionary()
         self._watchers: list[Watcher] = []
-        node.create_subscription(DeviceChange, DEVICE_CHANGES, self._on_change, 1)
-        node.create_subscription(StateChange, DEVICE_STATES, self._on_state, 1)
+        node.create_subscription(DeviceChange, DEVICE_CHANGES, self._on_change, 1, from_node=DIRECTORY_NODE)
+        node.create_subscription(StateChange, DEVICE_STATES, self._on_state, 1, from_node=DIRECTORY_NODE)
 
     async def find(self, wanted: Wanted[HandleT]) -> tuple[HandleT, ...]:
         """Return the handles that are *wanted*, sorted by id.
