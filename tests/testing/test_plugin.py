@@ -157,7 +157,7 @@ def test_a_mark_that_cannot_be_used_says_why(pytester: pytest.Pytester) -> None:
     result.assert_outcomes(errors=3)
     result.stdout.fnmatch_lines(
         [
-            "@pytest.mark.mqtt_broker: there is no argument 'keepalive'; did you mean 'keep_alive'?",
+            "@pytest.mark.mqtt_broker: there is no argument 'keepalive'; did you mean keep_alive?",
             "@pytest.mark.mqtt_broker: name the arguments, as in keep_alive=5",
             "@pytest.mark.mqtt_broker: tls is True or False, not 1",
         ]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pydantic import BaseModel, field_validator
 
 from homebot.cli.door_client import DoorClient
-from homebot.cli.similar import similar_to
 from homebot.cli.table import printable
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Device
 from homebot.devices.query import quoted
@@ -14,6 +13,7 @@ from homebot.devices.services import FindDevicesResponse, QueryDevicesResponse
 from homebot.errors import PeerError
 from homebot.messages import Time
 from homebot.messages.json import message_from_json
+from homebot.similar import did_you_mean
 
 __all__ = ["all_devices", "find_devices", "house_time", "named_device", "reasons_for"]
 
@@ -71,13 +71,8 @@ async def named_device(door: DoorClient, name: str) -> Device:
         raise PeerError(
             f"{len(named)} devices are called {name}: {', '.join(printable(one.id) for one in named[:10])}; say which"
         )
-    similar = similar_to(name, [text for one in devices for text in (one.id, one.name)])
-    hint = (
-        f"did you mean {' or '.join(printable(one) for one in similar)}?"
-        if similar
-        else "`homebot devices` shows what there is"
-    )
-    raise PeerError(f"there is no device {name}; {hint}")
+    known = [printable(text) for one in devices for text in (one.id, one.name)]
+    raise PeerError(f"there is no device {name}; {did_you_mean(name, known, '`homebot devices` shows what there is')}")
 
 
 async def _near(door: DoorClient, name: str) -> tuple[Device, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from typing import ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
@@ -81,9 +81,12 @@ class Devices:
             query: What must be true of the handles, as the kind's ``wanted`` says: ``area="kitchen", on=True``.
 
         Raises:
+            TypeError: The kind has no such condition; the message names what was probably meant.
+            ValueError: A condition has a value that it does not take.
             ServiceError: The directory does not answer.
         """
         if isinstance(service_type, str):
+            _check_plain(service_type, none, query)
             return (await self._find.call(FindDevicesRequest(service_type=service_type))).devices
         return await self._typed().find(service_type.wanted(*none, **query))
 
@@ -98,9 +101,10 @@ class Devices:
     ) -> Follow | FollowHandles[HandleT]:
         """Return a live query: ``async for change in devices.follow("lights")``, or ``devices.follow(Light, on=True)``.
 
-        Arguments as for :meth:`find`; what comes is told by :class:`Follow` and :class:`FollowHandles`.
+        Arguments and errors as for :meth:`find`; what comes is told by :class:`Follow` and :class:`FollowHandles`.
         """
         if isinstance(service_type, str):
+            _check_plain(service_type, none, query)
             return Follow(self._node, service_type)
         return FollowHandles(self._node, self._typed(), service_type.wanted(*none, **query))
 
@@ -245,3 +249,12 @@ def _check(endpoint: Endpoint) -> None:
         validate_node_name(endpoint.gateway)
     except InvalidNameError as exc:
         raise RefusedError(f"the endpoint {endpoint.key[:100]}", str(exc)) from exc
+
+
+def _check_plain(service_type: str, extra: tuple[object, ...], conditions: Mapping[str, object]) -> None:
+    if extra or conditions:
+        given = ", ".join([*(repr(one) for one in extra), *conditions])
+        raise TypeError(
+            f"{service_type!r} is a word of a type, which takes no conditions ({given}); ask for a kind of handle, "
+            f"for example find(Light, area='kitchen')"
+        )

@@ -23,7 +23,7 @@ def test_one_filter_or_several_may_be_refused() -> None:
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        ({"keepalive": 5}, "there is no argument 'keepalive'; did you mean 'keep_alive'?"),
+        ({"keepalive": 5}, "there is no argument 'keepalive'; did you mean keep_alive?"),
         ({"colour": 5}, "there is no argument 'colour'; there are: user, password, tls, keep_alive"),
         ({"user": "u"}, "user and password go together"),
         ({"user": 5, "password": "p"}, "user is text, not 5"),

@@ -162,7 +162,7 @@ class Handle:
         """The term that a state is *value*; none where nothing is asked."""
         if value is None:
             return None
-        return StateIs(capability, operator, fold(value) if isinstance(value, str) else value)
+        return StateIs(capability, operator, fold(value) if isinstance(value, str) else plain_value(value))
 
     @staticmethod
     def _can(capability: str, *, wanted: bool | None) -> Term | None:

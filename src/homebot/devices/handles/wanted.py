@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar
 
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.handles.arguments import check_place, check_state
 from homebot.devices.part import Category
 from homebot.devices.query import CanDo, Not, Query, StateIs, quoted
 from homebot.devices.query.folding import fold
@@ -55,11 +56,21 @@ class Wanted(Generic[HandleT]):
         kind: The class of the handles.
         place: What must be true of the device.
         terms: What must be true of the part itself.
+
+    Raises:
+        TypeError: A condition is unknown, or its value is of another type.
+        ValueError: The category is none.
     """
 
     kind: type[HandleT]
     place: Place
     terms: tuple[Term, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_place(self.kind.__name__, self.kind.wanted, self.place)
+        for term in self.terms:
+            if isinstance(term, StateIs):
+                check_state(term)
 
     def parts(self, device: Device) -> Iterator[str]:
         """Yield the ids of the parts of *device* that are wanted."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
-from difflib import get_close_matches
 from typing import Self
 
 from homebot.errors import UsageError
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.broker.limits import checked_keep_alive
 from homebot.mqtt.topics import validate_filter
+from homebot.similar import did_you_mean
 
 __all__ = ["BrokerSettings"]
 
@@ -75,8 +75,7 @@ class BrokerSettings:
         known = [each.name for each in fields(cls)]
         for name in arguments:
             if name not in known:
-                near = get_close_matches(name, known, n=1)
-                hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(known)}"
+                hint = did_you_mean(name, known, f"there are: {', '.join(known)}")
                 raise UsageError(f"there is no argument {name!r}; {hint}")
         return cls(**arguments)  # type: ignore[arg-type] # checked by __post_init__
 

@@ -1,0 +1,32 @@
+"""The names that somebody may have meant by one that is not known. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+__all__ = ["did_you_mean", "similar_to"]
+
+_CUTOFF = 0.5
+_MOST = 3
+
+
+def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list[str]:
+    """Return up to three of the *known* names that somebody may have meant by *name*, the likeliest first.
+
+    Args:
+        name: What was asked for.
+        known: What there is.
+        cutoff: How alike they must be, from 0 to 1.
+    """
+    names = sorted(set(known))
+    return (
+        get_close_matches(name, names, n=_MOST, cutoff=cutoff)
+        or [one for one in names if name.strip("/") in one][:_MOST]
+    )
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str, cutoff: float = _CUTOFF) -> str:
+    """Return ``did you mean …?`` where a *known* name is similar to *name*, and *otherwise* where none is."""
+    similar = similar_to(name, known, cutoff)
+    return f"did you mean {' or '.join(similar)}?" if similar else otherwise

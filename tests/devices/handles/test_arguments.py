@@ -1,0 +1,71 @@
+"""What is asked of handles: what nobody knows is an error, never the whole house."""
+
+from __future__ import annotations
+
+import inspect
+import string
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices import Devices, handles
+from homebot.devices.handles import DoorLock, Handle, Light, Place, Thermostat
+from homebot.graph import Graph, Node
+
+KINDS = [one for one in vars(handles).values() if isinstance(one, type) and issubclass(one, Handle)]
+
+UNKNOWN: dict[str, tuple[type[Any], dict[str, object], str]] = {
+    "another word for a room": (Light, {"room": "Office"}, "Light cannot be asked for by 'room': did you mean area?"),
+    "a misspelt area": (DoorLock, {"aera": "hall"}, "DoorLock cannot be asked for by 'aera': did you mean area?"),
+    "a condition of another kind": (Light, {"is_locked": True}, "it takes area, category, colored, dimmable, fresh"),
+    "a misspelt condition of its own": (Light, {"dimable": True}, "did you mean dimmable"),
+    "an area that is no text": (Light, {"area": 3}, "area is a text, not 3"),
+    "a word for a flag": (Light, {"on": "yes"}, "on_off is True or False, not 'yes'"),
+    "a word for a number": (Thermostat, {"mode": 3}, "thermostat_mode is a text, not 3.0"),
+    "a number for a flag": (Light, {"reachable": 1}, "reachable is True or False, not 1"),
+}
+
+
+@pytest.mark.parametrize(("kind", "asked", "problem"), UNKNOWN.values(), ids=UNKNOWN)
+async def test_an_unknown_condition_is_an_error_that_names_what_was_meant(
+    kind: Any, asked: dict[str, object], problem: str
+) -> None:
+    async with Node(Graph(), "app") as node:
+        devices = Devices(node)
+        with pytest.raises(TypeError) as found:
+            await devices.find(kind, **asked)
+        with pytest.raises(TypeError) as followed:
+            devices.follow(kind, **asked)
+    assert problem in str(found.value)
+    assert str(found.value) == str(followed.value)
+
+
+async def test_an_unknown_category_is_an_error() -> None:
+    async with Node(Graph(), "app") as node:
+        with pytest.raises(ValueError, match="category is 'config' or 'diagnostic', not 'settings'"):
+            await Devices(node).find(Light, category="settings")  # type: ignore[arg-type] # as no type checker was asked
+
+
+async def test_a_word_of_a_type_takes_no_conditions() -> None:
+    """It would be ignored, and every lamp of the house found."""
+    async with Node(Graph(), "app") as node:
+        devices: Any = Devices(node)
+        for ask in (devices.find, devices.follow):
+            with pytest.raises(TypeError, match=r"'lights' is a word of a type, which takes no conditions \(area\)"):
+                result = ask("lights", area="kitchen")
+                await result
+            with pytest.raises(TypeError, match="no conditions"):
+                result = ask("lights", "kitchen")
+                await result
+
+
+@given(kind=st.sampled_from(KINDS), name=st.text(string.ascii_lowercase + "_", min_size=1, max_size=12))
+def test_every_kind_refuses_every_word_that_it_does_not_take(kind: type[Handle], name: str) -> None:
+    known = {*inspect.signature(kind.wanted).parameters, *Place.__annotations__} - {"place"}
+    if name in known:
+        return
+    arguments: dict[str, Any] = {name: True}
+    with pytest.raises(TypeError, match=f"{kind.__name__} cannot be asked for by '{name}'"):
+        kind.wanted(**arguments)
