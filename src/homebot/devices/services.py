@@ -105,8 +105,8 @@ class QueryDevicesResponse(Message):
     """The devices that fit, best first; equally good ones by id.
 
     Attributes:
-        success: Whether the query was understood.
-        message: What of it was not understood, and what would be.
+        success: Whether the query was understood. A misspelt type, room or word is not.
+        message: What of it was not understood, and what was probably meant.
         results: The devices.
         total: How many fit, whatever the limit.
         sequence: The last change that is in there; see :class:`homebot.devices.DeviceChange`.

@@ -37,6 +37,7 @@ from homebot.devices.services import (
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.keeper import Keeper
 from homebot.discovery.rank import rank, reasons
+from homebot.discovery.unknown_words import unknown_word
 from homebot.errors import UsageError
 from homebot.graph import Node
 
@@ -107,6 +108,8 @@ class Answers:
         except UsageError as exc:
             return QueryDevicesResponse(success=False, message=str(exc), sequence=self._index.sequence)
         found = self._index.find(query)
+        if problem := unknown_word(query, self._index.postings):
+            return QueryDevicesResponse(success=False, message=problem, sequence=self._index.sequence)
         ranked = rank(query, found, self._index.postings)
         shown = ranked[request.offset :][: request.limit or None]
         results = (

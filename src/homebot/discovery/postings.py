@@ -116,6 +116,10 @@ class Postings:
                 return value
         return None
 
+    def values_of(self, name: str) -> frozenset[str]:
+        """Return what there is of ``area``, ``gateway``, ``convention`` or ``said``, the words of announced types."""
+        return frozenset(str(one[0]) for one in self._values_of.get(name, ()))
+
     def find(self, query: Query) -> Found:
         """Return the devices that fit *query*; not to be changed."""
         match query:

@@ -69,6 +69,11 @@ UNDERSTOOD: dict[str, Query] = {
     "roomlights405": HasText("roomlights405"),
     '"desk lamp"': And((HasText("desk"), HasText("lamp"))),
     "color temperature": CanDo("color_temperature"),
+    '"near" lamp': And((HasText("near"), type_is("lamp"))),
+    '"Zone" = 3': FactIs("zone", "3"),
+    'type="lamppp"': type_is("lamppp"),
+    "type=coffee": type_is("coffee"),
+    "serial_number=A7": FactIs("serial_number", "a7"),
 }
 
 
@@ -102,6 +107,12 @@ REFUSED = {
     "category=settings": "category is config or diagnostic, not 'settings'",
     "freshness=dead": "one of fresh, unconfirmed, stale",
     "?!": "no word to look for",
+    "foo=bar": "'foo' at character 1 is nothing that can be asked for; known are area, brand",
+    "lamp manufactuer=ikea": "'manufactuer' at character 6 is nothing that can be asked for; did you mean manufacturer",
+    "lamps near kitchen": "'near' at character 7 is not understood in a query; write it in quotation marks",
+    "lamps in kitchen near window": "'near' at character 18 is not understood",
+    "type=lamppp": "'lamppp' at character 6 is no type; did you mean lamp or lamps?",
+    "type=lihgts": "is no type; did you mean lights",
     "(" * 30 + "light" + ")" * 30: "nested deeper than 20",
     "lamp " * 101: "more than 100 words",
     "x" * 1001: "1,000 is the limit",

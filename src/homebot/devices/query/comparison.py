@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
 from typing import get_args
 
 from homebot.devices.capabilities import CAPABILITIES, CapabilityType
-from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query.folding import fold, words_of
 from homebot.devices.query.terms import (
     And,
@@ -25,9 +24,10 @@ from homebot.devices.query.terms import (
     type_is,
 )
 from homebot.devices.query.tokens import Token
-from homebot.devices.query.vocabulary import CAPABILITY_WORDS, CONDITIONS, FIELDS
+from homebot.devices.query.vocabulary import CAPABILITY_WORDS, CONDITIONS, FACTS, FIELDS, TYPE_WORDS
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
+from homebot.similar import did_you_mean, similar_to
 
 __all__ = ["UNITS", "comparison"]
 
@@ -37,6 +37,7 @@ UNITS = frozenset(
 )
 """Units that may stand after a number. A capability has one, and another is refused rather than taken for it."""
 
+_ALIKE = 0.6
 _FLAGS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
 _FRESHNESS = ("fresh", "unconfirmed", "stale")
 _CATEGORIES = ("config", "diagnostic")
@@ -53,21 +54,21 @@ def comparison(name: Token, operator: Token, value: Token) -> Query:
     """
     spelled = fold(name.text)
     sign = next(one for one in get_args(Operator) if one == operator.text)
-    capability = CAPABILITY_WORDS.get(spelled)
+    capability = CAPABILITY_WORDS.get(spelled) if name.kind == "word" else None
     if capability is not None and not (spelled in FIELDS and spelled != "text" and value.text in _REACHABLE):
         return _state(CAPABILITIES[capability], sign, value)
     if sign not in {"=", "!="}:
         raise UsageError(f"{name.text} {operator.text} {value.text}: {_not_ordered(spelled, name)}")
-    found = _field(FIELDS.get(spelled, ""), name, value)
+    field = FIELDS.get(spelled, "") if name.kind == "word" else ""
+    found = _field(field, name, value)
     return Not(found) if sign == "!=" else found
 
 
 def _not_ordered(spelled: str, name: Token) -> str:
     if spelled in FIELDS:
         return f"{name.text} has no order; only = and != compare it"
-    near = get_close_matches(spelled, CAPABILITY_WORDS, n=3, cutoff=0.6)
-    hint = f"did you mean {' or '.join(near)}?" if near else "numbers are for example level, position and temperature"
-    return f"{name.text} is no capability; {hint}"
+    numbers = "numbers are for example level, position and temperature"
+    return f"{name.text} is no capability; {did_you_mean(spelled, CAPABILITY_WORDS, numbers, _ALIKE)}"
 
 
 def _state(capability: CapabilityType, operator: Operator, value: Token) -> StateIs | And:
@@ -127,7 +128,16 @@ def _field(field: str, name: Token, value: Token) -> Query:
         case "id" | "convention":
             return FactIs(field, value.text.casefold())
         case _:
-            return FactIs(field or name.text.casefold(), word)
+            return FactIs(field or _fact(name), word)
+
+
+def _fact(name: Token) -> str:
+    fact = name.text.casefold()
+    if name.kind == "text" or fact in FACTS:
+        return fact
+    known = {*FIELDS, *FACTS, *CAPABILITY_WORDS}
+    hint = did_you_mean(fact, known, f"known are {', '.join(sorted(FIELDS))}, …", _ALIKE)
+    raise UsageError(f"{name.text[:40]!r} at character {name.at} is nothing that can be asked for; {hint}")
 
 
 def _condition(field: str, name: Token, value: Token) -> Query:
@@ -144,4 +154,11 @@ def _condition(field: str, name: Token, value: Token) -> Query:
 def _type(value: Token) -> TypeIs:
     if value.text in DEVICE_TYPES:
         return TypeIs(value.text, frozenset({value.text}), by_word=False)
+    if value.kind == "word" and not wanted_types(value.text) and fold(value.text) not in {"sensor", "sensors"}:
+        similar = similar_to(fold(value.text), TYPE_WORDS, _ALIKE)
+        if similar:
+            raise UsageError(
+                f"{value.text[:40]!r} at character {value.at} is no type; did you mean {' or '.join(similar)}? "
+                f"If devices call themselves so, write it in quotation marks"
+            )
     return type_is(value.text)

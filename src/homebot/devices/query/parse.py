@@ -5,8 +5,11 @@ Grammar, the loosest binding first::
     query      = all {"or" all}
     all        = one {["and" | "but" | ","] one}
     one        = ("not" | "without") one | "(" query ")" | "in" AREA | "with" CAPABILITY | comparison | word
-    comparison = WORD ("=" | "!=" | "<" | "<=" | ">" | ">=") VALUE
+    comparison = NAME ("=" | "!=" | "<" | "<=" | ">" | ">=") VALUE
     word       = a type, a capability, an adjective such as ``on`` or ``stale``, or free text
+
+What stands in quotation marks is taken as it is: ``"near the door"`` looks for words, ``"zone"=3`` for a fact of that
+name, ``type="coffee"`` for devices that call themselves so. Without them, an unknown field or type is an error.
 
 An adjective of a state is about the parts of the types that stand beside it: ``on lights`` is not found by the plug
 in the same device.
@@ -16,7 +19,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from difflib import get_close_matches
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
@@ -31,8 +33,10 @@ from homebot.devices.query.vocabulary import (
     CONDITIONS,
     FILLERS,
     KEYWORDS,
+    NOT_UNDERSTOOD,
 )
 from homebot.errors import UsageError
+from homebot.similar import did_you_mean
 
 __all__ = ["parse_query", "quoted"]
 
@@ -110,6 +114,8 @@ class _Parser:
                     return self._ability(token)
             return comparison(*self._compared()) if self._is_compared() else self._phrase()
         if token.kind == "text":
+            if self._is_compared():
+                return comparison(*self._compared())
             self._place += 1
             return _all_words(token.text)
         if token.kind == "(":
@@ -170,7 +176,7 @@ class _Parser:
                     self._place += 1
                     words.append(word)
                 break
-            if word in KEYWORDS or self._is_compared() or (words and _is_known(word)):
+            if word in KEYWORDS | NOT_UNDERSTOOD or self._is_compared() or (words and _is_known(word)):
                 break
             self._place += 1
             if word != "the" or words:
@@ -197,6 +203,11 @@ class _Parser:
                 self._place += length
                 return meant
         token = self._tokens[self._place]
+        if fold(token.text) in NOT_UNDERSTOOD:
+            raise UsageError(
+                f"{token.text!r} at character {token.at} is not understood in a query; write it in quotation marks if "
+                f"it is part of a name"
+            )
         self._place += 1
         return _all_words(token.text)
 
@@ -270,8 +281,8 @@ def _missing(token: Token) -> UsageError:
 
 def _unknown_capability(token: Token) -> UsageError:
     word = fold(token.text)
-    near = get_close_matches(word, CAPABILITY_WORDS, n=3, cutoff=0.6)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(sorted(CAPABILITIES)[:12])}, …"
+    known = f"known are {', '.join(sorted(CAPABILITIES)[:12])}, …"
+    hint = did_you_mean(word, CAPABILITY_WORDS, known, cutoff=0.6)
     is_type = bool(wanted_types(re.sub(r"\s+", " ", word))) or word in DEVICE_TYPES
     hint = f"it is a type of device: leave out the word before it; {hint}" if is_type else hint
     return UsageError(f"{token.text[:40]!r} at character {token.at} is no capability; {hint}")

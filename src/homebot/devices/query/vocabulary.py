@@ -6,10 +6,22 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query.folding import fold
 from homebot.devices.query.terms import CanDo, FreshnessIs, IsDisputed, Or, Query, ReachableIs, StateIs
 
-__all__ = ["ABILITIES", "ADJECTIVES", "CAPABILITY_WORDS", "CONDITIONS", "FIELDS", "FILLERS", "KEYWORDS"]
+__all__ = [
+    "ABILITIES",
+    "ADJECTIVES",
+    "CAPABILITY_WORDS",
+    "CONDITIONS",
+    "FACTS",
+    "FIELDS",
+    "FILLERS",
+    "KEYWORDS",
+    "NOT_UNDERSTOOD",
+    "TYPE_WORDS",
+]
 
 KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
 
@@ -39,6 +51,28 @@ FIELDS: Mapping[str, str] = MappingProxyType(
     }
 )
 """What may be asked by ``word=value`` beside capabilities and facts."""
+
+FACTS = frozenset(
+    {"configuration_url", "description", "firmware", "generation", "home", "host_mac", "hostname", "hw_version"}
+    | {"interview", "ip", "ip_address", "manufacturer", "mode", "model", "model_id", "origin", "origin_sw_version"}
+    | {"origin_url", "power_source", "serial_number", "supported", "sw_version", "via_device", "zigbee_type"}
+)
+"""Facts that devices are announced with. One of another name is asked for in quotation marks: ``"zone"=3``."""
+
+NOT_UNDERSTOOD = frozenset(
+    {"near", "nearest", "nearby", "closest", "around", "beside", "behind", "next", "outside", "inside", "within"}
+    | {"above", "below", "under", "over", "more", "less", "than", "between", "before", "after", "since", "until"}
+    | {"during", "at", "from", "by", "for", "to", "except", "unless", "if", "when", "where", "who", "whose"}
+)
+"""Words that would make another question of a query, if they were taken for parts of names."""
+
+TYPE_WORDS = frozenset(
+    form
+    for one in DEVICE_TYPES.values()
+    for word in (fold(one.name.removeprefix("x_")), *(fold(word) for word in one.words))
+    for form in (word, f"{word}s")
+) | frozenset(DEVICE_TYPES)
+"""How the types of devices are called."""
 
 
 def _capability_words() -> Mapping[str, str]:

@@ -1,0 +1,66 @@
+"""The words of a query that are about nothing in this house. Pure.
+
+A query is understood without knowing the house, so a misspelt room or type is only seen here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.query import And, FactIs, GatewayIs, HasText, InArea, Not, Or, Query, TypeIs
+from homebot.devices.query.folding import is_typo
+from homebot.devices.query.vocabulary import ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
+from homebot.discovery.postings import Postings
+from homebot.similar import did_you_mean
+
+__all__ = ["unknown_word"]
+
+_SHOWN = 12
+_WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ADJECTIVES, *CONDITIONS})
+
+
+def unknown_word(query: Query, postings: Postings) -> str:
+    """Return which word of *query* is misspelt, and what was meant; empty where none is.
+
+    That is a type that is none and that no device calls itself; and a room or a word that no device has, where
+    another is one typo away.
+    """
+    for term in _terms(query):
+        if not postings.find(term) and (problem := _problem(term, postings)):
+            return problem
+    return ""
+
+
+def _problem(term: Query, postings: Postings) -> str:
+    match term:
+        case TypeIs(word, types, _, by_word=True) if not types:
+            known = {*TYPE_WORDS, *postings.values_of("said")}
+            some = f"known are {', '.join(sorted(DEVICE_TYPES)[:_SHOWN])}, …"
+            return f"{word!r} is no type, and no device calls itself so; {did_you_mean(word, known, some)}"
+        case InArea(area):
+            return _typo(f"no device is in {area!r}", area, postings.values_of("area"))
+        case GatewayIs(gateway):
+            return _typo(f"no device is reached through {gateway!r}", gateway, postings.values_of("gateway"))
+        case FactIs("convention", convention):
+            return _typo(f"no device was announced by {convention!r}", convention, postings.values_of("convention"))
+        case HasText(word):
+            return _typo(f"no device has the word {word!r}", word, _WORDS)
+        case _:
+            return ""
+
+
+def _typo(problem: str, word: str, known: Iterable[str]) -> str:
+    meant = sorted(one for one in known if is_typo(word, one))
+    return f"{problem}; did you mean {' or '.join(meant)}?" if meant else ""
+
+
+def _terms(query: Query) -> Iterator[Query]:
+    match query:
+        case And(terms) | Or(terms):
+            for term in terms:
+                yield from _terms(term)
+        case Not(term):
+            yield from _terms(term)
+        case _:
+            yield query

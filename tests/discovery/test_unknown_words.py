@@ -1,0 +1,46 @@
+"""A query with a misspelt word is refused with what was meant: it would find nothing, or, negated, everything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from homebot.devices import Sighting
+from homebot.devices.part import Part
+from homebot.devices.query import parse_query
+from homebot.discovery import DeviceIndex
+from homebot.discovery.unknown_words import unknown_word
+
+
+@pytest.fixture
+def house(announce: Callable[..., Sighting], part: Callable[..., Part]) -> DeviceIndex:
+    index = DeviceIndex(forget_after=1000.0)
+    lamp = part("light", "on_off", id="l", writes=("a",))
+    index.observe(announce("a", lamp, ids=("id:desk",), name="Desk lamp", area="Kitchen"))
+    index.sort()
+    return index
+
+
+REFUSED = {
+    "type=xyzzy": "'xyzzy' is no type, and no device calls itself so; known are ",
+    "lights in kichen": "no device is in 'kichen'; did you mean kitchen?",
+    "lights not in kitchne": "no device is in 'kitchne'; did you mean kitchen?",
+    "ligths": "no device has the word 'ligths'; did you mean lights?",
+    "plug or vavle": "no device has the word 'vavle'; did you mean valve?",
+    "gateway=mqt": "",
+    "gateway=mqttt": "no device is reached through 'mqttt'; did you mean mqtt?",
+    "convention=homeasistant": "no device was announced by 'homeasistant'; did you mean homeassistant?",
+}
+
+
+@pytest.mark.parametrize(("text", "problem"), REFUSED.items(), ids=REFUSED)
+def test_a_misspelt_word_is_named_with_what_was_meant(house: DeviceIndex, text: str, problem: str) -> None:
+    """Words of three letters and less have no typos, only other words."""
+    assert unknown_word(parse_query(text), house.postings).startswith(problem)
+    assert bool(problem) == bool(unknown_word(parse_query(text), house.postings))
+
+
+@pytest.mark.parametrize("text", ["in bathroom", "robot", "hall", "desk", "dexk", "gateway=zigbee", "type=plug"])
+def test_what_may_be_there_tomorrow_is_no_mistake(house: DeviceIndex, text: str) -> None:
+    assert unknown_word(parse_query(text), house.postings) == ""
