@@ -50,8 +50,16 @@ def test_without_anything_it_is_the_thesis_house() -> None:
 def test_a_broker_of_your_own_is_no_simulated_house() -> None:
     config = config_of("--mqtt", "mqtt://broker", "--root", "villa", "--act")
     assert config.gateways == {"mqtt": {"url": "mqtt://broker", "root": "villa", "act": True}}
-    assert config.apps == {"light_service": {}}
     assert not has_house("--mqtt", "mqtt://broker")
+
+
+def test_no_app_runs_in_a_real_house_unless_it_is_named() -> None:
+    """The light service would switch off every lamp of it."""
+    assert config_of("--mqtt", "mqtt://broker", "--root", "villa", "--act").apps == {}
+    named = config_of("--mqtt", "mqtt://broker", "--act", "--app", "light_service")
+    assert named.apps == {"light_service": {}}
+    Path("homebot.toml").write_text('[gateways.mqtt]\nurl = "mqtt://broker"\n')
+    assert config_of("--act").apps == {}
 
 
 def test_devices_are_remembered_unless_they_are_simulated_or_nobody_wants_it(

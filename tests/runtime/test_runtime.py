@@ -263,6 +263,22 @@ async def test_the_greeting_says_where_tools_come_in(host: str, shown: str) -> N
     assert greeting.startswith(f"villa is running; tools come in on {shown}")
 
 
+@pytest.mark.parametrize(
+    ("apps", "words"),
+    [
+        ({}, "no app runs; name one with --app NAME or a table [apps.NAME] (installed: light_service"),
+        ({"light_service": {}}, "the app light_service runs"),
+        ({"light_service": {}, "two": {"class": "light_service"}}, "the apps light_service, two run"),
+    ],
+)
+async def test_the_start_says_which_apps_run(apps: dict[str, object], words: str) -> None:
+    with capture_logs() as lines:
+        async with Runtime(config(apps=apps)):
+            pass
+    (told,) = [line["message"] for line in lines if line["event"] == "runtime.apps"]
+    assert told.startswith(words)
+
+
 async def test_a_client_that_floods_does_not_delay_the_stop() -> None:
     """Ten thousand messages on their way when the end comes."""
     async with anyio.create_task_group() as tasks:

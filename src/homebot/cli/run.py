@@ -13,7 +13,7 @@ _EXAMPLES = """\
   homebot run --for 15                            the same, for 15 seconds
   homebot run --house family.toml                 the same in a house that you describe
   homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, looking only
-  homebot run --mqtt mqtt://192.168.1.10 --root home425 --act    the same, and act
+  homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    act, by an app that you name
   homebot run --app my_app:MyApp                  an app of your own instead of the light service
   homebot run --config homebot.toml               everything from a file
 
@@ -49,7 +49,8 @@ def add_parser(commands: Commands) -> None:
         type=app,
         action="append",
         default=[],
-        help="app to run, a plug-in's name or module:Class; may be given more than once",
+        help="app to run, a plug-in's name or module:Class; may be given more than once (default: the light service "
+        "in the simulated house, none on a broker of your own)",
     )
     parser.add_argument("--act", action="store_true", help="let the gateway `mqtt` send commands to an outside broker")
     parser.add_argument(

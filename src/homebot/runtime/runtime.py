@@ -30,7 +30,9 @@ from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.plugins import plugin_names
 from homebot.runtime.embedded_broker import embedded_broker
+from homebot.runtime.plan import APPS as APP_PLUGINS
 from homebot.runtime.plan import Component, make_plan
 from homebot.runtime.supervisor import Supervisor, Work
 
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["Runtime"]
 
 RUNNING = "runtime.running"
+APPS = "runtime.apps"
 STOPPING = "runtime.stopping"
 
 THESIS_HOME = "home425"
@@ -147,6 +150,7 @@ class Runtime:
             await stack.enter_async_context(self.supervisor.running(name, work))
         if not self._start_is_cut:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
+            _log.info(APPS, message=self._apps_in_words(), names=[app.name for app in self._plan.apps])
 
     def _components(self, gateways: tuple[Component[Gateway], ...]) -> Iterator[tuple[str, Work]]:
         """In the order of their start; each is made only when those before it are ready."""
@@ -165,6 +169,13 @@ class Runtime:
         host = self._plan.door.host
         where = f"[{host}]" if ":" in host else host
         return f"{self._plan.home} is running; tools come in on {where}:{self.door.port}"
+
+    def _apps_in_words(self) -> str:
+        names = [app.name for app in self._plan.apps]
+        if not names:
+            installed = ", ".join(plugin_names(APP_PLUGINS)) or "none"
+            return f"no app runs; name one with --app NAME or a table [apps.NAME] (installed: {installed})"
+        return f"the app {names[0]} runs" if len(names) == 1 else f"the apps {', '.join(names)} run"
 
     async def _with_broker(self, stack: AsyncExitStack) -> tuple[Component[Gateway], ...]:
         """Start the embedded broker if a gateway wants it; return the gateways with its address filled in."""

@@ -24,7 +24,8 @@ __all__ = ["configuration", "run", "with_door_token"]
 COMMAND_LINE = "command line"
 DEFAULT_CONFIG = Path("homebot.toml")
 THESIS_ROOT = "home425"
-DEFAULT_APPS = ("light_service",)
+APPS_OF_THE_SIMULATED_HOUSE = ("light_service",)
+"""In a real house no app runs that nobody named: the light service switches off every lamp that is on."""
 
 COLLECT_AFTER = (10_000, 500, 10)
 """When Python looks for circular garbage, of which there is next to none here, and what there is dies young. By its
@@ -85,11 +86,11 @@ def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
     path = Path(options.config) if options.config else DEFAULT_CONFIG
     if options.config or path.exists():
         return load_config(path), None
-    apps: dict[str, object] = {} if options.app else {name: {} for name in DEFAULT_APPS}
     if options.mqtt:
         home = {"name": options.root} if options.root else {}
-        return parse_config({"home": home, "gateways": {"mqtt": {}}, "apps": apps}, COMMAND_LINE), None
+        return parse_config({"home": home, "gateways": {"mqtt": {}}}, COMMAND_LINE), None
     root = options.root or THESIS_ROOT
+    apps: dict[str, object] = {} if options.app else {name: {} for name in APPS_OF_THE_SIMULATED_HOUSE}
     tables = {"home": {"name": root}, "gateways": {"mqtt": {"root": root}}, "apps": apps}
     from homebot.house import thesis_world  # noqa: PLC0415 - as above
 
