@@ -10,7 +10,17 @@ from typing import TypeAlias
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
-from homebot.devices.wording import FLAGS, FRACTIONS, OPENINGS, SPEEDS, SPOKEN_FIRST, bounds_of, percent, plain_number
+from homebot.devices.wording import (
+    FLAGS,
+    FRACTIONS,
+    OPENINGS,
+    SPEEDS,
+    SPOKEN_FIRST,
+    bounds_of,
+    percent,
+    plain_number,
+    says_unknown,
+)
 
 __all__ = ["Ear", "Heard", "ear_for", "heard"]
 
@@ -28,7 +38,7 @@ class Ear:
 
     What follows from a word is heard as well: a lamp that says ``0.4`` is on, and what says ``closed`` is at 0 %. Of
     several capabilities that a bare number may be about it is the one that :func:`homebot.devices.words.word` speaks of
-    first, among those whose bounds it keeps.
+    first, among those whose bounds it keeps. What says ``nan`` where it should say what it measures does not know it.
 
     Args:
         capabilities: What the part can be asked and told.
@@ -41,6 +51,7 @@ class Ear:
         self._numbers: list[tuple[str, float, float]] = []
         self._kelvin: tuple[float, float] | None = None
         self._text = ""
+        self._measured = ""
         for name in dict.fromkeys((*(one for one in (*SPOKEN_FIRST, *OPENINGS) if one in readable), *readable)):
             self._learn(name, readable[name])
 
@@ -58,7 +69,9 @@ class Ear:
             number = plain_number(said[:-2])
             if number is not None and self._kelvin[0] <= number <= self._kelvin[1]:
                 return self._told("color_temperature", number)
-        return self._as_text(said) if self._text else _NOTHING
+        if self._text:
+            return self._as_text(said)
+        return {self._measured: None} if self._measured and says_unknown(said) else _NOTHING
 
     def _learn(self, name: str, capability: Capability) -> None:
         known = CAPABILITIES.get(name)
@@ -78,6 +91,7 @@ class Ear:
             else:
                 share = 100 if name in FRACTIONS else 1
                 self._numbers.append((name, low / share, high / share))
+                self._measured = self._measured or ("" if capability.settable else name)
 
     def _told(self, name: str, value: PlainValue) -> Heard:
         return {name: value, **{other: what for other, what in _implied(name, value) if other in self._names}}

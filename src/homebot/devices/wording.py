@@ -9,13 +9,26 @@ from typing import Final
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability
 
-__all__ = ["FLAGS", "FRACTIONS", "OPENINGS", "SPEEDS", "SPOKEN_FIRST", "bounds_of", "percent", "plain_number"]
+__all__ = [
+    "FLAGS",
+    "FRACTIONS",
+    "OPENINGS",
+    "SPEEDS",
+    "SPOKEN_FIRST",
+    "bounds_of",
+    "percent",
+    "plain_number",
+    "says_unknown",
+]
 
 FRACTIONS: Final = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
 """Percentages that are spoken as 0 to 1."""
 
 SPEEDS: Final = frozenset({"level", "fan_speed"})
 """What is 0 only where it is off."""
+
+_UNKNOWN: Final = frozenset({"none", "null", "unknown", "unavailable"})
+_LONGEST_UNKNOWN: Final = 40
 
 OPENINGS: Final = ("movement", "valve")
 
@@ -40,6 +53,17 @@ def plain_number(text: str | bytes) -> float | None:
     except ValueError:
         return None
     return value if math.isfinite(value) else None
+
+
+def says_unknown(text: str | bytes) -> bool:
+    """Tell whether *text*, said in the place of a number, means that there is none: NaN and its like, or a word."""
+    if len(text) > _LONGEST_UNKNOWN:
+        return False
+    try:
+        return not math.isfinite(float(text))
+    except ValueError:
+        word = text.decode(errors="replace") if isinstance(text, bytes) else text
+        return word.strip().lower() in _UNKNOWN
 
 
 def percent(share: float) -> float:

@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from types import MappingProxyType
 from typing import TypeAlias
 
 from homebot.devices.value import PlainValue
+from homebot.devices.wording import says_unknown
 from homebot.errors import WireError
 from homebot.gateways.mqtt.payload import MAX_STATE_BYTES, parse_json
 
-__all__ = ["NOTHING", "JsonMessage", "Readings", "finite_number", "json_in", "number_in", "text_in"]
+__all__ = [
+    "NOTHING",
+    "JsonMessage",
+    "Readings",
+    "finite_number",
+    "is_unknown",
+    "json_in",
+    "number_in",
+    "read_number",
+    "text_in",
+]
 
 Readings: TypeAlias = Mapping[str, PlainValue]
 """Values by capability; see :meth:`homebot.gateways.mqtt.description.Codec.read`."""
@@ -47,6 +59,31 @@ def finite_number(value: object) -> float | None:
     if isinstance(value, (int, float)) and not isinstance(value, bool) and -_HUGE < value < _HUGE:
         return float(value)
     return None
+
+
+def is_unknown(value: object) -> bool:
+    """Tell whether *value*, in the place of a number, says that the device does not know it.
+
+    That is null, a number that is none or has no end, and the words that firmware has for these.
+    """
+    if isinstance(value, str):
+        return says_unknown(value)
+    return value is None or (isinstance(value, float) and not math.isfinite(value))
+
+
+def read_number(capability: str, value: object, told: Callable[[float], float | None] = float) -> Readings:
+    """Return what *value* tells of *capability*: a number, that it is unknown, or nothing.
+
+    Args:
+        capability: What the number is.
+        value: What the message has in its place.
+        told: Makes the value of the number; None where that cannot be.
+    """
+    number = number_in(value)
+    if number is None:
+        return {capability: None} if is_unknown(value) else NOTHING
+    outside = told(number)
+    return NOTHING if outside is None else {capability: outside}
 
 
 def number_in(value: object) -> float | None:

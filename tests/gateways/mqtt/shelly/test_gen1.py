@@ -92,7 +92,7 @@ def test_999_is_no_temperature(say: Say, part: Find) -> None:
     assert thermometer.read("shellies/shellyplug-s-122881/temperature", b"21.5", retained=False) == {
         "temperature": 21.5
     }
-    assert thermometer.read("shellies/shellyplug-s-122881/temperature", b"nan", retained=False) == {}
+    assert thermometer.read("shellies/shellyplug-s-122881/temperature", b"hot", retained=False) == {}
 
 
 def test_a_switch_in_roller_mode_is_a_covering(say: Say, part: Find) -> None:

@@ -108,7 +108,7 @@ def test_prefixes_can_be_chosen() -> None:
         (prop("t", "integer", minimum=0, maximum=254), "BrightnessProperty", b"127", {"level": 50.0}),
         (prop("t", "integer", minimum=0, maximum=254), "BrightnessProperty", b"999", {"level": 100.0}),
         (prop("t", "number"), "BrightnessProperty", b"40", {"level": 40.0}),
-        (prop("t", "number"), "BrightnessProperty", b"1e999", {}),
+        (prop("t", "number"), "BrightnessProperty", b"1e999", {"level": None}),
         (prop("t", "integer", unit="mired"), "ColorTemperatureProperty", b"370", {"color_temperature": 2703.0}),
         (prop("t", "integer", unit="mired"), "ColorTemperatureProperty", b"0", {}),
         (prop("t", "integer", unit="kelvin"), "ColorTemperatureProperty", b"2700", {"color_temperature": 2700.0}),

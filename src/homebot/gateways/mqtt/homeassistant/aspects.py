@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.entity import Entity
-from homebot.gateways.mqtt.homeassistant.rendered import number_of
+from homebot.gateways.mqtt.homeassistant.rendered import read_number
 from homebot.gateways.mqtt.homeassistant.source import Source
 from homebot.gateways.mqtt.payload import shown
 from homebot.gateways.mqtt.readings import NOTHING, Readings
@@ -27,6 +28,7 @@ def offer_choice(
     command: CommandTopic | None,
     options: tuple[str, ...],
     words: Mapping[str, str | None] | None = None,
+    on_told: Callable[[str], None] = lambda _word: None,
 ) -> None:
     """Let *entity* have a word out of *options*; other words are not heard, and not told.
 
@@ -37,6 +39,7 @@ def offer_choice(
         command: Where it is told, if it is.
         options: The words.
         words: What further words mean; by default ``None`` means that it is unknown.
+        on_told: Given each word that it is told.
     """
     if not options:
         return
@@ -47,7 +50,9 @@ def offer_choice(
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         word = wanted_option(name, value, options)
-        return (command.publication(word),) if command else ()
+        told = (command.publication(word),) if command else ()
+        on_told(word)
+        return told
 
     entity.offers(name, readable=entity.hears(source, read), writer=write if command else None, options=options)
     entity.listens_at(command)
@@ -99,13 +104,7 @@ def offer_number(
         heard: Makes the outside number of what the device says; None where that cannot be.
         told: Makes what the device is told of the outside number.
     """
-
-    def read(text: str) -> Readings:
-        if text == unknown:
-            return {name: None}
-        number = number_of(text)
-        value = None if number is None else heard(number)
-        return NOTHING if value is None else {name: value}
+    read = partial(read_number, name, unknown=unknown, heard=heard)
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         number = told(wanted_number(name, value, *bounds, unit))

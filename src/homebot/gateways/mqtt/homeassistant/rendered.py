@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.payload import parse_json
+from homebot.gateways.mqtt.readings import NOTHING, Readings, is_unknown
 
-__all__ = ["fields_of", "number_of", "numbers_of", "whole_of"]
+__all__ = ["fields_of", "number_of", "numbers_of", "read_number", "whole_of"]
 
 
 def number_of(value: object) -> float | None:
@@ -21,6 +22,24 @@ def number_of(value: object) -> float | None:
     except (ValueError, OverflowError):
         return None
     return number if math.isfinite(number) else None
+
+
+def read_number(
+    capability: str, text: str, *, unknown: str = "None", heard: Callable[[float], float | None] = float
+) -> Readings:
+    """Return the number that *text* tells of *capability*; nothing where it tells none.
+
+    Args:
+        capability: What the number is.
+        text: What the device says.
+        unknown: The word which says that it is unknown, beside those that always do.
+        heard: Makes the outside number of what the device says; None where that cannot be.
+    """
+    if text == unknown or is_unknown(text):
+        return {capability: None}
+    number = number_of(text)
+    value = None if number is None else heard(number)
+    return NOTHING if value is None else {capability: value}
 
 
 def whole_of(text: str) -> int | None:

@@ -14,7 +14,7 @@ from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.expiry import expire
 from homebot.gateways.mqtt.homeassistant.quantities import is_quantity, quantity_of
-from homebot.gateways.mqtt.homeassistant.rendered import number_of
+from homebot.gateways.mqtt.homeassistant.rendered import read_number
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.quantity import Quantity
 from homebot.gateways.mqtt.readings import NOTHING, Readings
@@ -53,10 +53,7 @@ _MAX_UNIT = 40
 
 
 def _read_number(quantity: Quantity, text: str) -> Readings:
-    if text == "None":
-        return {quantity.capability: None}
-    number = number_of(text)
-    return NOTHING if number is None else {quantity.capability: quantity.value(number)}
+    return read_number(quantity.capability, text, heard=quantity.value)
 
 
 def _read_text(options: frozenset[str], text: str) -> Readings:

@@ -8,7 +8,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homie.model import HomieProperty
-from homebot.gateways.mqtt.homie.values import publication, read_plain, spell_plain
+from homebot.gateways.mqtt.homie.values import is_unknown_number, publication, read_plain, spell_plain
 from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.payload import shown
 from homebot.gateways.mqtt.quantity import Conversion, conversion_of
@@ -38,7 +38,7 @@ def add_plain(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
         if value is None:
-            return NOTHING
+            return _unread(capability, prop, payload)
         return {capability: conversion.value(value) if isinstance(value, float) else value}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
@@ -87,7 +87,7 @@ def add_percent(part: BytesPart, capability: str, prop: HomieProperty) -> None:
 
     def read(payload: bytes) -> Readings:
         percent = percent_of(prop, payload)
-        return NOTHING if percent is None else {capability: percent}
+        return _unread(capability, prop, payload) if percent is None else {capability: percent}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return (percent_written(prop, capability, wanted_number(capability, value, 0, _PERCENT, "%")),)
@@ -103,7 +103,7 @@ def add_temperature(part: BytesPart, capability: str, prop: HomieProperty) -> No
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
         if not isinstance(value, float):
-            return NOTHING
+            return _unread(capability, prop, payload)
         return {capability: _celsius(value) if is_fahrenheit else value}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
@@ -159,6 +159,11 @@ def _ends(prop: HomieProperty) -> tuple[float, float]:
     if least == 1.0 and most > 1.0:
         least = 0.0
     return (least, most) if most > least else (0.0, _PERCENT)
+
+
+def _unread(capability: str, prop: HomieProperty, payload: bytes) -> Readings:
+    """What a payload tells that is no value: that the number is unknown, or nothing."""
+    return {capability: None} if is_unknown_number(prop, payload) else NOTHING
 
 
 def _celsius(fahrenheit: float) -> float:

@@ -18,14 +18,15 @@ from homebot.gateways.mqtt.homie.formats import COLOR_FORMS
 from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_saturation
 from homebot.gateways.mqtt.payload import clean_text, shown
-from homebot.gateways.mqtt.readings import number_in, text_in
+from homebot.gateways.mqtt.readings import is_unknown, number_in, text_in
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 
-__all__ = ["publication", "read_color", "read_plain", "spell_color", "spell_plain"]
+__all__ = ["is_unknown_number", "publication", "read_color", "read_plain", "spell_color", "spell_plain"]
 
 _EMPTY_STRING = "\0"
 _INTEGER = re.compile(r"-?[0-9]{1,19}")
 _FLOAT = re.compile(r"-?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_NUMBERS = frozenset({"integer", "float"})
 _LONGEST_TEXT = 255
 _MOST = 1e15
 _EXACT_QOS = 2
@@ -49,6 +50,12 @@ def read_plain(prop: HomieProperty, payload: bytes) -> PlainValue:
             return None
         case _:
             return clean_text(text, _LONGEST_TEXT) if text else None
+
+
+def is_unknown_number(prop: HomieProperty, payload: bytes) -> bool:
+    """Tell whether *payload* says that *prop* is a number which the device does not know."""
+    text = text_in(payload) if prop.datatype in _NUMBERS else None
+    return text is not None and is_unknown(text)
 
 
 def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:

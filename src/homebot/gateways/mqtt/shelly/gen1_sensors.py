@@ -12,7 +12,7 @@ from types import MappingProxyType
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.part_table import BytesPart, PartTable
-from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in, text_in
+from homebot.gateways.mqtt.readings import NOTHING, Readings, read_number, text_in
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.table_codec import raw_bytes
 
@@ -50,10 +50,12 @@ class Gen1Sensor:
         text = text_in(payload) or ""
         if text in self.words:
             return {self.capability: self.words[text]}
-        number = number_in(text) if self.is_number else None
-        if number is None:
+        if not self.is_number:
             return NOTHING
-        return {self.capability: number if self.least <= number <= self.most else None}
+        found = read_number(self.capability, text)
+        number = found.get(self.capability)
+        is_out = isinstance(number, float) and not self.least <= number <= self.most
+        return {self.capability: None} if is_out else found
 
 
 _TRUTHS: Mapping[str, PlainValue] = MappingProxyType({"true": True, "false": False, "1": True, "0": False, "-1": None})
@@ -134,7 +136,7 @@ def build_meter(place: Gen1Place, part_id: str, told: Mapping[str, str]) -> Byte
 
 def _measuring(capability: str, factor: float) -> Callable[[bytes], Readings]:
     def read(payload: bytes) -> Readings:
-        number = number_in(text_in(payload))
-        return NOTHING if number is None else {capability: number * factor}
+        text = text_in(payload)
+        return NOTHING if text is None else read_number(capability, text, lambda number: number * factor)
 
     return read

@@ -18,7 +18,7 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.part_table import JsonPart, PartTable
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
+from homebot.gateways.mqtt.readings import NOTHING, Readings, read_number
 from homebot.gateways.mqtt.shelly.rpc import call
 from homebot.gateways.mqtt.table_codec import json_object
 
@@ -125,10 +125,7 @@ def measured(field: str, capability: str, factor: float = 1.0) -> Told:
     def told(status: Fields) -> Readings:
         if field not in status:
             return NOTHING
-        number = number_in(status[field])
-        if number is not None:
-            return {capability: number * factor}
-        return {capability: None} if status[field] is None else NOTHING
+        return read_number(capability, status[field], lambda number: number * factor)
 
     return told
 

@@ -14,7 +14,7 @@ from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.part_table import PartTable
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.quantity import Quantity
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number, is_unknown
 from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
 from homebot.gateways.mqtt.tasmota.quantities import quantity_of
@@ -111,7 +111,9 @@ def _read(path: Path, capability: str, what: Quantity, message: JsonMessage) -> 
     if capability == "value":
         return {capability: clean_text(str(value), _MAX_VALUE)} if isinstance(value, (str, int, float)) else NOTHING
     number = finite_number(value)
-    return NOTHING if number is None else {capability: what.value(number)}
+    if number is None:
+        return {capability: None} if is_unknown(value) else NOTHING
+    return {capability: what.value(number)}
 
 
 def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:

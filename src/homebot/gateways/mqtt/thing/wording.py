@@ -13,7 +13,7 @@ from homebot.devices.thing import PLAIN_WORDS, Affordance, canonical, on_the_wir
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.payload import MAX_STATE_BYTES, clean_text, parse_json, shown
-from homebot.gateways.mqtt.readings import number_in
+from homebot.gateways.mqtt.readings import is_unknown, number_in
 
 __all__ = ["is_spoken", "meant_value", "spelt_value"]
 
@@ -39,7 +39,7 @@ def meant_value(capability: Capability, affordance: Affordance, payload: bytes) 
         value: object = parse_json(payload)
     except WireError:
         value = payload.decode(errors="replace").strip()  # bare words, whatever the content type says
-    if value is None:
+    if value is None or (CAPABILITIES[capability.name].kind == "number" and is_unknown(value)):
         return (None,)
     found = _meant(capability, affordance, value)
     return None if found is None else (found,)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
+from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number, is_unknown
 from homebot.gateways.mqtt.table_codec import Writer
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose, Scalar
@@ -33,7 +34,7 @@ _NO_BOUND = 1e12
 
 
 def hear(part: JsonPart, lines: Lines, feature: Expose, capability: str, read: Callable[[object], PlainValue]) -> None:
-    """Have *part* read the property of *feature*; null is unknown.
+    """Have *part* read the property of *feature*; null is unknown, and so is what says that of a number.
 
     Args:
         part: The part in the making.
@@ -42,7 +43,8 @@ def hear(part: JsonPart, lines: Lines, feature: Expose, capability: str, read: C
         capability: What it is then.
         read: Returns what a value means, None where it means nothing.
     """
-    part.reads(lines.said, partial(_read, feature.key, capability, read))
+    is_number = CAPABILITIES[capability].kind == "number"
+    part.reads(lines.said, partial(_read, feature.key, capability, read, is_unknown if is_number else _is_null))
 
 
 def offer_flag(part: JsonPart, lines: Lines, feature: Expose | None, capability: str) -> None:
@@ -122,11 +124,21 @@ def _connect(part: JsonPart, lines: Lines, feature: Expose) -> None:
         part.listens(lines.told)
 
 
-def _read(key: str, capability: str, read: Callable[[object], PlainValue], message: JsonMessage) -> Readings:
+def _is_null(value: object) -> bool:
+    return value is None
+
+
+def _read(
+    key: str,
+    capability: str,
+    read: Callable[[object], PlainValue],
+    says_unknown: Callable[[object], bool],
+    message: JsonMessage,
+) -> Readings:
     if key not in message:
         return NOTHING
     value = message[key]
-    if value is None:
+    if says_unknown(value):
         return {capability: None}
     found = read(value)
     return NOTHING if found is None else {capability: found}
