@@ -63,6 +63,11 @@ def test_what_it_cannot_do_is_refused(capability: str, value: PlainValue) -> Non
         heater().codec.write(capability, value)
 
 
+def test_without_limits_it_takes_what_home_assistant_does() -> None:
+    (setpoint, *_) = heater({"temperature_command_topic": "t", "temperature_state_topic": "s"}).part.capabilities
+    assert setpoint.bounds == pytest.approx((43.333, 60.0), abs=0.001)
+
+
 def test_a_heater_without_a_topic_for_power_has_no_switch() -> None:
     assert heater({"current_temperature_topic": "t"}).part.capabilities[0].name == "local_temperature"
     assert len(heater({"current_temperature_topic": "t"}).part.capabilities) == 1

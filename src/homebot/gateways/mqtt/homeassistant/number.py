@@ -16,7 +16,7 @@ __all__ = ["build_number"]
 
 def build_number(config: Config) -> DescribedPart:
     """Describe a number in its own unit; what lies outside of its bounds is neither heard nor told."""
-    least, most = config.number("min", 1.0), config.number("max", 100.0)
+    least, most = config.number("min", 0.0), config.number("max", 100.0)
     if least > most:
         raise WireError(f"number: max is {most:g}, below min {least:g}")
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.aspects import offer_choice, offer_flag, offer_number
-from homebot.gateways.mqtt.homeassistant.climate import source_of
+from homebot.gateways.mqtt.homeassistant.climate_source import source_of
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
-from homebot.gateways.mqtt.homeassistant.temperature import read_thermometer
+from homebot.gateways.mqtt.homeassistant.temperature import Thermometer, read_thermometer
 
 __all__ = ["build_water_heater"]
 
@@ -24,7 +24,7 @@ def build_water_heater(config: Config) -> DescribedPart:
         "heating_setpoint",
         source_of(config, "temperature_state"),
         config.command("temperature_command_topic", "temperature_command_template"),
-        bounds=thermometer.bounds(config, 0.0, 100.0),
+        bounds=thermometer.bounds(config, *_BOUNDS),
         unit="°C",
         heard=thermometer.celsius,
         told=thermometer.number,
@@ -38,5 +38,8 @@ def build_water_heater(config: Config) -> DescribedPart:
     offer_flag(entity, "on_off", None, config.command("power_command_topic", "power_command_template"), payloads)
     return entity.described()
 
+
+_BOUNDS = (Thermometer(is_fahrenheit=True).celsius(110.0), Thermometer(is_fahrenheit=True).celsius(140.0))
+"""Where the config does not say: 110 to 140 °F."""
 
 _MODES = ("eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off")
