@@ -226,7 +226,9 @@ class Claims:
 
 def _who_missed_something(claim: Claim, before: Claim, readers: _Readers) -> _Readers:
     if claim.has_same_face(before):
-        return ()
+        return tuple(
+            (topic, reader) for topic, reader in readers if isinstance(reader, Voice) and reader.described.remembers
+        )
     is_known = claim.reachability is before.reachability
     return tuple((topic, reader) for topic, reader in readers if isinstance(reader, Voice) or not is_known)
 

@@ -93,12 +93,15 @@ class DescribedPart:
         codec: How it speaks and listens.
         asks: What to publish to be told its state.
         fades: Values that end by themselves.
+        remembers: Whether the codec makes commands or readings out of what the part said before. One that takes its
+            place, because the device is described anew, is given the last messages again.
     """
 
     part: Part
     codec: Codec
     asks: tuple[Publication, ...] = ()
     fades: tuple[Fade, ...] = ()
+    remembers: bool = False
 
 
 class AvailabilitySource(Protocol):

@@ -47,6 +47,7 @@ class PartTable(Generic[MessageT]):
         self._writes: dict[str, None] = {}
         self._asks: dict[Publication, None] = {}
         self._fades: tuple[Fade, ...] = ()
+        self._remembers = False
 
     @property
     def is_empty(self) -> bool:
@@ -92,6 +93,10 @@ class PartTable(Generic[MessageT]):
         """Let values end by themselves."""
         self._fades += fades
 
+    def remembers(self) -> None:
+        """Say that its codec needs what was said before; see :attr:`DescribedPart.remembers`."""
+        self._remembers = True
+
     def described(self) -> DescribedPart:
         """Return the finished part."""
         part_id, service_type, name, advertised, tag, category, guessed = self._about
@@ -108,7 +113,7 @@ class PartTable(Generic[MessageT]):
             reads=codec.topics(),
             writes=tuple(self._writes),
         )
-        return DescribedPart(part, codec, asks=tuple(self._asks), fades=self._fades)
+        return DescribedPart(part, codec, asks=tuple(self._asks), fades=self._fades, remembers=self._remembers)
 
 
 JsonPart: TypeAlias = PartTable[JsonMessage]

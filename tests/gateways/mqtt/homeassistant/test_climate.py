@@ -117,7 +117,7 @@ def test_one_message_tells_all_that_a_radiator_valve_knows() -> None:
         ("ac/mode", "", {}),
         ("ac/t", "24", {"heating_setpoint": 24.0, "cooling_setpoint": 24.0}),
         ("ac/t", "None", {"heating_setpoint": None, "cooling_setpoint": None}),
-        ("ac/t", "nan", {}),
+        ("ac/t", "nan", {"heating_setpoint": None, "cooling_setpoint": None}),
         ("ac/t", "", {}),
         ("ac/fan", "medium", {"fan_mode": "medium"}),
         ("ac/swing", "sideways", {}),
@@ -222,3 +222,96 @@ def test_one_without_modes_only_heats() -> None:
         "thermostat",
         ["heating_setpoint", "swing_mode"],
     )
+
+
+BOTH = {
+    "modes": ["off", "heat", "cool", "heat_cool"],
+    "mode_command_topic": "b/mode/set",
+    "mode_state_topic": "b/mode",
+    "temperature_command_topic": "b/t/set",
+    "temperature_state_topic": "b/t",
+    "temperature_low_command_topic": "b/low/set",
+    "temperature_low_state_topic": "b/low",
+    "temperature_high_command_topic": "b/high/set",
+    "temperature_high_state_topic": "b/high",
+}
+
+
+@pytest.mark.parametrize(
+    ("modes", "expected"),
+    [
+        ([], "b/t/set"),
+        (["heat"], "b/t/set"),
+        (["heat_cool"], "b/low/set"),
+        (["heat_cool", "off"], "b/t/set"),
+        (["heat_cool", "None"], "b/t/set"),
+        (["heat_cool", "no mode"], "b/low/set"),
+    ],
+)
+def test_of_a_single_target_and_a_pair_the_mode_says_which_is_told(modes: list[str], expected: str) -> None:
+    codec = climate(BOTH).codec
+    for mode in modes:
+        codec.read("b/mode", mode.encode(), retained=False)
+    assert [(one.topic, one.payload) for one in codec.write("heating_setpoint", 21.0)] == [(expected, b"21.0")]
+    high = expected.replace("low", "high")
+    assert [(one.topic, one.payload) for one in codec.write("cooling_setpoint", 25.0)] == [(high, b"25.0")]
+
+
+def test_a_mode_that_is_not_said_is_the_one_that_it_was_told() -> None:
+    codec = climate({key: value for key, value in BOTH.items() if key != "mode_state_topic"}).codec
+    assert [one.topic for one in codec.write("heating_setpoint", 21.0)] == ["b/t/set"]
+    codec.write("thermostat_mode", "heat_cool")
+    assert [one.topic for one in codec.write("heating_setpoint", 21.0)] == ["b/low/set"]
+    codec.write("on_off", False)
+    assert [one.topic for one in codec.write("heating_setpoint", 21.0)] == ["b/t/set"]
+
+
+def test_a_mode_that_it_says_counts_and_not_the_one_that_it_was_told() -> None:
+    codec = climate(BOTH).codec
+    codec.write("thermostat_mode", "heat_cool")
+    assert [one.topic for one in codec.write("heating_setpoint", 21.0)] == ["b/t/set"]
+
+
+def test_the_targets_that_count_are_those_of_the_mode() -> None:
+    codec = climate(BOTH).codec
+
+    def said(topic: str, payload: str) -> dict[str, PlainValue]:
+        return dict(codec.read(topic, payload.encode(), retained=False))
+
+    assert said("b/t", "20") == {"heating_setpoint": 20.0, "cooling_setpoint": 20.0}
+    assert said("b/low", "18") == {}
+    assert said("b/mode", "heat_cool") == {
+        "thermostat_mode": "heat_cool",
+        "on_off": True,
+        "heating_setpoint": 18.0,
+        "cooling_setpoint": None,
+    }
+    assert said("b/high", "26") == {"cooling_setpoint": 26.0}
+    assert said("b/t", "21") == {}
+    assert said("b/mode", "cool") == {
+        "thermostat_mode": "cool",
+        "on_off": True,
+        "heating_setpoint": 21.0,
+        "cooling_setpoint": 21.0,
+    }
+
+
+def test_one_message_tells_the_mode_and_its_targets() -> None:
+    topics = {key: "all" if key.endswith("state_topic") else value for key, value in BOTH.items()}
+    templates = {
+        f"{name}_template": f"{{{{ value_json.{key} }}}}"
+        for name, key in (
+            ("mode_state", "mode"),
+            ("temperature_state", "t"),
+            ("temperature_low_state", "low"),
+            ("temperature_high_state", "high"),
+        )
+    }
+    codec = climate({**topics, **templates}).codec
+    message = {"mode": "heat_cool", "t": 20, "low": 18, "high": 26}
+    assert codec.read("all", json.dumps(message).encode(), retained=False) == {
+        "thermostat_mode": "heat_cool",
+        "on_off": True,
+        "heating_setpoint": 18.0,
+        "cooling_setpoint": 26.0,
+    }

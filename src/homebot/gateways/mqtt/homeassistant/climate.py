@@ -11,33 +11,30 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.aspects import offer_choice, offer_number
+from homebot.gateways.mqtt.homeassistant.climate_source import source_at, source_of
+from homebot.gateways.mqtt.homeassistant.climate_targets import TargetMode, offer_temperatures
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
-from homebot.gateways.mqtt.homeassistant.source import Source
-from homebot.gateways.mqtt.homeassistant.temperature import read_thermometer
 from homebot.gateways.mqtt.payload import shown
 from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_flag
 
-__all__ = ["build_climate", "source_of"]
+__all__ = ["build_climate"]
 
 
 def build_climate(config: Config) -> DescribedPart:
-    """Describe a thermostat, or an air conditioner where it can cool and also dry or only blow.
-
-    Its one target temperature is a ``heating_setpoint`` where it can heat or does not say what it can, and a
-    ``cooling_setpoint`` where it can cool; with two targets the lower one heats and the upper one cools.
-    """
+    """Describe a thermostat, or an air conditioner where it can cool and also dry or only blow."""
     modes = config.options("modes") if config.has("modes") else _MODES
     is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
     entity = Entity(config, "room_air_conditioner" if is_conditioner else "thermostat")
-    _offer_temperatures(entity, config, modes)
+    target_mode = TargetMode(is_said=config.has("mode_state_topic") and not config.flag("optimistic"))
+    offer_temperatures(entity, config, modes, target_mode)
     _offer_humidity(entity, config)
     mode = config.command("mode_command_topic", "mode_command_template")
-    offer_choice(entity, "thermostat_mode", source_of(config, "mode_state"), mode, modes)
-    _offer_switch(entity, config, mode, modes)
-    offer_choice(entity, "thermostat_action", _source(config, "action_topic", "action_template"), None, _ACTIONS)
+    offer_choice(entity, "thermostat_mode", source_of(config, "mode_state"), mode, modes, on_told=target_mode.told)
+    _offer_switch(entity, config, mode, modes, target_mode)
+    offer_choice(entity, "thermostat_action", source_at(config, "action_topic", "action_template"), None, _ACTIONS)
     for name, default in _CHOICES.items():
         command = config.command(f"{name}_command_topic", f"{name}_command_template")
         options = config.options(f"{name}s") if config.has(f"{name}s") else default
@@ -46,50 +43,14 @@ def build_climate(config: Config) -> DescribedPart:
     return entity.described()
 
 
-def source_of(config: Config, name: str) -> Source | None:
-    """Return where a climate device says *name*; one template may stand for all that have none of their own."""
-    return _source(config, f"{name}_topic", f"{name}_template")
-
-
 _MODES = ("auto", "off", "cool", "heat", "dry", "fan_only")
 _ACTIONS = ("off", "heating", "cooling", "drying", "idle", "fan", "preheating", "defrosting")
 _CHOICES = {"fan_mode": ("auto", "low", "medium", "high"), "swing_mode": ("on", "off")}
 """By capability, which is also how the fields are called; what it can be where the config does not say."""
 
-_HEATS = frozenset({"heat", "heat_cool", "auto"})
-_COOLS = frozenset({"cool", "heat_cool"})
 _PAIR = 2
 _SHOWN = 200
 _SWITCHED_ON = ("heat_cool", "heat", "cool")
-
-
-def _source(config: Config, topic_key: str, template_key: str) -> Source | None:
-    return config.source(topic_key, template_key if config.has(template_key) else "value_template")
-
-
-def _offer_temperatures(entity: Entity, config: Config, modes: tuple[str, ...]) -> None:
-    thermometer = read_thermometer(config)
-    targets = {}
-    if any(config.has(f"temperature_{end}_{kind}_topic") for end in ("low", "high") for kind in ("command", "state")):
-        targets = {"heating_setpoint": "temperature_low", "cooling_setpoint": "temperature_high"}
-    else:
-        if _COOLS.intersection(modes):
-            targets["cooling_setpoint"] = "temperature"
-        if not targets or _HEATS.intersection(modes):
-            targets["heating_setpoint"] = "temperature"
-    for name, key in targets.items():
-        offer_number(
-            entity,
-            name,
-            source_of(config, f"{key}_state"),
-            config.command(f"{key}_command_topic", f"{key}_command_template"),
-            bounds=thermometer.bounds(config, 7.0, 35.0),
-            unit="°C",
-            heard=thermometer.celsius,
-            told=thermometer.number,
-        )
-    measured = source_of(config, "current_temperature")
-    offer_number(entity, "local_temperature", measured, None, unit="°C", heard=thermometer.celsius)
 
 
 def _offer_humidity(entity: Entity, config: Config) -> None:
@@ -104,7 +65,9 @@ def _offer_humidity(entity: Entity, config: Config) -> None:
     offer_number(entity, "humidity_setpoint", source, command, bounds=(least, most), unit="%", told=int)
 
 
-def _offer_switch(entity: Entity, config: Config, mode: CommandTopic | None, modes: tuple[str, ...]) -> None:
+def _offer_switch(
+    entity: Entity, config: Config, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: TargetMode
+) -> None:
     """Offer on and off: with a topic of its own, and else as Home Assistant does, by changing the mode."""
     power = config.command("power_command_topic", "power_command_template")
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
@@ -116,7 +79,10 @@ def _offer_switch(entity: Entity, config: Config, mode: CommandTopic | None, mod
         is_on = wanted_flag("on_off", value)
         if is_on not in words:
             raise RefusedError(f"on_off {shown(value)}", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")
-        return (command.publication(words[is_on]),) if command else ()
+        told = (command.publication(words[is_on]),) if command else ()
+        if power is None:
+            target_mode.told(words[is_on])
+        return told
 
     is_readable = entity.hears(source, partial(_read_switch, modes))
     entity.offers("on_off", readable=is_readable, writer=write if command and words else None)
@@ -142,5 +108,5 @@ def _offer_preset(entity: Entity, config: Config) -> None:
         raise WireError("climate: preset_modes has none, which means that there is no preset")
     command = config.command("preset_mode_command_topic", "preset_mode_command_template")
     if presets and command is not None:
-        source = _source(config, "preset_mode_state_topic", "preset_mode_value_template")
+        source = source_at(config, "preset_mode_state_topic", "preset_mode_value_template")
         offer_choice(entity, "preset_mode", source, command, ("none", *presets), words={"None": "none"})

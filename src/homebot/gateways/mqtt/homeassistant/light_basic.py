@@ -45,6 +45,7 @@ def build_basic_light(config: Config) -> DescribedPart:
     lamp = Lamp(listens.modes(), read_white_range(config), listens.publish, effects)
     entity = Entity(config, "light")
     lamp.offer(entity, BasicState(lamp, listens.remembered).hear(config, entity).__contains__)
+    entity.remembers()
     entity.listens_at(listens.command, listens.brightness, listens.white, listens.effect, *listens.colors.values())
     return entity.described()
 
