@@ -223,7 +223,7 @@ def losses() -> list[int]:
 def small(losses: list[int], monkeypatch: pytest.MonkeyPatch) -> Callable[[int], KeyedQueue[str]]:
     """Make a keyed queue that holds three items over all keys."""
     monkeypatch.setattr("homebot.graph.mailbox.MAX_KEYED_ITEMS", 3)
-    return lambda depth: KeyedQueue(depth, lambda item: item[0], lambda: losses.append(1))
+    return lambda depth: KeyedQueue(depth, lambda item: item[0], lambda _item: losses.append(1))
 
 
 def test_too_many_keys_push_out_the_oldest_item_of_all(

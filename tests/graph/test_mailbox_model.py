@@ -65,7 +65,7 @@ class KeyedMailbox(RuleBasedStateMachine):
         self.dropped = 0
         self.count = 0
 
-    def _lose(self) -> None:
+    def _lose(self, _item: Item) -> None:
         self.losses += 1
 
     @rule(key=keys)

@@ -49,7 +49,7 @@ class Client(Generic[RequestT, ResponseT]):
         """Not for use by hand: see :meth:`homebot.graph.Node.create_client`."""
         self.info = EndpointInfo(EntityKind.CLIENT, node, slot.name, service_type.ros_type)
         self._slot = slot
-        self._on_close = on_close
+        self._on_close: Callable[[], None] | None = on_close
         self._closed = False
         self._request_type = service_type.Request
         self._response_type = service_type.Response
@@ -132,7 +132,9 @@ class Client(Generic[RequestT, ResponseT]):
         if not self._closed:
             self._closed = True
             slot, self._slot = self._slot, ServiceSlot(self._slot.name, self._slot.service_type)
-            self._on_close()
+            on_close, self._on_close = self._on_close, None  # it holds us: both would stay in memory
+            if on_close is not None:
+                on_close()
             slot.wake()
 
     async def _take_turn(self, server: Service[RequestT, ResponseT], timeout: float) -> float:  # noqa: ASYNC109

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
 from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphChange
+from homebot.graph.endpoint_index import EndpointIndex
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
 from homebot.graph.topic import Topic
@@ -43,7 +44,7 @@ class Graph:
         self._nodes: dict[str, Node] = {}
         self._topics: dict[str, Topic] = {}
         self._services: dict[str, ServiceSlot] = {}
-        self._endpoints: dict[int, EndpointInfo] = {}
+        self._endpoints = EndpointIndex()
         self._watchers: list[Mailbox[GraphChange]] = []
         self._limit = LogLimit(self.clock)
 
@@ -77,13 +78,35 @@ class Graph:
         self, *, kind: EntityKind | None = None, name: str | None = None, node: str | None = None
     ) -> tuple[EndpointInfo, ...]:
         """Return the entities of one *kind*, under one full *name*, and of one *node*; None means any."""
-        return tuple(
-            info
-            for info in self._endpoints.values()
-            if (kind is None or info.kind is kind)
-            and (name is None or info.name == name)
-            and (node is None or info.node == node)
+        return self._endpoints.find(kind, name, node)
+
+    def get_message_types(self) -> tuple[type[Message], ...]:
+        """Return what the topics carry, each type once; costs what there are of types, not of topics."""
+        found: dict[type[Message], None] = {}
+        for kind in (EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION):
+            for ros_type in self._endpoints.types(kind):
+                first = self._endpoints.first_of_type(kind, ros_type)
+                topic = self._topics.get(first.name) if first else None
+                if topic is not None:
+                    found[topic.message_type] = None
+        return tuple(found)
+
+    def get_service_types(self) -> tuple[ServiceType[Any, Any], ...]:  # as above
+        """Return the types of the services that have a server, each once; costs what there are of types."""
+        firsts = (
+            self._endpoints.first_of_type(EntityKind.SERVICE, ros_type)
+            for ros_type in self._endpoints.types(EntityKind.SERVICE)
         )
+        return tuple(self._services[first.name].service_type for first in firsts if first)
+
+    def get_topics_of_type(self, ros_type: str) -> tuple[str, ...]:
+        """Return the full names of the topics that carry the type with the full name *ros_type*, sorted."""
+        kinds = (EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION)
+        return tuple(sorted({info.name for kind in kinds for info in self._endpoints.of_type(kind, ros_type)}))
+
+    def get_services_of_type(self, ros_type: str) -> tuple[EndpointInfo, ...]:
+        """Return the servers whose service is of the type with the full name *ros_type*, sorted by service."""
+        return tuple(sorted(self._endpoints.of_type(EntityKind.SERVICE, ros_type), key=lambda info: info.name))
 
     @contextmanager
     def watch(self) -> Iterator[Mailbox[GraphChange]]:
@@ -157,12 +180,12 @@ class Graph:
 
     def add_endpoint(self, entity: object, info: EndpointInfo) -> None:
         """Show *entity* as *info* and tell the watchers."""
-        self._endpoints[id(entity)] = info
+        self._endpoints.add(entity, info)
         self._tell(GraphChange("added", info))
 
     def remove_endpoint(self, entity: object) -> None:
         """Show *entity* no longer and tell the watchers. Twice is fine."""
-        if (info := self._endpoints.pop(id(entity), None)) is not None:
+        if (info := self._endpoints.remove(entity)) is not None:
             self._tell(GraphChange("removed", info))
 
     def _tell(self, change: GraphChange) -> None:

@@ -16,7 +16,7 @@ import anyio.lowlevel
 
 from homebot.errors import ClosedError, UsageError
 
-__all__ = ["TURN", "KeyedQueue", "Mailbox", "Queue"]
+__all__ = ["TURN", "BoundedQueue", "KeyedQueue", "Mailbox", "Queue"]
 
 T = TypeVar("T")
 
@@ -39,29 +39,48 @@ class Queue(Protocol[T]):
     def __len__(self) -> int: ...
 
 
+class BoundedQueue(Queue[T], Protocol):
+    """A queue that keeps its own bounds."""
+
+    def has_room_for(self, item: T, /) -> bool:
+        """Whether :meth:`append` would take *item* without dropping another."""
+        ...
+
+
 class Mailbox(Generic[T]):
     """A bounded queue with one asynchronous reader.
 
     Attributes:
         queue: The waiting items, oldest first. A publisher appends here itself, see ``Publisher.publish``.
-        depth: How many items may wait; a keyed queue keeps its own bounds.
-        lost: Items dropped since the start because the mailbox was full.
+        depth: How many items may wait; a keyed queue, or one that was given, keeps its own bounds.
         waiter: Set while the reader waits for an item; whoever adds one calls :meth:`wake`.
         senders: Those who wait for room; whoever removes an item calls :meth:`admit_senders` when there are any.
     """
 
-    __slots__ = ("_closed", "_keyed", "_turn", "depth", "lost", "queue", "senders", "waiter")
+    __slots__ = ("_closed", "_keyed", "_losses", "_turn", "depth", "queue", "senders", "waiter")
 
-    def __init__(self, depth: int, key: Callable[[T], Hashable] | None = None) -> None:
-        """Make an empty mailbox for *depth* items; with *key*, for *depth* items of each key."""
-        self.lost = 0
-        self._keyed = None if key is None else KeyedQueue(depth, key, self._count_lost)
+    def __init__(
+        self, depth: int, key: Callable[[T], Hashable] | None = None, queue: BoundedQueue[T] | None = None
+    ) -> None:
+        """Make an empty mailbox for *depth* items; with *key*, for *depth* items of each key; or with a *queue*."""
+        self._losses = _Losses()
+        keyed = None if key is None else KeyedQueue(depth, key, self._losses.add)
+        self._keyed: BoundedQueue[T] | None = queue or keyed
         self.queue: Queue[T] = deque() if self._keyed is None else self._keyed
         self.depth = depth if self._keyed is None else sys.maxsize
         self.waiter: asyncio.Future[None] | None = None
         self.senders: deque[asyncio.Future[None]] = deque()
         self._closed = False
         self._turn = 0
+
+    @property
+    def lost(self) -> int:
+        """Items dropped since the start because the mailbox was full; a queue that was given counts its own."""
+        return self._losses.count
+
+    @lost.setter
+    def lost(self, count: int) -> None:
+        self._losses.count = count
 
     def put(self, item: T) -> None:
         """Add *item*; a full mailbox drops its oldest item first. After :meth:`close`: nothing happens."""
@@ -157,12 +176,18 @@ class Mailbox(Generic[T]):
     def drop_oldest(self) -> None:
         """Drop the oldest item and count it as lost."""
         self.queue.popleft()
-        self.lost += 1
+        self._losses.count += 1
 
     def close(self) -> None:
         """End the mailbox: what waits can still be read, nothing more comes in. Twice is fine."""
         self._closed = True
         self.wake()
+        self.admit_senders()
+
+    def clear(self) -> None:
+        """Let go of all that waits; that is no loss."""
+        while self.queue:
+            self.queue.popleft()
         self.admit_senders()
 
     def __aiter__(self) -> Mailbox[T]:
@@ -174,8 +199,17 @@ class Mailbox(Generic[T]):
         except ClosedError:
             raise StopAsyncIteration from None
 
-    def _count_lost(self) -> None:
-        self.lost += 1
+
+class _Losses:
+    """What was lost, apart from the mailbox: its queue counts here without holding it in a cycle."""
+
+    __slots__ = ("count",)
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def add(self, _item: object) -> None:
+        self.count += 1
 
 
 class KeyedQueue(Generic[T]):
@@ -185,7 +219,7 @@ class KeyedQueue(Generic[T]):
     once, whatever their keys; one more drops the oldest item of all.
     """
 
-    def __init__(self, depth: int, key: Callable[[T], Hashable], on_loss: Callable[[], None]) -> None:
+    def __init__(self, depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T], None]) -> None:
         self._depth = depth
         self._key = key
         self._on_loss = on_loss
@@ -200,11 +234,11 @@ class KeyedQueue(Generic[T]):
         key = self._key(item)
         numbers = self._numbers.get(key)
         if numbers is not None and len(numbers) >= self._depth:
-            del self._items[numbers[0]], numbers[0]
-            self._on_loss()
+            lost = self._items.pop(numbers[0])
+            del numbers[0]
+            self._on_loss(lost)
         elif len(self._items) >= MAX_KEYED_ITEMS:
-            self.popleft()
-            self._on_loss()
+            self._on_loss(self.popleft())
             numbers = self._numbers.get(key)
         if numbers is None:
             numbers = self._numbers[key] = self._make_numbers()

@@ -29,11 +29,12 @@ from homebot.errors import ClosedError, DuplicateNameError, ExitError, UsageErro
 from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo
 from homebot.graph.graph import Graph
+from homebot.graph.mailbox import BoundedQueue
 from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet, Value
 from homebot.graph.publisher import Publisher
 from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_profile
 from homebot.graph.service import Handler, Service
-from homebot.graph.subscription import Callback, Subscription
+from homebot.graph.subscription import Callback, Expiring, Subscription
 from homebot.graph.timer import Timer
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
@@ -128,6 +129,7 @@ class Node:
         *,
         concurrent: bool = False,
         from_node: str = "",
+        queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
     ) -> Subscription[MessageT]:
         """Request messages of *msg_type* on *topic*.
 
@@ -138,6 +140,7 @@ class Node:
             qos_profile: What is requested; a number is the depth of the queue.
             concurrent: Whether the callback may be called again before it is done, at most *depth* times.
             from_node: Full name of the only node whose messages are wanted; empty for all nodes.
+            queue: Where messages wait, by a rule of its own; by default in a queue as deep as *qos_profile* says.
 
         Raises:
             InvalidNameError: *topic* is no legal name.
@@ -153,7 +156,9 @@ class Node:
             self.graph.release_topic(channel)
             self._hide(subscription)
 
-        subscription = Subscription(channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, from_node)
+        subscription = Subscription(
+            channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, from_node, queue
+        )
         channel.add_subscription(subscription)
         self._show(subscription)
         if callback is not None:

@@ -42,7 +42,7 @@ class Publisher(Generic[MessageT]):
         self.info = EndpointInfo(EntityKind.PUBLISHER, node, topic, message_type.ros_type, qos)
         self.qos = qos
         self.incompatible_qos_count = 0
-        self._on_close = on_close
+        self._on_close: Callable[[], None] | None = on_close
         self._message_type = message_type
         self._clock = clock
         self._subscriptions: tuple[Subscription[MessageT], ...] = ()
@@ -121,7 +121,9 @@ class Publisher(Generic[MessageT]):
             self._is_plain = False
             self._history = None
             mailboxes = self._mailboxes
-            self._on_close()
+            on_close, self._on_close = self._on_close, None  # it holds us: both would stay in memory
+            if on_close is not None:
+                on_close()
             for mailbox in mailboxes:
                 mailbox.admit_senders()
 
@@ -179,5 +181,5 @@ def _history(
     return KeyedQueue(
         qos.queue_depth,
         lambda item: read_key(item.message if isinstance(item, Expiring) else item),
-        lambda: None,  # replacing the last value of a key is no loss
+        lambda _item: None,  # replacing the last value of a key is no loss
     )

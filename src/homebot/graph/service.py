@@ -92,7 +92,7 @@ class Service(Generic[RequestT, ResponseT]):
         self.is_exclusive = not concurrent
         self.is_busy = False
         self.is_closed = False
-        self._on_close = on_close
+        self._on_close: Callable[[], None] | None = on_close
         self.line: deque[tuple[asyncio.Future[None], asyncio.Task[object] | None]] = deque()
         self._owner: asyncio.Task[object] | None = None
         self._deadlines: set[asyncio.Timeout] = set()
@@ -155,7 +155,9 @@ class Service(Generic[RequestT, ResponseT]):
         if self.is_closed:
             return
         self.is_closed = True
-        self._on_close()
+        on_close, self._on_close = self._on_close, None  # it holds us: both would stay in memory
+        if on_close is not None:
+            on_close()
         now = asyncio.get_running_loop().time() if self._deadlines else 0.0
         for deadline in self._deadlines:
             if not deadline.expired():

@@ -13,11 +13,11 @@ import anyio.lowlevel
 from homebot.clock import Clock
 from homebot.errors import ClosedError, ExitError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.graph.mailbox import TURN, Mailbox
+from homebot.graph.mailbox import TURN, BoundedQueue, Mailbox
 from homebot.graph.qos import QoSProfile
 from homebot.messages.message import Message
 
-__all__ = ["Callback", "Expiring", "Subscription"]
+__all__ = ["Callback", "Expiring", "Subscription", "key_of"]
 
 MessageT = TypeVar("MessageT", bound=Message)
 T = TypeVar("T")
@@ -60,6 +60,7 @@ class Subscription(Generic[MessageT]):
         clock: Clock,
         on_close: Callable[[], None],
         from_node: str = "",
+        queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
     ) -> None:
         """Not for use by hand: see :meth:`homebot.graph.Node.create_subscription`."""
         self.info = EndpointInfo(EntityKind.SUBSCRIPTION, node, topic, message_type.ros_type, qos)
@@ -67,10 +68,13 @@ class Subscription(Generic[MessageT]):
         self.from_node = from_node
         self.incompatible_qos_count = 0
         self.expired = 0
-        self._on_close = on_close
+        self._on_close: Callable[[], None] | None = on_close
         self._closed = False
+        self._is_abandoned = False  # what called back has ended, so nobody reads the rest
         self._clock = clock
-        self.mailbox: Mailbox[MessageT | Expiring[MessageT]] = Mailbox(qos.queue_depth, _key(message_type))
+        self.mailbox: Mailbox[MessageT | Expiring[MessageT]] = Mailbox(
+            qos.queue_depth, key_of(message_type) if queue is None else None, queue
+        )
 
     @property
     def topic_name(self) -> str:
@@ -118,8 +122,13 @@ class Subscription(Generic[MessageT]):
         """Leave the topic and end the iteration once the queue is read empty. Twice is fine."""
         if not self._closed:
             self._closed = True
-            self._on_close()
+            # The callback holds the subscription: kept, the two would stay in memory with all unread messages.
+            on_close, self._on_close = self._on_close, None
+            if on_close is not None:
+                on_close()
             self.mailbox.close()
+            if self._is_abandoned:
+                self.mailbox.clear()
 
     async def run(self, callback: Callback[MessageT], *, concurrent: bool) -> None:
         """Call *callback* with every message until the subscription is closed; the node's task does this.
@@ -127,10 +136,15 @@ class Subscription(Generic[MessageT]):
         Without *concurrent* the next message waits until the callback is done. With it every message gets a task of
         its own, at most ``depth`` at a time.
         """
-        if concurrent:
-            await self._run_concurrently(callback)
-        else:
-            await self._run_in_turn(callback)
+        try:
+            if concurrent:
+                await self._run_concurrently(callback)
+            else:
+                await self._run_in_turn(callback)
+        finally:
+            self._is_abandoned = True
+            if self._closed:
+                self.mailbox.clear()
 
     async def _run_in_turn(self, callback: Callback[MessageT]) -> None:
         mailbox = self.mailbox
@@ -188,7 +202,8 @@ class Subscription(Generic[MessageT]):
         return None
 
 
-def _key(message_type: type[MessageT]) -> Callable[[MessageT | Expiring[MessageT]], Hashable] | None:
+def key_of(message_type: type[MessageT]) -> Callable[[MessageT | Expiring[MessageT]], Hashable] | None:
+    """Return what reads the key of a queued message; None where the topic is not keyed."""
     if message_type.key_field is None:
         return None
     read_key = attrgetter(message_type.key_field)

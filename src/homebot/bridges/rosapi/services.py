@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from homebot.bridges.rosapi import service_messages as m
 from homebot.bridges.rosapi.names import absolute, unique
 from homebot.bridges.rosapi.typedefs import typedefs_of
 from homebot.bridges.rosbridge.types import find_service_type, same_type
-from homebot.graph import EntityKind, Graph
+from homebot.graph import EndpointInfo, EntityKind, Graph
 from homebot.names import is_hidden
 
 __all__ = ["ServiceDirectory"]
@@ -28,12 +30,13 @@ class ServiceDirectory:
 
     def for_type(self, request: m.ServicesForTypeRequest) -> m.ServicesForTypeResponse:
         """Return the visible services of a type."""
-        found = (name for name, ros_type in self._visible().items() if same_type(ros_type, request.type))
-        return m.ServicesForTypeResponse(services=tuple(found))
+        found = (info.name for info in self._served(request.type) if not is_hidden(info.name))
+        return m.ServicesForTypeResponse(services=unique(found))
 
     def type_of(self, request: m.ServiceTypeRequest) -> m.ServiceTypeResponse:
         """Return the type of a service."""
-        return m.ServiceTypeResponse(type=self._graph.get_service_names_and_types().get(absolute(request.service), ""))
+        found = self._graph.get_endpoints(kind=EntityKind.SERVICE, name=absolute(request.service))
+        return m.ServiceTypeResponse(type=found[0].ros_type if found else "")
 
     def request_details(self, request: m.ServiceRequestDetailsRequest) -> m.ServiceRequestDetailsResponse:
         """Return what the request of a service type looks like; an unknown one is a PeerError."""
@@ -52,10 +55,12 @@ class ServiceDirectory:
 
     def providers(self, request: m.ServiceProvidersRequest) -> m.ServiceProvidersResponse:
         """Return who serves services of a type."""
-        served = self._graph.get_endpoints(kind=EntityKind.SERVICE)
-        return m.ServiceProvidersResponse(
-            providers=unique(info.node for info in served if same_type(info.ros_type, request.service))
-        )
+        return m.ServiceProvidersResponse(providers=unique(info.node for info in self._served(request.service)))
+
+    def _served(self, ros_type: str) -> Iterator[EndpointInfo]:
+        for known in self._graph.get_service_types():
+            if same_type(known.ros_type, ros_type):
+                yield from self._graph.get_services_of_type(known.ros_type)
 
     def _visible(self) -> dict[str, str]:
         services = self._graph.get_service_names_and_types().items()

@@ -30,8 +30,14 @@ class TopicDirectory:
 
     def for_type(self, request: m.TopicsForTypeRequest) -> m.TopicsForTypeResponse:
         """Return the visible topics of a type."""
-        found = (name for name, ros_type in self._visible().items() if same_type(ros_type, request.type))
-        return m.TopicsForTypeResponse(topics=tuple(found))
+        found = (
+            name
+            for known in self._graph.get_message_types()
+            if same_type(known.ros_type, request.type)
+            for name in self._graph.get_topics_of_type(known.ros_type)
+            if not is_hidden(name)
+        )
+        return m.TopicsForTypeResponse(topics=unique(found))
 
     def type_of(self, request: m.TopicTypeRequest) -> m.TopicTypeResponse:
         """Return what a topic carries."""

@@ -46,6 +46,8 @@ _SERVICES: tuple[ServiceType[Any, Any], ...] = (
     std_srvs.Trigger,
 )
 
+_LONGEST_TYPE = 100
+
 
 def same_type(first: str, second: str) -> bool:
     """Whether two ROS type names mean one type, however they are spelled."""
@@ -95,10 +97,12 @@ def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
     Raises:
         PeerError: It is unknown; the message names what is similar.
     """
-    in_use = [found for topic in graph.get_topic_names_and_types() if (found := graph.get_message_type(topic))]
-    nested = (inner for outer in in_use for inner in nested_types(outer))
-    for known in (*_MESSAGES, *in_use, *nested):
-        if same_type(known.ros_type, ros_type):
+    wanted = _parts(ros_type)
+    if (standard := _STANDARD_MESSAGES.get(wanted)) is not None:
+        return standard
+    in_use = graph.get_message_types()
+    for known in (*in_use, *(inner for outer in in_use for inner in nested_types(outer))):
+        if _parts(known.ros_type) == wanted:
             return known
     raise _unknown("message", ros_type, [known.ros_type for known in _MESSAGES])
 
@@ -109,9 +113,9 @@ def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
     Raises:
         PeerError: It is unknown; the message names what is similar.
     """
-    in_use = (graph.get_service_type(service) for service in graph.get_service_names_and_types())
-    for known in (*_SERVICES, *in_use):
-        if known is not None and same_type(known.ros_type, ros_type):
+    wanted = _parts(ros_type)
+    for known in (*_SERVICES, *graph.get_service_types()):
+        if _parts(known.ros_type) == wanted:
             return known
     raise _unknown("service", ros_type, [known.ros_type for known in _SERVICES])
 
@@ -121,7 +125,10 @@ def _parts(ros_type: str) -> tuple[str, str]:
     return package, rest.removeprefix("msg/").removeprefix("srv/")
 
 
+_STANDARD_MESSAGES = {_parts(known.ros_type): known for known in _MESSAGES}
+
+
 def _unknown(kind: str, ros_type: str, known: list[str]) -> PeerError:
-    similar = get_close_matches(ros_type, known, n=3, cutoff=0.5)
+    similar = get_close_matches(ros_type[:_LONGEST_TYPE], known, n=3, cutoff=0.5)  # it takes the square of the length
     hint = f"; similar: {', '.join(similar)}" if similar else ""
-    return PeerError(f"{kind} type {ros_type[:100]!r} is not known here{hint}")
+    return PeerError(f"{kind} type {ros_type[:_LONGEST_TYPE]!r} is not known here{hint}")
