@@ -15,7 +15,7 @@ from homebot.devices import Sighting
 from homebot.devices.names import DISCOVERY_HEALTH
 from homebot.devices.part import Part
 from homebot.devices.quarantine import GetHealth, HealthRequest
-from homebot.discovery import Directory, DirectorySettings
+from homebot.discovery import Directory, DirectorySettings, keeper
 from homebot.graph import Graph, Node
 from homebot.testing import FakeGateway
 
@@ -132,6 +132,24 @@ async def test_a_file_of_a_newer_homebot_is_not_used(path: Path) -> None:
         async with directory_with(path):
             pass
     assert "discovery.index_file_not_used" in [line["event"] for line in lines]
+
+
+async def test_a_disk_that_has_room_again_is_written_within_ten_seconds(
+    path: Path, announce: Announce, part: MakePart, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Here in a tenth of a second."""
+    assert keeper.SAVE_EVERY + keeper.RETRY_AFTER < 10
+    monkeypatch.setattr(keeper, "SAVE_EVERY", keeper.SAVE_EVERY / 100)
+    monkeypatch.setattr(keeper, "RETRY_AFTER", keeper.RETRY_AFTER / 100)
+    path.mkdir()
+    async with directory_with(path) as directory:
+        directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
+        await anyio.sleep(2 * keeper.RETRY_AFTER)
+        assert "lamp" in directory.index.unsaved
+        path.rmdir()
+        with anyio.fail_after(5):
+            while directory.index.unsaved or not path.exists():  # noqa: ASYNC110 - a thread of SQLite tells nobody
+                await anyio.sleep(keeper.SAVE_EVERY)
 
 
 async def test_what_could_not_be_written_is_written_when_it_can_be(

@@ -184,7 +184,7 @@ def test_a_device_of_the_file_is_as_it_was_but_unconfirmed(announce: Announce, p
     (change,) = after.take_changes()
     device = change.device
     assert (change.kind, device.id, device.freshness, device.last_seen.sec) == ("appeared", "lamp", "unconfirmed", 6)
-    assert (device.first_seen.sec, device.expires.sec) == (5, 12602)
+    assert (device.first_seen.sec, device.expires.sec) == (5, 12600)
     assert [len(one.routes) for one in device.parts] == [2]
     assert device.evidence == index.devices()[0].evidence
     after.observe(announce("l", part(id="l"), ids=("mac:aabbccddeeff",), name="Renamed", at=9001))

@@ -51,7 +51,8 @@ class Devices:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._since = Time.from_seconds(node.graph.clock.now())
+        self._clock = node.graph.clock
+        self._since = self._clock.monotonic()
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._handlers: dict[tuple[str, str], MessageHandler] = {}
         self._wanted: dict[str, set[str]] = {}
@@ -184,7 +185,10 @@ class Devices:
             raise
 
     async def _ask(self, gateway: str, address: str) -> None:
-        request = SubscribeToTopicRequest(topic=address, listener=self._node.full_name, since=self._since)
+        since = Time.from_seconds(
+            self._clock.now() - (self._clock.monotonic() - self._since)
+        )  # by the clock as it is now
+        request = SubscribeToTopicRequest(topic=address, listener=self._node.full_name, since=since)
         response = await self._gateway(gateway).call(request)
         if not response.success:
             raise RefusedError(f"listening to {address}", response.message)

@@ -40,6 +40,7 @@ class Report(Message):
             all that the device told.
         retained: Whether the broker had kept it from before: what was, not what is.
         received_at: When.
+        heard_at: When, in seconds of the monotonic clock, which nobody sets; 0 where the gateway does not say.
     """
 
     key_field: ClassVar[str | None] = "stream"
@@ -51,3 +52,4 @@ class Report(Message):
     stream: str = ""
     retained: bool
     received_at: Time
+    heard_at: float = 0.0

@@ -38,6 +38,7 @@ class Sighting(Message):
         seen_at: When.
         expires_at: When it becomes stale unless it is seen again; the gateway alone knows its protocol's habits.
         confirmed: Whether the device itself spoke, rather than a message that the broker had kept.
+        heard_at: When, in seconds of the monotonic clock, which nobody sets; 0 where the gateway does not say.
     """
 
     key_field: ClassVar[str | None] = "key"
@@ -59,6 +60,7 @@ class Sighting(Message):
     seen_at: Time
     expires_at: Time
     confirmed: bool
+    heard_at: float = 0.0
 
     @property
     def speaks_plainly(self) -> bool:

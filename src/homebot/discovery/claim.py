@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -30,6 +31,7 @@ class Told:
         value: The value.
         since: Since when it is that.
         told_at: When it was last told.
+        heard: The same on the clock that is never set, which says what is newer.
         live: Whether the device told it, rather than a message that the broker had kept.
     """
 
@@ -37,6 +39,7 @@ class Told:
     since: Time
     told_at: Time
     live: bool
+    heard: float = -math.inf
 
 
 @dataclass(slots=True, eq=False)
@@ -48,7 +51,7 @@ class Claim:
         number: Grows with each new claim: who came first.
         first_seen: When it was first heard of.
         seen_at: When the device was last heard through it, or it was announced.
-        expires_at: When that is too long ago, as the gateway says.
+        heard: The same on the clock that is never set; minus infinity where that was before the start.
         confirmed: Whether the device itself was heard through it since the start.
         said: Each fact with its value, and when it was first said.
         told: What its parts told, by part and capability.
@@ -61,8 +64,8 @@ class Claim:
     number: int
     first_seen: Time
     seen_at: Time
-    expires_at: Time
     confirmed: bool
+    heard: float = -math.inf
     said: dict[str, tuple[str, Time]] = field(default_factory=dict)
     told: dict[tuple[str, str], Told] = field(default_factory=dict)
     reachable: bool | None = None
@@ -77,7 +80,7 @@ class Claim:
     @property
     def lasts(self) -> float:
         """For how many seconds its gateway thinks that silence is no bad sign."""
-        return self.sighting.expires_at.to_seconds() - self.sighting.seen_at.to_seconds()
+        return max(0.0, self.sighting.expires_at.to_seconds() - self.sighting.seen_at.to_seconds())
 
     @property
     def label(self) -> str:

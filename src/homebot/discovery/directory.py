@@ -52,9 +52,6 @@ FOREIGN = "discovery.foreign_sighting"
 BURST = 50
 """Lines of each kind of change in ten seconds; a flood of devices is counted rather than told."""
 
-LONGEST_SLEEP = 60.0
-"""Seconds after which deadlines are looked at anew: the computer's clock may have been set meanwhile."""
-
 _TURN = 100
 """Changes made in one go before other tasks get their turn."""
 
@@ -99,10 +96,10 @@ class Directory:
     def __init__(self, node: Node, settings: DirectorySettings, file: Path | None = None) -> None:
         self._node = node
         clock = node.graph.clock
-        # Microseconds of the clock: a directory that was restarted goes on above the numbers of the one before.
+        # Microseconds: a directory that was restarted goes on above the numbers of the one before.
         self.index = DeviceIndex(
             forget_after=settings.forget_after,
-            first_sequence=round(clock.now() * 1e6) + 1,
+            first_sequence=round(node.graph.steady_now() * 1e6) + 1,
             max_devices=settings.max_devices,
         )
         self._clock = clock
@@ -189,7 +186,7 @@ class Directory:
     def _observe(self, gateway: str, sighting: Sighting) -> None:
         if not self._is_own(gateway, sighting):
             return
-        self.index.observe(sighting)
+        self.index.observe(sighting, self._heard_at(sighting))
         if self.index.counters.rejected > self._rejected:
             self._tell_rejected(sighting)
         self._look()
@@ -198,8 +195,13 @@ class Directory:
         if not self._is_own(gateway, report):
             return
         self.index.tells_states = self._states.subscription_count > 0
-        self.index.report(report)
+        self.index.report(report, self._heard_at(report))
         self._look()
+
+    def _heard_at(self, message: Sighting | Report) -> float:
+        """What a gateway keeps for late joiners may be old."""
+        now = self._clock.monotonic()
+        return min(message.heard_at or now, now)
 
     def _look(self) -> None:
         """Wake those who have something to do now."""
@@ -219,12 +221,12 @@ class Directory:
 
     async def _expire(self) -> None:
         while True:
-            self._wakes_at = self.index.next_deadline() or math.inf
+            deadline = self.index.next_deadline()
+            self._wakes_at = math.inf if deadline is None else deadline
             self._earlier_deadline = anyio.Event()
-            delay = min(self._wakes_at - self._clock.now(), LONGEST_SLEEP) if self._wakes_at < math.inf else math.inf
-            with anyio.move_on_after(max(0.0, delay)):
+            with anyio.move_on_after(max(0.0, self._wakes_at - self._clock.monotonic())):
                 await self._earlier_deadline.wait()
-            while self.index.expire(self._clock.now(), at_most=_TURN):
+            while self.index.expire(self._clock.monotonic(), at_most=_TURN):
                 self._tell_all()
                 await anyio.lowlevel.checkpoint()
 

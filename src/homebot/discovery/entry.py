@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 
 from homebot.devices import (
     Device,
@@ -31,6 +31,9 @@ MAX_FACTS = 200
 """Facts of one device that are told; those of the preferred announcements first."""
 
 
+_NO_TIME = Time(sec=0, nanosec=0)
+
+
 @dataclass(slots=True, eq=False)
 class Entry:
     """What the index keeps of a device.
@@ -40,13 +43,14 @@ class Entry:
         claims: Its announcements by gateway and key.
         first_seen: When it was first heard of.
         freshness: See :class:`Device`.
-        deadline: When it becomes stale unless it is heard of again, in seconds since the Unix epoch.
+        deadline: When it becomes stale unless it is heard of again, in seconds of the clock that is never set.
+        expires: The same as a stamp.
         rhythm: How often it speaks.
         evidence: Why its announcements are one device, in words.
         told_conflicts: What was last told to be disputed about it.
         rival: The device that keeps a topic from it, as was last told; empty for none.
         lasts: For how many seconds its gateways think that silence is no bad sign.
-        saved_at: The time when it was last seen that was last to be written to the index file.
+        saved_at: When it was last to be written to the index file that it was seen, on the clock that is never set.
         known_ids: Ids that parts had, beside those of the description that stands.
     """
 
@@ -54,10 +58,11 @@ class Entry:
     first_seen: Time
     freshness: Freshness
     claims: dict[ClaimKey, Claim] = field(default_factory=dict)
-    deadline: float = 0.0
+    deadline: float = -math.inf
+    expires: Time = _NO_TIME
     rhythm: Rhythm = field(default_factory=Rhythm)
     evidence: tuple[str, ...] = ()
-    saved_at: float = 0.0
+    saved_at: float = -math.inf
     lasts: float = 0.0
     told_conflicts: tuple[str, ...] = ()
     rival: str = ""
@@ -82,7 +87,7 @@ class Entry:
     def last_seen(self) -> Time:
         """Return when it was last heard of: when it spoke, or else was announced."""
         confirmed = [claim for claim in self.claims.values() if claim.confirmed]
-        return max((claim.seen_at for claim in confirmed or self.claims.values()), key=_moment)
+        return max(confirmed or self.claims.values(), key=lambda one: (one.heard, _moment(one.seen_at))).seen_at
 
     def told_anew(self) -> None:
         """Its states or its freshness changed."""
@@ -116,7 +121,7 @@ class Entry:
                 metadata=described.metadata,
                 first_seen=self.first_seen,
                 last_seen=self.last_seen(),
-                expires=_time(min(self.deadline, _LATEST)),
+                expires=self.expires,
                 freshness=self.freshness,
                 service_types=described.service_types,
                 area=described.area,
@@ -177,7 +182,6 @@ class Entry:
 
 
 _NOT_SAID = Reachability()
-_LATEST = 2.0**31 - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,15 +298,9 @@ def _told_at(part: DevicePart, gateway: str) -> str:
     return next((words_address(one.key, one.part) for one in ways), "")
 
 
-@lru_cache(maxsize=64)
-def _time(seconds: float) -> Time:
-    """Devices that are announced together expire together."""
-    return Time.from_seconds(seconds)
-
-
 def _moment(time: Time | None) -> tuple[int, int]:
     return (time.sec, time.nanosec) if time is not None else (0, 0)
 
 
-def _weight(told: Told) -> tuple[bool, int, int]:
-    return told.live, told.told_at.sec, told.told_at.nanosec
+def _weight(told: Told) -> tuple[bool, float, int, int]:
+    return told.live, told.heard, told.told_at.sec, told.told_at.nanosec

@@ -7,8 +7,10 @@ messages is told of once.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import final
 
 from homebot.devices import Device, DeviceChange, Sighting, State, StateChange
@@ -102,6 +104,7 @@ class DeviceIndex:
         self._happenings = Happenings(self._device, first_sequence)
         self._strays = Strays()
         self._number = 0
+        self._now = -math.inf
 
     def __len__(self) -> int:
         return len(self._entries)
@@ -120,8 +123,15 @@ class DeviceIndex:
         """Number of the last change that was taken."""
         return self._happenings.sequence
 
-    def observe(self, sighting: Sighting) -> None:
-        """Take *sighting* in."""
+    def observe(self, sighting: Sighting, now: float | None = None) -> None:
+        """Take *sighting* in.
+
+        Args:
+            sighting: What a gateway heard.
+            now: When, in seconds of the clock that :meth:`expire` is asked with, one that is never set; by default its
+                stamp is the time, as of something recorded.
+        """
+        self._now = sighting.seen_at.to_seconds() if now is None else now
         key = (sighting.gateway, sighting.key)
         claim = self._claims.get(key)
         if sighting.kind == "removed":
@@ -132,8 +142,17 @@ class DeviceIndex:
         else:
             self._refresh(key, claim, sighting)
 
-    def report(self, report: Report) -> None:
-        """Take in what a device told; of one that nobody announced yet it waits a moment, and is counted."""
+    def report(self, report: Report, now: float | None = None) -> None:
+        """Take in what a device told; of one that nobody announced yet it waits a moment, and is counted.
+
+        Args:
+            report: What it told.
+            now: As for :meth:`observe`.
+        """
+        self._now = report.received_at.to_seconds() if now is None else now
+        self._take(report)
+
+    def _take(self, report: Report) -> None:
         key = (report.gateway, report.key)
         claim = self._claims.get(key)
         if claim is None:
@@ -142,7 +161,7 @@ class DeviceIndex:
                 self._add(key, sighting)
             claim = self._claims.get(key)
         if claim is None:
-            self._strays.put(key, report)
+            self._strays.put(key, report, self._now)
             return
         entry, live, stamp = self._owner[key], not report.retained, report.received_at
         is_life = live and bool(report.address)
@@ -162,7 +181,7 @@ class DeviceIndex:
         """Let become stale what is silent for too long at *now*, and forget what is stale for too long.
 
         Args:
-            now: Seconds since the Unix epoch.
+            now: Seconds of a clock that is never set: who sets the computer's makes nobody stale.
             at_most: How many changes to make. None makes them all.
 
         Returns:
@@ -173,7 +192,8 @@ class DeviceIndex:
             made += 1
             entry = self._entries[due]
             if entry.freshness == "stale":
-                self._remove(entry, "it has been stale for too long", is_ghost=True, at=now)
+                at = entry.expires.to_seconds() + self._forget_after
+                self._remove(entry, "it has been stale for too long", is_ghost=True, at=at)
                 continue
             entry.freshness = "stale"
             self._deadlines.set(due, entry.deadline + self._forget_after)
@@ -182,7 +202,7 @@ class DeviceIndex:
         return made
 
     def next_deadline(self) -> float | None:
-        """Return when :meth:`expire` has something to do, in seconds since the Unix epoch; None for never."""
+        """Return when :meth:`expire` has something to do, in seconds of its clock; None for never."""
         return self._deadlines.next()
 
     def take_changes(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
@@ -241,6 +261,10 @@ class DeviceIndex:
     def forget(self, device_id: str, now: float) -> tuple[tuple[str, str], ...] | None:
         """Remove the device; announcements of it that the broker keeps do not bring it back, its own word does.
 
+        Args:
+            device_id: Its id.
+            now: Seconds since the Unix epoch, for the tombstone.
+
         Returns:
             Gateway and place of its announcements; None where there is no such device.
         """
@@ -263,8 +287,15 @@ class DeviceIndex:
         self.unsaved.update(dict.fromkeys(self._entries))
         self.unsaved.update((stone.id, None) for stone in self.tombstones)
 
-    def restore(self, entry: Entry, now: float) -> None:
-        """Take in a device of the index file, unconfirmed, before anything else is taken in."""
+    def restore(self, entry: Entry, now: float, wall: float | None = None) -> None:
+        """Take in a device of the index file, unconfirmed, before anything else is taken in.
+
+        Args:
+            entry: The device.
+            now: Seconds of the clock that :meth:`expire` is asked with: it has its whole time from now on, for how long
+                homebot was away nobody knows whose clock was set meanwhile.
+            wall: Seconds since the Unix epoch, for its stamp; by default the same.
+        """
         if entry.id in self._entries or len(self._entries) >= self._max_devices or not entry.claims:
             return
         if any(key in self._claims for key in entry.claims):
@@ -276,7 +307,8 @@ class DeviceIndex:
             self._owner[key] = entry
             self._bonds.put(key, claim.sighting)
         entry.freshness = "unconfirmed"
-        entry.deadline = now + max(claim.lasts for claim in entry.claims.values())
+        lasts = max(claim.lasts for claim in entry.claims.values())
+        entry.deadline, entry.expires = now + lasts, _stamp((now if wall is None else wall) + lasts)
         self._entries[entry.id] = entry
         self._describe(entry)
         self._deadlines.set(entry.id, entry.deadline)
@@ -305,8 +337,8 @@ class DeviceIndex:
             number=self._number,
             first_seen=sighting.seen_at,
             seen_at=sighting.seen_at,
-            expires_at=sighting.expires_at,
             confirmed=sighting.confirmed,
+            heard=self._now,
         )
         self._claims[key] = claim
         is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first word was overtaken
@@ -319,8 +351,8 @@ class DeviceIndex:
             self._regroup(affected, why)
         if sighting.confirmed and not is_alone:
             self._hear(self._owner[key], claim, sighting.seen_at, why)
-        for report in self._strays.take(key, sighting.seen_at.sec):
-            self.report(report)
+        for report in self._strays.take(key, self._now):
+            self._take(report)
 
     def _join(self, entry: Entry, claim: Claim) -> None:
         """The usual case, a further announcement of the same device in the same way, without a look at all others."""
@@ -328,7 +360,7 @@ class DeviceIndex:
         self._owner[claim.key] = entry
         self._describe(entry, claim)
         if entry.freshness == "unconfirmed":
-            self._set_deadline(entry, max(entry.deadline, claim.expires_at.to_seconds()))
+            self._lengthen(entry, claim, self._now)
         self._note("changed", entry, "it announces more")
 
     def _refresh(self, key: ClaimKey, claim: Claim, sighting: Sighting) -> None:
@@ -343,12 +375,11 @@ class DeviceIndex:
             self._describe(entry)
             self._note("changed", entry, "it is described anew")
         if sighting.confirmed:
-            claim.expires_at = sighting.expires_at
             self._hear(entry, claim, sighting.seen_at, "it spoke itself")
         elif not claim.confirmed and entry.freshness == "unconfirmed":
-            claim.seen_at, claim.expires_at = sighting.seen_at, sighting.expires_at
+            claim.seen_at, claim.heard = sighting.seen_at, self._now
             entry.told_anew()
-            self._set_deadline(entry, max(entry.deadline, sighting.expires_at.to_seconds()))
+            self._lengthen(entry, claim, self._now)
 
     def _withdraw(self, key: ClaimKey, why: str) -> None:
         entry = self._owner[key]
@@ -375,9 +406,10 @@ class DeviceIndex:
         self._owner.update(dict.fromkeys(claims, entry))
         for claim in claims.values():
             if claim.confirmed:
-                entry.rhythm.heard(claim.seen_at.to_seconds())
+                entry.rhythm.heard(claim.heard)
         self._describe(entry)
-        self._set_deadline(entry, max(claim.expires_at.to_seconds() for claim in claims.values()))
+        for claim in claims.values():
+            self._lengthen(entry, claim, self._now if claim.heard == -math.inf else claim.heard)
         self._note("appeared", entry, f"it is back: {why}" if is_back else why)
         return entry
 
@@ -444,14 +476,15 @@ class DeviceIndex:
             self._happenings.note_removed(other, f"it is the same device as {entry.id}", entry.id)
             self._drop(other)
             entry.rhythm.join(other.rhythm)
-            entry.deadline = max(entry.deadline, other.deadline)
+            if other.deadline > entry.deadline:
+                entry.deadline, entry.expires = other.deadline, other.expires
             if other.freshness == "fresh" or entry.freshness == "stale":
                 entry.freshness = other.freshness
         entry.claims = claims
         self._owner.update(dict.fromkeys(claims, entry))
         before = entry.evidence
         self._describe(entry)
-        self._set_deadline(entry, entry.deadline)
+        self._set_deadline(entry)
         evidence = "; ".join(one for one in entry.evidence if one not in before)
         for other in found.gone:
             self._note("merged", entry, evidence or why, other.id)
@@ -510,19 +543,20 @@ class DeviceIndex:
         return ""
 
     def _hear(self, entry: Entry, claim: Claim, stamp: Time, why: str) -> None:
-        now = stamp.to_seconds()
+        now = self._now
         if now - entry.saved_at > SAVE_LIFE:
             entry.saved_at = now
             self._mark(entry.id)
         claim.confirmed = True
-        claim.seen_at = stamp
+        claim.seen_at, claim.heard = stamp, now
         entry.rhythm.heard(now)
         entry.told_anew()
         usual = max(entry.lasts, entry.rhythm.patience())
         if claim.reachable and claim.reachable_live:
             usual = max(usual, _ONLINE_FOR)
         before, entry.freshness = entry.freshness, "fresh"
-        self._set_deadline(entry, now + usual)
+        entry.deadline, entry.expires = now + usual, _stamp(stamp.to_seconds() + usual)
+        self._set_deadline(entry)
         if before == "fresh":
             return
         self._unsorted[entry.id] = None
@@ -532,10 +566,16 @@ class DeviceIndex:
         else:
             self._note("changed", entry, why)
 
-    def _set_deadline(self, entry: Entry, deadline: float) -> None:
-        entry.deadline = deadline
+    def _lengthen(self, entry: Entry, claim: Claim, heard: float) -> None:
+        """Let *entry* be silent for as long as *claim*, last *heard* then, says; unless it may for longer already."""
+        deadline = heard + claim.lasts
+        if deadline > entry.deadline:
+            entry.deadline, entry.expires = deadline, _stamp(claim.seen_at.to_seconds() + claim.lasts)
+        self._set_deadline(entry)
+
+    def _set_deadline(self, entry: Entry) -> None:
         forgets = self._forget_after if entry.freshness == "stale" else 0.0
-        self._deadlines.set(entry.id, deadline + forgets)
+        self._deadlines.set(entry.id, entry.deadline + forgets)
 
     def _tell(self, entry: Entry, claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> None:
         """Note a value; make it findable, and tell it, where it is a new one."""
@@ -543,7 +583,7 @@ class DeviceIndex:
         if place not in claim.told and not can_tell(claim, *place):
             self.counters.unknown_parts += 1
             return
-        told = tell(claim, reading, stamp, live=live)
+        told = tell(claim, reading, stamp, self._now, live=live)
         is_sorted = entry.id not in self._unsorted
         if told is None or not (is_sorted or self.tells_states):
             return
@@ -581,6 +621,12 @@ class DeviceIndex:
         entry.told_anew()
         self._unsorted[entry.id] = None
         self._happenings.note(kind, entry, why, other)
+
+
+@lru_cache(maxsize=64)
+def _stamp(seconds: float) -> Time:
+    """Devices that are announced together expire together."""
+    return Time.from_seconds(seconds)
 
 
 def _writes(claim: Claim) -> Iterator[tuple[str, str]]:

@@ -34,7 +34,9 @@ BAD_RECORD = "discovery.index_record_rejected"
 SAVE_EVERY = 2.0
 """Seconds in which changes are gathered before they are written."""
 
-RETRY_AFTER = 30.0
+RETRY_AFTER = 5.0
+"""Seconds until a file that could not be written is tried again."""
+
 _TURN = 100
 _BATCH = 200
 """Devices written in one go: to make their records takes about 10 ms, in which nobody else has a turn."""
@@ -80,9 +82,9 @@ class Keeper:
             return
         for stone in known.tombstones:
             self._index.tombstones.put(stone)
-        now = self._clock.now()
+        now, wall = self._clock.monotonic(), self._clock.now()
         for number, entry in enumerate(known.entries, 1):
-            self._index.restore(entry, now)
+            self._index.restore(entry, now, wall)
             if number % _TURN == 0:
                 await anyio.lowlevel.checkpoint()
         self._index.unsaved.clear()

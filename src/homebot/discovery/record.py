@@ -64,7 +64,7 @@ def entry_record(entry: Entry) -> str:
             ids.setdefault((gateway, key), {})[part] = part_id
     claims = tuple(
         _ClaimRecord(
-            sighting=claim.sighting.model_copy(update={"seen_at": claim.seen_at, "confirmed": False}),
+            sighting=_as_last_seen(claim),
             first_seen=claim.first_seen,
             part_ids=ids.get(claim.key, {}),
         )
@@ -98,7 +98,6 @@ def read_entry(device_id: str, text: str) -> Entry:
             number=number,
             first_seen=one.first_seen,
             seen_at=sighting.seen_at,
-            expires_at=sighting.expires_at,
             confirmed=False,
         )
         ids |= {
@@ -124,6 +123,12 @@ def read_tombstone(device_id: str, text: str) -> Tombstone:
     if not math.isfinite(record.at):
         raise WireError("a device that went at no time", text[:100].encode(errors="replace"))
     return Tombstone(device_id, record.keys, record.hardware, record.is_ghost, record.at)
+
+
+def _as_last_seen(claim: Claim) -> Sighting:
+    """The clock may have been set since the sighting: what is kept is for how long silence is no bad sign."""
+    expires_at = Time.from_seconds(claim.seen_at.to_seconds() + claim.lasts)
+    return claim.sighting.model_copy(update={"seen_at": claim.seen_at, "expires_at": expires_at, "confirmed": False})
 
 
 def _read(kind: type[_RecordT], text: str) -> _RecordT:

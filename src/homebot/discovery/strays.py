@@ -30,15 +30,15 @@ class Strays:
     def __init__(self) -> None:
         self.count = 0
         self._buried: OrderedDict[ClaimKey, Sighting] = OrderedDict()
-        self._reports: OrderedDict[ClaimKey, dict[str, Report]] = OrderedDict()
+        self._reports: OrderedDict[ClaimKey, dict[str, tuple[float, Report]]] = OrderedDict()
 
-    def put(self, key: ClaimKey, report: Report) -> None:
-        """Keep *report*; the newest of each address."""
+    def put(self, key: ClaimKey, report: Report, now: float) -> None:
+        """Keep *report*, which came at *now*; the newest of each address."""
         self.count += 1
         found = self._reports.setdefault(key, {})
         self._reports.move_to_end(key)
         found.pop(report.address, None)
-        found[report.address] = report
+        found[report.address] = now, report
         if len(found) > _MAX_ADDRESSES:
             del found[next(iter(found))]
         if len(self._reports) > _MAX_KEYS:
@@ -64,9 +64,9 @@ class Strays:
         update = {"seen_at": report.received_at, "expires_at": expires_at, "confirmed": True}
         return sighting.model_copy(update={**update, "kind": "appeared", "why": "it spoke again"})
 
-    def take(self, key: ClaimKey, now: int) -> tuple[Report, ...]:
+    def take(self, key: ClaimKey, now: float) -> tuple[Report, ...]:
         """Return the reports of the device that is announced at *now*, oldest first, and forget them."""
         found = self._reports.pop(key, None)
         if found is None:
             return ()
-        return tuple(one for one in found.values() if abs(now - one.received_at.sec) <= _PATIENCE)
+        return tuple(report for came, report in found.values() if now - came <= _PATIENCE)

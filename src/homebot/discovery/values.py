@@ -17,8 +17,15 @@ def can_tell(claim: Claim, part_id: str, capability: str) -> bool:
     return part is not None and any(one.name == capability for one in part.capabilities)
 
 
-def tell(claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> Told | None:
+def tell(claim: Claim, reading: Reading, stamp: Time, now: float, *, live: bool) -> Told | None:
     """Note a value of a part; what the broker had kept never overwrites what was told live.
+
+    Args:
+        claim: Through which announcement it was told.
+        reading: The value.
+        stamp: When it was told.
+        now: The same on the clock that is never set.
+        live: Whether the device told it itself.
 
     Returns:
         What is known now, where the value is a new one; else None.
@@ -27,12 +34,12 @@ def tell(claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> Told | N
     value = reading.value.plain()
     known = claim.told.get(place)
     if known is None:
-        known = claim.told[place] = Told(value, stamp, stamp, live)
+        known = claim.told[place] = Told(value, stamp, stamp, live, now)
         return known
     if known.live and not live:
         return None
     is_same = known.value == value and type(known.value) is type(value)
-    known.told_at, known.live = stamp, live
+    known.told_at, known.live, known.heard = stamp, live, now
     if is_same:
         return None
     known.value, known.since = value, stamp

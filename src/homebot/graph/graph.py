@@ -47,6 +47,14 @@ class Graph:
         self._endpoints = EndpointIndex()
         self._watchers: list[Mailbox[GraphChange]] = []
         self._limit = LogLimit(self.clock)
+        self._epoch = self.clock.now() - self.clock.monotonic()
+
+    def steady_now(self) -> float:
+        """Seconds since the Unix epoch by the clock as it was when the graph was made: setting it changes nothing.
+
+        For numbers that must grow over restarts of a node, and of homebot too unless the clock was set back meanwhile.
+        """
+        return self._epoch + self.clock.monotonic()
 
     def get_node_names(self) -> tuple[str, ...]:
         """Return the full names of all nodes, sorted."""

@@ -10,6 +10,7 @@ from homebot.messages.message import Message
 __all__ = ["Duration", "Time"]
 
 _NANOSECONDS = 1_000_000_000
+_FIRST, _LAST = -(2.0**31), 2.0**31 - 1
 
 
 class Time(Message):
@@ -27,8 +28,12 @@ class Time(Message):
 
     @classmethod
     def from_seconds(cls, seconds: float) -> Time:
-        """Return the point *seconds* after the Unix epoch, to the nearest nanosecond that a float can tell."""
-        sec, nanosec = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
+        """Return the point *seconds* after the Unix epoch, to the nearest nanosecond that a float can tell.
+
+        What lies before 1901 or after January 2038, as a clock that was set wrongly may say, is the nearest that it can
+        be: a wrong stamp is less of a fault than none.
+        """
+        sec, nanosec = divmod(round(min(max(seconds, _FIRST), _LAST) * _NANOSECONDS), _NANOSECONDS)
         return cls(sec=sec, nanosec=nanosec)
 
     def to_seconds(self) -> float:

@@ -14,6 +14,8 @@ from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicRe
 from homebot.errors import HomebotError
 from homebot.gateways import Gateway
 from homebot.gateways.listeners import Listeners
+from homebot.gateways.mqtt.board import stamps
+from homebot.gateways.mqtt.channels import begin_of, missed
 from homebot.graph import Node
 from homebot.messages import Time
 
@@ -52,7 +54,7 @@ class FakeGateway(Gateway):
         super().__init__(node, self._settings)
         self.told: list[tuple[str, str]] = []
         self._listeners = Listeners(node, self.names, inboxes=self._settings.delivery == "inbox")
-        self._kept: defaultdict[str, deque[RawMessage]] = defaultdict(lambda: deque(maxlen=KEPT))
+        self._kept: defaultdict[str, deque[tuple[float, RawMessage]]] = defaultdict(lambda: deque(maxlen=KEPT))
         node.create_subscription(RawCommand, self.names.out, self._send, 1000)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
 
@@ -72,7 +74,7 @@ class FakeGateway(Gateway):
             retained=False,
             received_at=self._now(),
         )
-        self._kept[message.address].append(message)
+        self._kept[message.address].append((self.node.graph.clock.monotonic(), message))
         for listener in tuple(self._listeners.of(message.address)):
             await self._listeners.deliver(listener, message, patient=True)
 
@@ -87,7 +89,7 @@ class FakeGateway(Gateway):
         confirmed: bool = True,
     ) -> None:
         """Sight the device *key*; what it offers is the first part of its key unless said otherwise."""
-        now = self._now()
+        now, until = stamps(self.node.graph.clock.now(), self._settings.stale_after)
         self.sight(
             Sighting(
                 gateway=self.node.name,
@@ -99,8 +101,9 @@ class FakeGateway(Gateway):
                 address=f"{key}/out",
                 command_address=f"{key}/in" if takes_commands else "",
                 seen_at=now,
-                expires_at=Time.from_seconds(now.to_seconds() + self._settings.stale_after),
+                expires_at=until,
                 confirmed=confirmed,
+                heard_at=self.node.graph.clock.monotonic(),
             )
         )
 
@@ -121,10 +124,9 @@ class FakeGateway(Gateway):
             publisher = self._listeners.add(request.topic, key, key.rpartition("/")[2], request.listener)
         except HomebotError as exc:
             return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
-        since = request.since.to_seconds()
-        kept = self._kept[request.topic] if is_new else ()
-        missed = tuple(message for message in kept if message.received_at.to_seconds() >= since)
-        return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
+        since = begin_of(request.since, self.node.graph.clock)
+        kept = missed(self._kept[request.topic], since) if is_new else ()
+        return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=kept)
 
     def _now(self) -> Time:
         return Time.from_seconds(self.node.graph.clock.now())

@@ -152,12 +152,22 @@ class House:
             del self._known[device.id]
         self._changes.publish(DeviceChange(kind=kind, device=device, sequence=self._sequence, why="the test says so"))
 
-    def says(self, device_id: str, capability: str, value: PlainValue, *, part_id: str = "", told_at: int = 1) -> None:
-        """Let a part tell a state."""
+    def says(
+        self,
+        device_id: str,
+        capability: str,
+        value: PlainValue,
+        *,
+        part_id: str = "",
+        told_at: int = 1,
+        sequence: int | None = None,
+    ) -> None:
+        """Let a part tell a state; with a *sequence*, one that was told before and comes late."""
         self._sequence += 1
         told = state(part_id, capability, value, told_at)
         stream = f"{device_id} {part_id} {capability}"
-        self._states.publish(StateChange(stream=stream, device=device_id, state=told, sequence=self._sequence))
+        number = self._sequence if sequence is None else sequence
+        self._states.publish(StateChange(stream=stream, device=device_id, state=told, sequence=number))
 
     def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
         query = parse_query(request.query)

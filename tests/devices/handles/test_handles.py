@@ -197,8 +197,8 @@ async def test_a_handle_is_always_up_to_date(house: House) -> None:
     house.says("a", "on_off", True, told_at=5)
     await anyio.sleep(0.01)
     assert lamp.on is True
-    house.says("a", "on_off", False, told_at=4)
-    house.tells("changed", house.device("a", house.part("light", "on_off"), area="attic", on_off=False))
+    house.says("a", "on_off", False, sequence=1)
+    house.tells("changed", house.device("a", house.part("light", "on_off"), area="attic", on_off=True))
     await anyio.sleep(0.01)
     assert (lamp.on, lamp.area) == (True, "attic")
 

@@ -5,7 +5,7 @@ NOW = Time(sec=1, nanosec=0)
 
 
 def word(payload: bytes) -> LastWord:
-    return LastWord(payload, retained=False, at=NOW)
+    return LastWord(payload, retained=False, at=NOW, heard_at=1.0)
 
 
 def test_the_last_word_is_kept() -> None:

@@ -24,7 +24,7 @@ class KnownDevice:
         self.device = device
         self.is_gone = False
         self._sequence = sequence
-        self._states = {(one.part, one.capability): one for one in device.states}
+        self._states = {(one.part, one.capability): (sequence, one) for one in device.states}
 
     def take(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
         """Take a description; an older one than is known changes nothing."""
@@ -32,13 +32,13 @@ class KnownDevice:
             return
         self._sequence, self.device, self.is_gone = sequence, device, is_gone
         parts = {one.id for one in device.parts}
-        self._states = {name: one for name, one in self._states.items() if one.part in parts}
+        self._states = {name: one for name, one in self._states.items() if one[1].part in parts}
         for state in device.states:
-            self._put(state)
+            self._put(state, sequence)
 
     def take_state(self, change: StateChange) -> None:
         """Take a state; one that was told before what is known changes nothing."""
-        self._put(change.state)
+        self._put(change.state, change.sequence)
 
     def part(self, part_id: str) -> DevicePart | None:
         """Return the part, or None where it has none of that id, or no more."""
@@ -47,17 +47,14 @@ class KnownDevice:
     def value(self, part_id: str, capability: str) -> PlainValue:
         """Return what the part last told; None where it told nothing, or that it does not know."""
         state = self._states.get((part_id, capability))
-        return None if state is None else state.value.plain()
+        return None if state is None else state[1].value.plain()
 
     def current(self) -> Device:
         """Return the device with the newest that its parts told."""
-        return self.device.model_copy(update={"states": tuple(self._states.values())})
+        return self.device.model_copy(update={"states": tuple(state for _, state in self._states.values())})
 
-    def _put(self, state: State) -> None:
+    def _put(self, state: State, sequence: int) -> None:
+        """By its number: its stamp is that of a clock that may have been set back."""
         known = self._states.get((state.part, state.capability))
-        if known is None or _moment(known) <= _moment(state):
-            self._states[state.part, state.capability] = state
-
-
-def _moment(state: State) -> tuple[int, int]:
-    return state.told_at.sec, state.told_at.nanosec
+        if known is None or known[0] <= sequence:
+            self._states[state.part, state.capability] = sequence, state

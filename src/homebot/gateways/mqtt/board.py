@@ -9,12 +9,22 @@ from homebot.gateways.mqtt.claim import Claim, SightingKind
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.messages import Time
 
-__all__ = ["REFRESH", "Board"]
+__all__ = ["REFRESH", "Board", "stamps"]
 
 REFRESH = 1.0
 """Seconds between two sightings of a device that keeps talking: `last_seen` is exact to this much."""
 
 _READINGS_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def stamps(seconds: float, stale_after: float) -> tuple[Time, Time]:
+    """Return *seconds* since the Unix epoch, and when who was seen then counts as stale.
+
+    The two are as far apart as they should be also where a clock was set beyond what a stamp can say.
+    """
+    last = NEVER.to_seconds()
+    at = max(0.0, min(seconds, last - stale_after))
+    return Time.from_seconds(at), Time.from_seconds(min(at + stale_after, last))
 
 
 class Board:
@@ -40,14 +50,15 @@ class Board:
         """Let time have passed."""
         seconds = self._clock.now()
         self.now = self._clock.monotonic()
-        self.stamp = Time.from_seconds(seconds)
-        self._until = Time.from_seconds(min(seconds + self._stale_after, NEVER.to_seconds()))
+        self.stamp, self._until = stamps(seconds, self._stale_after)
 
     def sight(self, claim: Claim, kind: SightingKind, why: str, *, confirmed: bool) -> None:
         """Tell that a device is there, still there, or gone."""
         claim.refresh_at = self.now + REFRESH
         claim.is_confirmed = confirmed
-        self._gateway.sight(claim.sighting(kind, why, at=self.stamp, until=self._until, confirmed=confirmed))
+        self._gateway.sight(
+            claim.sighting(kind, why, at=self.stamp, until=self._until, heard_at=self.now, confirmed=confirmed)
+        )
 
     def report(self, key: str, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool) -> None:
         """Tell what the device *key* said of itself."""
@@ -60,6 +71,7 @@ class Board:
                 stream=stream,
                 retained=retained,
                 received_at=self.stamp,
+                heard_at=self.now,
             )
         )
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+from homebot.clock import Clock
 from homebot.devices import RawMessage
 from homebot.devices.ear import Ear, ear_for
 from homebot.errors import WireError
 from homebot.gateways.mqtt.convention import Announcement, TopicLayout
 from homebot.graph import Publisher
+from homebot.messages import Time
 
-__all__ = ["Channel", "Channels"]
+__all__ = ["Channel", "Channels", "begin_of", "missed"]
 
 MAX_CHANNELS = 100_000
 KEPT = 10
 KEPT_PAYLOAD = 4096
+_ROUNDED = 1e-6
 
 
 @dataclass(slots=True)
@@ -30,7 +33,7 @@ class Channel:
         is_ghost: Whether only a message that the broker had kept speaks for the device.
         ear: Understands its words; None where nobody knows what it is.
         said: The payload that was last looked at for what it tells.
-        kept: The last 10 messages of at most 4 KiB, for a listener that comes a moment later.
+        kept: The last 10 messages of at most 4 KiB and when each came, for a listener that comes a moment later.
     """
 
     device: Announcement
@@ -39,28 +42,37 @@ class Channel:
     is_ghost: bool = False
     ear: Ear | None = None
     said: bytes = b""
-    kept: deque[RawMessage] = field(default_factory=lambda: deque(maxlen=KEPT))
+    kept: deque[tuple[float, RawMessage]] = field(default_factory=lambda: deque(maxlen=KEPT))
 
-    def keep(self, message: RawMessage) -> None:
-        """Remember *message*, unless it is large."""
+    def keep(self, message: RawMessage, now: float) -> None:
+        """Remember *message*, which came at *now* on the monotonic clock, unless it is large."""
         if len(message.payload) <= KEPT_PAYLOAD:
-            self.kept.append(message)
+            self.kept.append((now, message))
 
     def missed_by(self, since: float) -> tuple[RawMessage, ...]:
         """Return the kept messages that a listener wants that was there from *since* on.
 
         Args:
-            since: Seconds since the Unix epoch.
+            since: Reading of the monotonic clock.
 
         Returns:
             What came then or later, and the broker's own stored state where it is still the device's last word.
         """
-        last = self.kept[-1] if self.kept else None
-        return tuple(
-            message
-            for message in self.kept
-            if message.received_at.to_seconds() >= since or (message is last and message.retained)
-        )
+        return missed(self.kept, since)
+
+
+def begin_of(since: Time, clock: Clock) -> float:
+    """Return the reading of the monotonic clock at the time *since*, a microsecond early at most.
+
+    A clock that was set between the two would else hide what came, or tell old words anew.
+    """
+    return clock.monotonic() - (clock.now() - since.to_seconds()) - _ROUNDED
+
+
+def missed(kept: Sequence[tuple[float, RawMessage]], since: float) -> tuple[RawMessage, ...]:
+    """Return those of the *kept* messages that came from *since* on, and the last where the broker had kept it."""
+    last = kept[-1][1] if kept else None
+    return tuple(one for came, one in kept if came >= since or (one is last and one.retained))
 
 
 class Channels:

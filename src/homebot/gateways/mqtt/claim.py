@@ -8,6 +8,7 @@ from typing import Literal, TypeAlias
 
 from homebot.devices import KeyValue, RawMessage, Sighting
 from homebot.devices.words import main_part, takes_words, words_address
+from homebot.gateways.mqtt.channels import missed
 from homebot.gateways.mqtt.description import Described, DescribedPart
 from homebot.gateways.mqtt.reachability import Reachability
 from homebot.messages import Time
@@ -29,27 +30,24 @@ class Voice:
         claim: Whose part it is.
         described: The part.
         address: Its words address.
-        kept: Its last 10 words, for a listener that comes a moment later.
+        kept: Its last 10 words and when each came, for a listener that comes a moment later.
     """
 
     claim: Claim
     described: DescribedPart
     address: str
-    kept: tuple[RawMessage, ...] = ()
+    kept: tuple[tuple[float, RawMessage], ...] = ()
 
-    def keep(self, message: RawMessage) -> None:
-        """Remember a word."""
-        self.kept = (*self.kept[1 - _KEPT :], message)
+    def keep(self, message: RawMessage, now: float) -> None:
+        """Remember a word that came at *now* on the monotonic clock."""
+        self.kept = (*self.kept[1 - _KEPT :], (now, message))
 
     def missed_by(self, since: float) -> tuple[RawMessage, ...]:
-        """Return the kept words that a listener wants that was there from *since* on, in seconds since the Unix epoch.
+        """Return the kept words that a listener wants that was there from *since* on, on the monotonic clock.
 
         What the broker had kept is among them where it is still the part's last word.
         """
-        last = self.kept[-1] if self.kept else None
-        return tuple(
-            one for one in self.kept if one.received_at.to_seconds() >= since or (one is last and one.retained)
-        )
+        return missed(self.kept, since)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,10 +125,12 @@ class Claim:
             self.streams.add(name)
         return name
 
-    def sighting(self, kind: SightingKind, why: str, *, at: Time, until: Time, confirmed: bool) -> Sighting:
+    def sighting(
+        self, kind: SightingKind, why: str, *, at: Time, until: Time, heard_at: float, confirmed: bool
+    ) -> Sighting:
         """Return what to tell the graph of it."""
-        changed = {"kind": kind, "why": why, "seen_at": at, "expires_at": until, "confirmed": confirmed}
-        return Sighting.of_checked(**{**self._face.__dict__, **changed})
+        times = {"seen_at": at, "expires_at": until, "heard_at": heard_at}
+        return Sighting.of_checked(**{**self._face.__dict__, "kind": kind, "why": why, "confirmed": confirmed, **times})
 
     def _looks(self) -> Sighting:
         """What all sightings of it have in common; made here, so that what cannot be told is found at once."""

@@ -11,7 +11,6 @@ import anyio
 from homebot.devices import RawMessage
 from homebot.devices.command import SendCommand
 from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.services import SubscribeToTopicRequest
 from homebot.devices.words import read_words_address
 from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
@@ -134,15 +133,16 @@ class DescribedDevices:
             return
         if raw:
             self._counters.received += 1
-        self._last_words.keep(message.topic, LastWord(message.payload, message.retain, self._board.stamp))
+        word = LastWord(message.payload, message.retain, self._board.stamp, self._board.now)
+        self._last_words.keep(message.topic, word)
         if route.witnesses:
             await self._states.witness(message, route.witnesses)
         if route.voices:
             await self._states.read(message, route.voices)
             if raw and (listeners := self._listeners.now(message.topic)):
-                word = self._raw(route.voices[0], message.topic, message.payload, retained=message.retain)
+                raw_word = self._raw(route.voices[0], message.topic, message.payload, retained=message.retain)
                 for listener in listeners:
-                    await self._listeners.deliver(listener, word, patient=message.qos > 0)
+                    await self._listeners.deliver(listener, raw_word, patient=message.qos > 0)
 
     async def take(self, message: MqttMessage, route: Route) -> None:
         """Take a message as nothing but an announcement; what homebot itself offers is none."""
@@ -175,16 +175,15 @@ class DescribedDevices:
         claim = route.voices[0].claim
         return claim.key, claim.described.name
 
-    def missed_by(self, request: SubscribeToTopicRequest) -> tuple[RawMessage, ...]:
-        """Return what a new listener wants of what was said before."""
-        since = request.since.to_seconds()
-        if (part := read_words_address(request.topic)) is not None:
+    def missed_by(self, topic: str, since: float) -> tuple[RawMessage, ...]:
+        """Return what a new listener wants of what was said on *topic* from *since* on, on the monotonic clock."""
+        if (part := read_words_address(topic)) is not None:
             voice = self._claims.voice(*part)
             return voice.missed_by(since) if voice is not None else ()
-        route, word = self._claims.route(request.topic), self._last_words.get(request.topic)
-        if route is None or not route.voices or word is None or (not word.retained and word.at.to_seconds() < since):
+        route, word = self._claims.route(topic), self._last_words.get(topic)
+        if route is None or not route.voices or word is None or (not word.retained and word.heard_at < since):
             return ()
-        message = self._raw(route.voices[0], request.topic, word.payload, retained=word.retained)
+        message = self._raw(route.voices[0], topic, word.payload, retained=word.retained)
         return (message.model_copy(update={"received_at": word.at}),)
 
     def _changed(self, change: Change) -> None:

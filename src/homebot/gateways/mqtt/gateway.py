@@ -19,13 +19,13 @@ from pydantic import BaseModel
 
 from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.gateway_state import ONLY_OBSERVES
-from homebot.devices.services import NEVER, SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.words import read_words_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
-from homebot.gateways.mqtt.board import REFRESH
-from homebot.gateways.mqtt.channels import Channel, Channels
+from homebot.gateways.mqtt.board import REFRESH, stamps
+from homebot.gateways.mqtt.channels import Channel, Channels, begin_of
 from homebot.gateways.mqtt.claims import Route
 from homebot.gateways.mqtt.convention import Announcement
 from homebot.gateways.mqtt.conventions import find_conventions
@@ -180,7 +180,7 @@ class MqttGateway(Gateway):
                             self._listeners.tidy(address)
 
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
-        stamp = Time.from_seconds(self._clock.now())
+        stamp, _ = stamps(self._clock.now(), self._settings.stale_after)
         now = self._clock.monotonic()
         self._described.tick()
         work = 0
@@ -215,7 +215,7 @@ class MqttGateway(Gateway):
                 retained=message.retain,
                 received_at=stamp,
             )
-            channel.keep(raw)
+            channel.keep(raw, now)
             for listener in tuple(channel.listeners):  # one may come or go while another is waited for
                 await self._listeners.deliver(listener, raw, patient=message.qos > 0)
 
@@ -293,6 +293,7 @@ class MqttGateway(Gateway):
         *,
         confirmed: bool,
     ) -> Sighting:
+        at, until = stamps(stamp.to_seconds(), self._settings.stale_after)
         return Sighting(
             gateway=self.node.name,
             key=device.key,
@@ -304,9 +305,10 @@ class MqttGateway(Gateway):
             command_address=device.command_address,
             metadata=device.metadata,
             parts=() if device.part is None else (device.part,),
-            seen_at=stamp,
-            expires_at=Time.from_seconds(min(stamp.to_seconds() + self._settings.stale_after, NEVER.to_seconds())),
+            seen_at=at,
+            expires_at=until,
             confirmed=confirmed,
+            heard_at=self._clock.monotonic(),
         )
 
     async def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
@@ -319,8 +321,8 @@ class MqttGateway(Gateway):
         channel = self._channels.get(request.topic)
         missed: tuple[RawMessage, ...] = ()
         if is_new:
-            since = request.since.to_seconds()
-            missed = channel.missed_by(since) if channel else self._described.missed_by(request)
+            since = begin_of(request.since, self._clock)
+            missed = channel.missed_by(since) if channel else self._described.missed_by(request.topic, since)
         return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
 
     def _speaker(self, address: str) -> tuple[str, str]:

@@ -20,11 +20,13 @@ class LastWord(NamedTuple):
         payload: The bytes.
         retained: Whether the broker had kept it from before.
         at: When it came.
+        heard_at: The same on the monotonic clock.
     """
 
     payload: bytes
     retained: bool
     at: Time
+    heard_at: float
 
 
 class LastWords:

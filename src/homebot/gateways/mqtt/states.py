@@ -152,7 +152,7 @@ class States:
             retained=retained,
             received_at=self._board.stamp,
         )
-        voice.keep(raw)
+        voice.keep(raw, self._board.now)
         return raw
 
     def _plan(self, voice: Voice, fade: Fade, told: Mapping[str, PlainValue]) -> None:
