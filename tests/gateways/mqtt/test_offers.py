@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractAsyncContextManager
 from typing import Any, TypeAlias
 
@@ -14,7 +14,7 @@ from homebot.devices.command import Command
 from homebot.devices.offer import Offer, OfferReport
 from homebot.devices.part import Capability, Part
 from homebot.devices.report import Reading
-from homebot.devices.value import Value
+from homebot.devices.value import PlainValue, Value
 from homebot.graph import DurabilityPolicy, QoSProfile
 
 pytestmark = pytest.mark.virtual_time
@@ -39,8 +39,15 @@ class App:
         self.commands = house.watcher.create_subscription(Command, names.offer_commands, qos_profile=10)
 
     def say(self, *, on: bool) -> None:
-        reading = Reading(part="", capability="on_off", value=Value.of(on))
-        self.reports.publish(OfferReport(id="robot1", readings=(reading,)))
+        self.tell("robot1", {"on_off": on})
+
+    def tell(self, offer: str, values: Mapping[str, PlainValue]) -> None:
+        """Tell *values* of an offer, by capability with its part before it."""
+        named = [(name.rpartition("/"), value) for name, value in values.items()]
+        readings = tuple(
+            Reading(part=part, capability=capability, value=Value.of(value)) for (part, _, capability), value in named
+        )
+        self.reports.publish(OfferReport(id=offer, readings=readings))
 
 
 async def test_an_offer_is_published_and_commanded_and_is_no_device_of_ours(make_house: MakeHouse) -> None:
@@ -73,8 +80,9 @@ async def test_what_is_offered_is_published_anew_on_a_new_link_and_what_is_withd
         assert {one.topic: one.payload for one in await house.heard()} == first
 
         app.offers.publish(ROBOT.model_copy(update={"is_withdrawn": True}))
-        (gone,) = await house.heard()
-        assert (gone.topic in first, gone.payload) == (True, b"")
+        gone = await house.heard()
+        assert {one.topic: one.payload for one in gone} == dict.fromkeys(first, b"")
+        assert all(one.retain or not one.payload for one in gone)
         await house.cut()
         assert await house.heard() == []
 
@@ -88,3 +96,64 @@ async def test_nothing_is_published_unless_it_is_wanted(make_house: MakeHouse, s
         house.watcher.create_publisher(Offer, house.gateway.names.offers, LATCHED).publish(ROBOT)
         await anyio.sleep(0.01)
         assert await house.heard() == []
+
+
+LAMP = Offer(
+    id="lamp",
+    name="Lamp",
+    parts=(
+        Part(
+            id="",
+            service_type="light",
+            capabilities=(
+                Capability(name="on_off", settable=True),
+                Capability(name="level", settable=True),
+                Capability(name="effect", settable=True, options=("rainbow",)),
+                Capability(name="power"),
+            ),
+        ),
+        Part(id="bolt", service_type="door_lock", capabilities=(Capability(name="lock", settable=True),)),
+        Part(id="key", service_type="generic_switch", capabilities=(Capability(name="press", options=("single",)),)),
+    ),
+)
+
+
+async def test_withdrawing_leaves_nothing_at_the_broker(make_house: MakeHouse) -> None:
+    async with make_house(**PUBLISHING) as house:
+        app = App(house)
+        app.offers.publish(LAMP)
+        values: dict[str, PlainValue] = {"on_off": True, "level": 40.0, "effect": "rainbow", "power": 3.0}
+        app.tell("lamp", values | {"bolt/lock": "locked", "key/press": "single"})
+        await house.heard()
+        await house.listen("homeassistant/#", "homebot/+/offers/#")
+        assert len(await house.heard()) == 7, "four configs and three states; what was pressed is over"
+        app.offers.publish(LAMP.model_copy(update={"is_withdrawn": True}))
+        await house.heard()
+        await house.listen("homeassistant/+/+/+/config", "homebot/+/offers/+/+/+/state")
+        assert await house.heard() == []
+
+
+async def test_a_press_is_told_each_time_and_never_kept(make_house: MakeHouse) -> None:
+    async with make_house(**PUBLISHING) as house:
+        await house.listen("homebot/+/offers/#")
+        app = App(house)
+        app.offers.publish(LAMP)
+        for _ in range(2):
+            app.tell("lamp", {"key/press": "single"})
+        heard = await house.heard()
+        assert [json.loads(one.payload) for one in heard] == [{"event_type": "single"}] * 2
+        await house.cut()
+        assert await house.heard() == []
+
+
+async def test_an_offer_that_becomes_another_leaves_nothing_of_what_it_was(make_house: MakeHouse) -> None:
+    async with make_house(**PUBLISHING) as house:
+        app = App(house)
+        app.offers.publish(ROBOT)
+        app.say(on=True)
+        app.offers.publish(ROBOT.model_copy(update={"parts": LAMP.parts[:1]}))
+        app.tell("robot1", {"power": 3.0})
+        await house.heard()
+        await house.listen("homeassistant/#", "homebot/+/offers/#")
+        configs = [json.loads(one.payload) for one in await house.heard() if one.topic.endswith("/config")]
+        assert sorted(one["command_topic"].rsplit("/", 2)[1] for one in configs if "command_topic" in one) == ["light"]

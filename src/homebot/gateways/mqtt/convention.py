@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
 
@@ -11,7 +12,7 @@ from homebot.devices import KeyValue
 from homebot.devices.command import Command
 from homebot.devices.offer import Offer
 from homebot.devices.part import Part
-from homebot.devices.report import Reading
+from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Heard, Publication
 
 __all__ = ["Announcement", "Convention", "Publisher", "PublishingConvention", "TopicLayout", "TroubledConvention"]
@@ -108,12 +109,14 @@ class Publisher(Protocol):
         """Return what makes *offer* be there, or be gone where it is withdrawn."""
         ...
 
-    def states(self, offer: Offer, readings: tuple[Reading, ...]) -> tuple[Publication, ...]:
-        """Return what tells *readings* of *offer*."""
+    def states(
+        self, offer: Offer, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
+    ) -> tuple[Publication, ...]:
+        """Return what tells what is *known* of *offer* now that *changed* are news, by part and capability."""
         ...
 
-    def take(self, topic: str, payload: bytes) -> Command | None:
-        """Return the command that a message on one of the filters is; None where it is none."""
+    def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
+        """Return the commands that a message on one of the filters is, in this order; none where it is none."""
         ...
 
 

@@ -5,13 +5,14 @@ While the link is down nothing is lost: what is offered and said is kept, bounde
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable
 
 import anyio
 
 from homebot.devices.command import Command
 from homebot.devices.offer import Offer, OfferReport
-from homebot.devices.report import Reading
+from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.convention import Publisher
@@ -28,6 +29,12 @@ NOT_PUBLISHED = "gateway.not_published"
 NOT_TAKEN = "gateway.offer_not_taken"
 
 MAX_OFFERS = 1000
+
+MAX_EVENTS = 1000
+"""Events that wait for the link; of more, the oldest go."""
+
+_EVENTS = frozenset({"press", "scan"})
+"""Capabilities that tell what happens and is over."""
 
 _QOS = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -49,8 +56,9 @@ class Offers:
         self._publishers = publishers if gateway.acts else ()
         self._tribunal = tribunal
         self._offers: dict[str, Offer] = {}
-        self._readings: dict[str, dict[tuple[str, str], Reading]] = {}
+        self._known: dict[str, dict[tuple[str, str], PlainValue]] = {}
         self._waiting: dict[str, Publication] = {}
+        self._events: deque[Publication] = deque(maxlen=MAX_EVENTS)
         self._news = anyio.Event()
         if self._publishers:
             self._commands = gateway.node.create_publisher(Command, gateway.names.offer_commands, 100)
@@ -66,9 +74,10 @@ class Offers:
     def take(self, message: MqttMessage) -> bool:
         """Take *message* if it is a command to something offered; one that the broker had kept is none."""
         for publisher in self._publishers:
-            command = publisher.take(message.topic, message.payload)
-            if command is not None and not message.retain:
+            commands = () if message.retain else publisher.take(message.topic, message.payload)
+            for command in commands:
                 self._commands.publish(command)
+            if commands:
                 return True
         return False
 
@@ -92,27 +101,44 @@ class Offers:
             self._say(before.model_copy(update={"is_withdrawn": True}))
         self._offers[offer.id] = offer
         self._say(offer)
+        known = self._known.get(offer.id, {})
         if offer.is_withdrawn:
             del self._offers[offer.id]
-            self._readings.pop(offer.id, None)
+            self._known.pop(offer.id, None)
+        elif before is not None and before.parts != offer.parts:
+            offered = _offered(offer)
+            self._known[offer.id] = {key: value for key, value in known.items() if key in offered}
+            self._say_states(offer)
 
     def _report(self, report: OfferReport) -> None:
         offer = self._offers.get(report.id)
         if offer is None:
             self._tribunal.warn(NOT_TAKEN, f"{report.id} says something and is not offered", topic=report.id)
             return
-        known = {(part.id, one.name) for part in offer.parts for one in part.capabilities}
-        readings = tuple(one for one in report.readings if (one.part, one.capability) in known)
-        kept = self._readings.setdefault(offer.id, {})
-        kept.update({(one.part, one.capability): one for one in readings})
-        self._wait(one for publisher in self._publishers for one in publisher.states(offer, readings))
+        offered = _offered(offer)
+        changed = {key: one.value.plain() for one in report.readings if (key := (one.part, one.capability)) in offered}
+        known = self._known.setdefault(offer.id, {})
+        known.update(changed)
+        self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, changed))
+        for key in [key for key in changed if key[1] in _EVENTS]:
+            del known[key]
+
+    def _say_states(self, offer: Offer) -> None:
+        """Tell all that is known of *offer*; what happened is over and not told again."""
+        known = self._known.get(offer.id, {})
+        self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, known))
 
     def _say(self, offer: Offer) -> None:
         self._wait(one for publisher in self._publishers for one in publisher.publications(offer))
 
     def _wait(self, publications: Iterable[Publication]) -> None:
-        """The newest of each topic waits, so that a slow link costs no memory."""
+        """The newest state of each topic waits, so that a slow link costs no memory; of events each one does."""
         for publication in publications:
+            if not publication.retain:
+                if len(self._events) == MAX_EVENTS:
+                    self._tribunal.warn(NOT_PUBLISHED, "an event was dropped: too many wait", topic=publication.topic)
+                self._events.append(publication)
+                continue
             self._waiting.pop(publication.topic, None)
             self._waiting[publication.topic] = publication
         self._news.set()
@@ -121,24 +147,34 @@ class Offers:
         while True:
             await self._news.wait()
             self._news = anyio.Event()
-            while self._waiting:
-                topic, publication = next(iter(self._waiting.items()))
-                del self._waiting[topic]
+            while self._waiting or self._events:
+                publication = self._next()
+                topic = publication.topic
                 try:
                     await connection.publish(topic, publication.payload, qos=publication.qos, retain=publication.retain)
                 except LinkError:
-                    if publication.payload:
-                        continue  # on the next link everything is published anew
+                    if publication.payload or not publication.retain:
+                        continue  # on the next link every state is published anew; an event is over then
                     self._waiting.setdefault(topic, publication)
                     break
                 except HomebotError as exc:
                     self._tribunal.warn(NOT_PUBLISHED, f"not published on {topic}: {exc}", topic=topic)
+
+    def _next(self) -> Publication:
+        """What is there comes before what happens to it."""
+        if not self._waiting:
+            return self._events.popleft()
+        topic = next(iter(self._waiting))
+        return self._waiting.pop(topic)
 
     async def _publish_anew(self, connection: MqttConnection) -> None:
         async for state in connection.states():
             if state.phase is LinkPhase.CONNECTED:
                 for offer in self._offers.values():
                     self._say(offer)
-                    readings = tuple(self._readings.get(offer.id, {}).values())
-                    self._wait(one for publisher in self._publishers for one in publisher.states(offer, readings))
+                    self._say_states(offer)
                 self._news.set()
+
+
+def _offered(offer: Offer) -> frozenset[tuple[str, str]]:
+    return frozenset((part.id, one.name) for part in offer.parts for one in part.capabilities if one.readable)

@@ -14,7 +14,7 @@ from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.expiry import expire, seconds_of
 from homebot.gateways.mqtt.readings import NOTHING, Readings
 
-__all__ = ["build_binary_sensor"]
+__all__ = ["CONDITION_CLASSES", "build_binary_sensor"]
 
 
 def build_binary_sensor(config: Config) -> DescribedPart:
@@ -76,3 +76,11 @@ _CLASSES: Mapping[str, tuple[str, str]] = MappingProxyType(
     }
 )
 """Class to service type and to what is so when the sensor is on."""
+
+CONDITION_CLASSES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        capability: tuple(sorted(one for one in _CLASSES if _CLASSES[one][1] == capability))
+        for capability in {capability for _, capability in _CLASSES.values()}
+    }
+)
+"""The other way round: the classes that say a capability."""

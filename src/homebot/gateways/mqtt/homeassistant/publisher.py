@@ -1,6 +1,6 @@
 """The other direction: what homebot offers, as configs and states that a Home Assistant understands. Pure.
 
-Source: Home Assistant core 2025.4, ``components/mqtt``: binary_sensor.py, button.py, select.py, sensor.py, switch.py.
+Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``.
 """
 
 from __future__ import annotations
@@ -8,23 +8,35 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 
-from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.command import Command
 from homebot.devices.offer import Offer
-from homebot.devices.part import Capability, Part
-from homebot.devices.report import Reading
+from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homeassistant.published_entity import CommandReader, EntityTopics, PublishedEntity
+from homebot.gateways.mqtt.homeassistant.published_part import publish_part
 
 __all__ = ["HomeAssistantPublisher"]
 
-_PRESSED = frozenset({"push", "scene", "locate"})
 _MAX_COMMAND = 1000
+_WATCHED = frozenset({"binary_sensor", "sensor"})
+"""Components that Home Assistant lets be diagnostic, but no settings."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """Whose orders come on a topic, and how they are read."""
+
+    offer_id: str
+    part_id: str
+    read: CommandReader
 
 
 class HomeAssistantPublisher:
-    """One config for each capability of what is offered, all of them retained, as its states are.
+    """The configs of what is offered, retained, as its states are; an event is not.
 
     Args:
         prefix: The discovery prefix.
@@ -37,7 +49,8 @@ class HomeAssistantPublisher:
         self._owner = f"homebot_{_slug(owner)}"
         self._base = f"homebot/{_slug(owner)}/offers"
         self._status_topic = status_topic
-        self._settable: dict[str, tuple[str, str, Capability]] = {}
+        self._orders: dict[str, _Order] = {}
+        self._shown: dict[str, tuple[tuple[Part, tuple[PublishedEntity, ...]], ...]] = {}
 
     def filters(self) -> tuple[str, ...]:
         """Return where Home Assistant's commands come."""
@@ -48,62 +61,81 @@ class HomeAssistantPublisher:
         return topic.startswith(f"{self._prefix}/") and f"/{self._owner}/" in topic
 
     def publications(self, offer: Offer) -> tuple[Publication, ...]:
-        """Return what makes *offer* be there, or be gone where it is withdrawn."""
-        return tuple(
-            self._config(offer, part, capability, component)
-            for part in offer.parts
-            for capability in part.capabilities
-            if (component := _component(capability))
-        )
-
-    def states(self, offer: Offer, readings: tuple[Reading, ...]) -> tuple[Publication, ...]:
-        """Return what tells *readings* of *offer*; what is unknown is told as ``None``."""
-        known = {(part.id, one.name) for part in offer.parts for one in part.capabilities if one.readable}
-        return tuple(
-            Publication(
-                f"{self._topic(offer.id, one.part, one.capability)}/state",
-                _spoken(one.value.plain()).encode(),
-                qos=1,
-                retain=True,
-            )
-            for one in readings
-            if (one.part, one.capability) in known
-        )
-
-    def take(self, topic: str, payload: bytes) -> Command | None:
-        """Return the command that a message on one of the filters is; None where it is none."""
-        target = self._settable.get(topic.removesuffix("/set"))
-        if target is None or len(payload) > _MAX_COMMAND:
-            return None
-        offer_id, part_id, capability = target
-        meant = _meant(capability, payload)
-        if meant is None:
-            return None
-        return Command(key=offer_id, part=part_id, capability=capability.name, value=Value.of(meant))
-
-    def _config(self, offer: Offer, part: Part, capability: Capability, component: str) -> Publication:
-        topic = self._topic(offer.id, part.id, capability.name)
-        object_id = "_".join(_slug(one) for one in (offer.id, part.id, capability.name) if one)
-        where = f"{self._prefix}/{component}/{self._owner}/{object_id}/config"
+        """Return what makes *offer* be there, or be gone, with all that the broker kept of it."""
+        entities = tuple((part, self._entities(offer, part)) for part in offer.parts)
+        publish = self._withdrawal if offer.is_withdrawn else self._config
         if offer.is_withdrawn:
-            self._settable.pop(topic, None)
-            return Publication(where, b"", qos=1, retain=True)
+            self._shown.pop(offer.id, None)
+        else:
+            self._shown[offer.id] = entities
+        return tuple(one for part, found in entities for entity in found for one in publish(offer, part, entity))
+
+    def states(
+        self, offer: Offer, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
+    ) -> tuple[Publication, ...]:
+        """Return what tells what is *known* of *offer* now that *changed* are news, by part and capability."""
+        found: list[Publication] = []
+        for part, entities in self._shown.get(offer.id, ()):
+            news = {name for part_id, name in changed if part_id == part.id}
+            values = {name: value for (part_id, name), value in known.items() if part_id == part.id} if news else {}
+            found.extend(
+                Publication(state.topic, state.write(values).encode(), qos=1, retain=not state.is_event)
+                for entity in entities
+                for state in entity.states
+                if state.capabilities & news
+            )
+        return tuple(found)
+
+    def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
+        """Return the commands that a message on one of the filters is, in this order; none where it is none."""
+        order = self._orders.get(topic)
+        if order is None or len(payload) > _MAX_COMMAND:
+            return ()
+        try:
+            text = payload.decode()
+        except UnicodeDecodeError:
+            return ()
+        return tuple(
+            Command(key=order.offer_id, part=order.part_id, capability=name, value=Value.of(value))
+            for name, value in order.read(text).items()
+        )
+
+    def _entities(self, offer: Offer, part: Part) -> tuple[PublishedEntity, ...]:
+        return publish_part(part, EntityTopics(f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"))
+
+    def _config(self, offer: Offer, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
+        for topic, read in entity.commands.items():
+            self._orders[topic] = _Order(offer.id, part.id, read)
         config: dict[str, object] = {
-            "name": " ".join(one for one in (part.name, _title(capability.name)) if one),
-            "unique_id": f"{self._owner}_{object_id}",
             "device": self._device(offer),
             "origin": {"name": "homebot"},
             "availability_topic": self._status_topic,
+            **entity.config,
         }
-        if part.category:
-            config["entity_category"] = part.category
-        if component != "button":
-            config["state_topic"] = f"{topic}/state"
-        if capability.settable:
-            config["command_topic"] = f"{topic}/set"
-            self._settable[topic] = (offer.id, part.id, capability)
-        config |= _details(capability, component)
-        return Publication(where, json.dumps(config, ensure_ascii=False).encode(), qos=1, retain=True)
+        if entity.component == "tag":
+            config = {key: config[key] for key in ("device", "origin", "topic")}
+        else:
+            config["name"] = " ".join(one for one in (part.name, _title(entity.name)) if one) or None
+            config["unique_id"] = f"{self._owner}_{self._object_id(offer, part, entity)}"
+            if part.category:
+                config["entity_category"] = "diagnostic" if entity.component in _WATCHED else part.category
+        payload = json.dumps(config, ensure_ascii=False).encode()
+        return (Publication(self._config_topic(offer, part, entity), payload, qos=1, retain=True),)
+
+    def _withdrawal(self, offer: Offer, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
+        for topic in entity.commands:
+            self._orders.pop(topic, None)
+        kept = [state.topic for state in entity.states if not state.is_event]
+        return tuple(
+            Publication(topic, b"", qos=1, retain=True) for topic in (self._config_topic(offer, part, entity), *kept)
+        )
+
+    def _config_topic(self, offer: Offer, part: Part, entity: PublishedEntity) -> str:
+        return f"{self._prefix}/{entity.component}/{self._owner}/{self._object_id(offer, part, entity)}/config"
+
+    def _object_id(self, offer: Offer, part: Part, entity: PublishedEntity) -> str:
+        """Two ``_`` part what it is made of, because no piece has them."""
+        return "__".join(_slug(one) for one in (offer.id, part.id, entity.name or entity.component) if one)
 
     def _device(self, offer: Offer) -> dict[str, object]:
         facts = {
@@ -114,70 +146,6 @@ class HomeAssistantPublisher:
             "suggested_area": offer.area,
         }
         return {key: value for key, value in facts.items() if value}
-
-    def _topic(self, offer_id: str, part_id: str, capability: str) -> str:
-        return f"{self._base}/{_slug(offer_id)}/{_slug(part_id) or '_'}/{_slug(capability)}"
-
-
-def _component(capability: Capability) -> str:
-    """What shows the capability; empty for one that nothing can show."""
-    known = CAPABILITIES.get(capability.name)
-    if known is None or known.kind == "numbers":
-        return ""
-    if capability.settable:
-        if capability.name in _PRESSED:
-            return "button"
-        if known.kind == "text":
-            return "select" if capability.options or known.options else "text"
-        return {"bool": "switch", "number": "number"}[known.kind]
-    return "binary_sensor" if known.kind == "bool" else "sensor"
-
-
-def _details(capability: Capability, component: str) -> dict[str, object]:
-    known = CAPABILITIES[capability.name]
-    details: dict[str, object] = {}
-    if component in {"number", "sensor"} and (unit := capability.unit or known.unit):
-        details["unit_of_measurement"] = unit
-    bounds = capability.bounds or known.bounds
-    if component == "number" and bounds:
-        details |= {"min": bounds[0], "max": bounds[1]}
-    if component == "select":
-        details["options"] = list(capability.options or known.options)
-    return details
-
-
-def _spoken(value: PlainValue) -> str:
-    match value:
-        case None:
-            return "None"
-        case bool():
-            return "ON" if value else "OFF"
-        case float():
-            return f"{value:g}" if abs(value) < 1e6 else repr(value)
-        case tuple():
-            return ",".join(f"{one:g}" for one in value)
-        case _:
-            return value
-
-
-def _meant(capability: Capability, payload: bytes) -> PlainValue:
-    """None for what is no value of *capability*."""
-    try:
-        text = payload.decode()
-    except UnicodeDecodeError:
-        return None
-    known = CAPABILITIES[capability.name]
-    if known.kind == "bool":
-        return {"ON": True, "OFF": False, "PRESS": True}.get(text)
-    if known.kind == "text":
-        options = capability.options or known.options
-        return text if not options or text in options else None
-    try:
-        number = float(text)
-    except ValueError:
-        return None
-    low, high = capability.bounds or known.bounds or (-1e15, 1e15)
-    return number if low <= number <= high else None
 
 
 def _title(name: str) -> str:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.gateways.mqtt.quantity import Quantity, conversion_of
 
-__all__ = ["is_quantity", "quantity_of"]
+__all__ = ["QUANTITY_CLASSES", "is_quantity", "quantity_of"]
 
 
 def is_quantity(device_class: str) -> bool:
@@ -105,3 +105,12 @@ _CLASSES: Mapping[str, tuple[str, str]] = MappingProxyType(
     }
 )
 """Class to service type and capability."""
+
+QUANTITY_CLASSES: Mapping[str, str] = MappingProxyType(
+    {
+        capability: name
+        for name, (_, capability) in sorted(_CLASSES.items(), reverse=True)
+        if capability != "measurement"
+    }
+)
+"""The other way round: the class that says a capability."""

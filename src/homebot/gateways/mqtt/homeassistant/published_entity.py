@@ -1,0 +1,216 @@
+"""One entity that a Home Assistant shall make of something offered: its config, its states and its commands. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
+
+__all__ = [
+    "Available",
+    "CommandReader",
+    "EntityTopics",
+    "PublishedEntity",
+    "PublishedState",
+    "StateWriter",
+    "Values",
+    "flag_text",
+    "number_text",
+    "read_flag",
+    "read_number",
+    "read_word",
+    "reader_of",
+    "shortest",
+    "take_settable",
+    "unknown_text",
+]
+
+Values: TypeAlias = Mapping[str, PlainValue]
+"""What is known of a part, by capability."""
+
+StateWriter: TypeAlias = Callable[[Values], str]
+"""The payload that tells the values; empty for one that clears what the broker keeps."""
+
+CommandReader: TypeAlias = Callable[[str], Values]
+"""What a payload orders, by capability, in this order; empty for what is no order. Never raises."""
+
+Available: TypeAlias = dict[str, Capability]
+"""The capabilities of a part that no entity has taken yet, by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class EntityTopics:
+    """The topics of one part that is offered.
+
+    Attributes:
+        base: What all of them begin with.
+    """
+
+    base: str
+
+    def state(self, name: str) -> str:
+        """Return where the state *name* is told."""
+        return f"{self.base}/{name}/state"
+
+    def command(self, name: str) -> str:
+        """Return where orders to *name* come."""
+        return f"{self.base}/{name}/set"
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedState:
+    """What is told on one topic.
+
+    Attributes:
+        topic: The topic.
+        capabilities: Whose values it tells.
+        write: Makes the payload of the values.
+        is_event: Whether it tells what happens and is over, which the broker must not keep.
+    """
+
+    topic: str
+    capabilities: frozenset[str]
+    write: StateWriter
+    is_event: bool = False
+
+
+class PublishedEntity:
+    """An entity in the making.
+
+    Args:
+        topics: Of its part.
+        component: What Home Assistant shall make, for example ``light``.
+        name: Tells it from the part's other entities; empty for what the part is for.
+        config: The fields that name no topic.
+
+    Attributes:
+        component: The same.
+        name: The same.
+        config: All fields of its config so far.
+        states: What it tells.
+        commands: What it is told, by topic.
+    """
+
+    def __init__(
+        self, topics: EntityTopics, component: str, name: str, config: Mapping[str, object] | None = None
+    ) -> None:
+        self.component = component
+        self.name = name
+        self.config: dict[str, object] = dict(config or {})
+        self.states: list[PublishedState] = []
+        self.commands: dict[str, CommandReader] = {}
+        self._topics = topics
+
+    def tells(
+        self, key: str, name: str, write: StateWriter, capabilities: Iterable[str] = (), *, is_event: bool = False
+    ) -> None:
+        """Tell *capabilities*, by default *name* alone, on a topic that the field *key* names."""
+        topic = self.config[key] = self._topics.state(name)
+        self.states.append(PublishedState(topic, frozenset(capabilities) or frozenset({name}), write, is_event))
+
+    def takes(self, key: str, name: str, read: CommandReader) -> None:
+        """Take orders on a topic that the field *key* names."""
+        topic = self.config[key] = self._topics.command(name)
+        self.commands[topic] = read
+
+    def has(self, capability: Capability, state_key: str, write: StateWriter, command_key: str = "") -> None:
+        """Tell *capability* where it is readable; see :meth:`tells`. An order for it is read by its kind."""
+        if capability.readable:
+            self.tells(state_key, capability.name, write)
+        if capability.settable and command_key:
+            self.takes(command_key, capability.name, reader_of(capability))
+
+
+def unknown_text(name: str) -> StateWriter:
+    """Return what tells a text; ``None`` stands for unknown."""
+
+    def write(values: Values) -> str:
+        value = values.get(name)
+        return value if isinstance(value, str) else "None"
+
+    return write
+
+
+def flag_text(name: str, on: str = "ON", off: str = "OFF", unknown: str = "None") -> StateWriter:
+    """Return what tells a truth."""
+
+    def write(values: Values) -> str:
+        value = values.get(name)
+        return unknown if value is None else (on if value else off)
+
+    return write
+
+
+def number_text(name: str, unknown: str = "None") -> StateWriter:
+    """Return what tells a number."""
+
+    def write(values: Values) -> str:
+        value = values.get(name)
+        return shortest(value) if isinstance(value, float) else unknown
+
+    return write
+
+
+def shortest(number: float) -> str:
+    """Return *number* without a point where it is whole, and never with fewer digits than it has."""
+    return str(int(number)) if number.is_integer() and abs(number) < _WHOLE else repr(number)
+
+
+def read_flag(name: str, words: Mapping[str, bool]) -> CommandReader:
+    """Return a reader of orders in two words, or one."""
+
+    def read(text: str) -> Values:
+        return {name: words[text]} if text in words else {}
+
+    return read
+
+
+def read_number(name: str, bounds: tuple[float, ...]) -> CommandReader:
+    """Return a reader of numbers within *bounds*."""
+    least, most = bounds or _WIDE
+
+    def read(text: str) -> Values:
+        try:
+            number = float(text)
+        except ValueError:
+            return {}
+        return {name: number} if least <= number <= most else {}
+
+    return read
+
+
+def read_word(name: str, words: Mapping[str, str]) -> CommandReader:
+    """Return a reader of words: what each payload orders."""
+
+    def read(text: str) -> Values:
+        return {name: words[text]} if text in words else {}
+
+    return read
+
+
+def reader_of(capability: Capability) -> CommandReader:
+    """Return the reader of orders to *capability* in Home Assistant's plain form."""
+    known = CAPABILITIES[capability.name]
+    if known.kind == "bool":
+        return read_flag(capability.name, _SWITCHED)
+    if known.kind == "number":
+        return read_number(capability.name, capability.bounds or known.bounds)
+    options = capability.options or known.options
+    if options:
+        return read_word(capability.name, {word: word for word in options})
+    return lambda text: {capability.name: text}
+
+
+def take_settable(available: Available, name: str) -> Capability | None:
+    """Take the capability *name* out of *available* where it is there and can be told."""
+    known = available.get(name)
+    return available.pop(name) if known is not None and known.settable else None
+
+
+_SWITCHED = {"ON": True, "OFF": False}
+_WIDE = (-1e15, 1e15)
+_WHOLE = 1e15
