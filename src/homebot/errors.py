@@ -17,6 +17,7 @@
     │   └── RefusedError            a login, subscription, publish or command was answered with no
     ├── LinkError                   the way to somebody outside is not there: try again later
     ├── ExitError                   a part of the program called sys.exit(): it counts as a crash of that part
+    ├── AbortError                  a part awaited a cancelled task, or raised what is Python's own: likewise
     └── ServiceError                a service call brought no response
         ├── ServiceUnavailableError no server has this name, or its line is full
         ├── ServiceFailedError      the server raised
@@ -27,6 +28,7 @@
 from __future__ import annotations
 
 __all__ = [
+    "AbortError",
     "ClosedError",
     "ConfigError",
     "DuplicateNameError",
@@ -165,6 +167,23 @@ class ExitError(HomebotError):
 
     def __init__(self, who: str, exit_: SystemExit) -> None:
         super().__init__(f"{who} called sys.exit({exit_.code!r}); to end it, let it return")
+
+
+class AbortError(HomebotError):
+    """A part of the program awaited what was cancelled, or raised what only Python itself does: the others go on.
+
+    Attributes:
+        error: What it was.
+    """
+
+    def __init__(self, who: str, error: BaseException) -> None:
+        # By its name, as errors know no event loop.
+        if type(error).__name__ == "CancelledError":
+            what = "awaited something that was cancelled; where that may happen, catch asyncio.CancelledError there"
+        else:
+            what = f"raised {type(error).__name__}; raise a kind of Exception instead"
+        super().__init__(f"{who} {what}")
+        self.error = error
 
 
 class ServiceError(HomebotError):

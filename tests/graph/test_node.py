@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 
 import anyio
 import pytest
 
-from homebot.errors import ClosedError, ExitError, InvalidNameError, ServiceGoneError, UsageError
+from homebot.errors import AbortError, ClosedError, ExitError, InvalidNameError, ServiceGoneError, UsageError
 from homebot.graph import Graph, Node
 from homebot.messages import String, Trigger
 from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
@@ -128,20 +129,50 @@ async def test_closing_a_running_node_ends_its_tasks_but_not_the_block_around_it
 
 
 @pytest.mark.parametrize("concurrent", [False, True])
-async def test_a_callback_that_exits_is_a_crash_of_its_node_and_not_the_end_of_the_process(
+async def test_a_callback_that_exits_has_failed_and_is_not_the_end_of_the_process(
     graph: Graph, *, concurrent: bool
 ) -> None:
     def leave(message: String) -> None:
         raise SystemExit(message.data)
 
+    async with Node(graph, "node") as node:
+        node.create_subscription(String, "topic", leave, concurrent=concurrent)
+        node.create_publisher(String, "topic").publish(String(data="now"))
+        await anyio.wait_all_tasks_blocked()
+    (failure,) = graph.failures
+    assert failure.last == "ExitError: /node called sys.exit('now'); to end it, let it return"
+
+
+@pytest.mark.parametrize("error", [SystemExit("now"), asyncio.CancelledError(), GeneratorExit()])
+async def test_a_task_that_ends_as_only_python_may_end_it_is_a_crash_of_its_node(
+    graph: Graph, error: BaseException
+) -> None:
+    async def leave() -> None:
+        raise error
+
     async def run() -> None:
         async with Node(graph, "node") as node:
-            node.create_subscription(String, "topic", leave, concurrent=concurrent)
-            node.create_publisher(String, "topic").publish(String(data="now"))
+            node.create_task(leave)
             await anyio.sleep_forever()
 
-    with pytest.raises(ExitError, match=r"/node called sys.exit\('now'\); to end it, let it return"):
+    with pytest.raises((ExitError, AbortError), match="/node"):
         await run()
+
+
+async def test_closing_a_node_while_a_task_of_it_was_cancelled_by_another_does_not_end_the_block(graph: Graph) -> None:
+    """The cancellation is not that of the node's scope, which would keep it for itself."""
+    broken: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+
+    async def wait() -> None:
+        await broken
+
+    async with Node(graph, "node") as node:
+        node.create_task(wait)
+        await anyio.wait_all_tasks_blocked()
+        broken.cancel()
+        node.close()
+        await anyio.wait_all_tasks_blocked()
+        assert not graph.get_node_names()
 
 
 @pytest.mark.parametrize(

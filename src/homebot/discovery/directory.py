@@ -31,6 +31,7 @@ from homebot.discovery.index import MAX_DEVICES, DeviceIndex
 from homebot.discovery.keeper import Keeper
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
+from homebot.isolation import run_as
 from homebot.log import LogLimit
 from homebot.units import Seconds
 
@@ -126,9 +127,8 @@ class Directory:
             self._follow_all()
             self._answers.offer()
             async with anyio.create_task_group() as tasks:
-                tasks.start_soon(self._keeper.run)
-                tasks.start_soon(self._expire)
-                tasks.start_soon(self._tell_on)
+                for work in (self._keeper.run, self._expire, self._tell_on):
+                    tasks.start_soon(run_as, self._node.full_name, work)
                 task_status.started()
                 lost = 0
                 async for change in changes:

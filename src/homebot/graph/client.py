@@ -12,6 +12,7 @@ import anyio
 
 from homebot.errors import (
     ClosedError,
+    HomebotError,
     ServiceError,
     ServiceFailedError,
     ServiceGoneError,
@@ -21,6 +22,7 @@ from homebot.errors import (
 )
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.service import Service, ServiceSlot
+from homebot.isolation import crash_of, in_words, is_cancelled
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
@@ -30,6 +32,8 @@ RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
 
 DEFAULT_TIMEOUT = 5.0
+
+_NOT_YET = object()
 
 
 class Client(Generic[RequestT, ResponseT]):
@@ -100,6 +104,7 @@ class Client(Generic[RequestT, ResponseT]):
             timeout = await self._take_turn(server, timeout)
         else:
             server.is_busy = server.is_exclusive
+        waits_for: object = _NOT_YET
         try:
             response = server.callback(request)
             if type(response) is not self._response_type:
@@ -112,12 +117,12 @@ class Client(Generic[RequestT, ResponseT]):
                     response = stop.value
                 else:
                     response = await self._finish(server, handler, waits_for, timeout)
-        except Exception as exc:
-            raise ServiceFailedError(self.info.name, _in_words(exc)) from exc
-        except asyncio.CancelledError as exc:
-            if _is_cancelled():
+        except BaseException as exc:
+            if (isinstance(exc, asyncio.CancelledError) and _is_cancelled()) or (
+                isinstance(exc, GeneratorExit) and waits_for is not _NOT_YET
+            ):
                 raise
-            raise ServiceFailedError(self.info.name, "what its handler waited for was cancelled") from exc
+            raise self._failure(server, exc) from exc
         finally:
             if server.line:
                 server.end_turn()
@@ -162,10 +167,13 @@ class Client(Generic[RequestT, ResponseT]):
         try:
             async with asyncio.timeout(timeout) as deadline:
                 server.watch(deadline)
+                rest = _Started(handler, waits_for)
                 try:
-                    return await _Started(handler, waits_for)
-                except TimeoutError as exc:
-                    failure = ServiceFailedError(self.info.name, _in_words(exc))
+                    return await rest
+                except (TimeoutError, GeneratorExit) as exc:
+                    if rest.is_closed:
+                        raise
+                    failure = self._failure(server, exc)
                     failure.__cause__ = exc
                     return failure
                 finally:
@@ -174,6 +182,15 @@ class Client(Generic[RequestT, ResponseT]):
             if server.is_closed:
                 return ServiceGoneError(self.info.name)
             return ServiceTimeoutError(self.info.name, timeout)
+
+    def _failure(self, server: Service[RequestT, ResponseT], error: BaseException) -> ServiceFailedError:
+        """What the caller is told of an *error* of the handler; one that is no answer is counted as a failure too."""
+        crash = crash_of(server.info.node, error)
+        if not isinstance(error, HomebotError):
+            server.on_failure(crash)
+        if isinstance(error, asyncio.CancelledError):
+            return ServiceFailedError(self.info.name, "what its handler waited for was cancelled")
+        return ServiceFailedError(self.info.name, in_words(crash))
 
     def _reject(self, request: object) -> NoReturn:
         raise TypeMismatchError(
@@ -189,6 +206,7 @@ class _Started:
     """The rest of a coroutine whose first step was taken by hand, to be awaited in the same task."""
 
     def __init__(self, coroutine: Coroutine[object, object, object], waits_for: object) -> None:
+        self.is_closed = False  # thrown away with its caller, which is no GeneratorExit of its own
         self._coroutine = coroutine
         self._waits_for = waits_for
 
@@ -199,6 +217,7 @@ class _Started:
                 try:
                     value = yield waits_for
                 except GeneratorExit:
+                    self.is_closed = True
                     coroutine.close()
                     raise
                 except BaseException as exc:  # noqa: BLE001  # whatever the task is told belongs to the coroutine
@@ -216,17 +235,10 @@ async def _as_coroutine(result: object) -> object:
 def _is_cancelled() -> bool:
     """Whether somebody cancelled this task, rather than something it waited for."""
     task = asyncio.current_task()
-    return task is not None and task.cancelling() > 0
+    return is_cancelled() or (task is not None and task.cancelling() > 0)
 
 
 def _no_response(service: str, outcome: object) -> ServiceError:
     if isinstance(outcome, ServiceError):
         return outcome
     return ServiceFailedError(service, f"the server returned {outcome!r}, which is not its response type")
-
-
-def _in_words(error: BaseException) -> str:
-    while isinstance(error, BaseExceptionGroup) and len(error.exceptions) == 1:
-        error = error.exceptions[0]
-    text = str(error)
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__

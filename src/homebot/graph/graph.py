@@ -13,6 +13,7 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
 from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphChange
 from homebot.graph.endpoint_index import EndpointIndex
+from homebot.graph.failures import Failures
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
 from homebot.graph.topic import Topic
@@ -37,6 +38,7 @@ class Graph:
 
     Attributes:
         clock: That clock.
+        failures: What callbacks of its nodes let through.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
@@ -47,6 +49,7 @@ class Graph:
         self._endpoints = EndpointIndex()
         self._watchers: list[Mailbox[GraphChange]] = []
         self._limit = LogLimit(self.clock)
+        self.failures = Failures(self.clock)
         self._epoch = self.clock.now() - self.clock.monotonic()
 
     def steady_now(self) -> float:

@@ -10,13 +10,17 @@ and the asynchronous one::
         ...
 
 Callbacks and timers run inside ``async with node``; what is made before waits until then. Unless told otherwise a
-callback is called with one message at a time, in order. An exception in a callback ends the ``async with`` block: the
-node has crashed, and whoever runs it decides what happens next. The block raises that exception itself, or an
-exception group where there were several.
+callback is called with one message at a time, in order. An exception in a callback costs that one message: it is logged
+and counted in ``graph.failures``, and the next message comes as usual. So do SystemExit, GeneratorExit, and a
+cancellation that is not the node's own but that of a task which the callback awaits.
+
+An exception in one of the node's tasks ends the ``async with`` block: the node has crashed, and whoever runs it decides
+what happens next. The block raises that exception itself, or an exception group where there were several.
 """
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from types import TracebackType
 from typing import Literal, Protocol, Self, TypeVar
@@ -25,7 +29,7 @@ import anyio
 import structlog
 from anyio.abc import TaskGroup
 
-from homebot.errors import ClosedError, DuplicateNameError, ExitError, UsageError
+from homebot.errors import ClosedError, DuplicateNameError, UsageError
 from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo
 from homebot.graph.graph import Graph
@@ -36,6 +40,7 @@ from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_prof
 from homebot.graph.service import Handler, Service
 from homebot.graph.subscription import Callback, Expiring, Subscription
 from homebot.graph.timer import Timer
+from homebot.isolation import crash_of, is_cancelled, run_as, uncancel
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 from homebot.messages.rcl_interfaces import ParameterEvent
@@ -95,7 +100,9 @@ class Node:
         self._closed = False
         graph.add_node(self)
         self._events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
-        self.parameters = ParameterSet(self.full_name, parameters or {}, self._announce_parameter)
+        self.parameters = ParameterSet(
+            self.full_name, parameters or {}, self._announce_parameter, self._take_check_failure
+        )
 
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: QoSLike = 10) -> Publisher[MessageT]:
         """Offer messages of *msg_type* on *topic*.
@@ -156,8 +163,11 @@ class Node:
             self.graph.release_topic(channel)
             self._hide(subscription)
 
+        def on_failure(error: BaseException) -> None:
+            self._take_failure(f"handler of {channel.name}", error, "its message is lost")
+
         subscription = Subscription(
-            channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, from_node, queue
+            channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, on_failure, from_node, queue
         )
         channel.add_subscription(subscription)
         self._show(subscription)
@@ -192,7 +202,12 @@ class Node:
             self.graph.release_service_slot(slot)
             self._hide(service)
 
-        service = Service(name, srv_type, self.full_name, callback, concurrent=concurrent, on_close=on_close)
+        def on_failure(error: Exception) -> None:
+            self.graph.failures.record(self.full_name, f"handler of {name}", error, "its caller is told")
+
+        service = Service(
+            name, srv_type, self.full_name, callback, concurrent=concurrent, on_close=on_close, on_failure=on_failure
+        )
         slot.set_server(service)
         self._show(service)
         return service
@@ -222,7 +237,11 @@ class Node:
             UsageError: The period is not above 0.
         """
         self._check_open()
-        timer = Timer(timer_period_sec, callback, self.graph.clock)
+
+        def on_failure(error: BaseException) -> None:
+            self._take_failure(f"timer of {timer.period:g} s", error, "it goes on")
+
+        timer = Timer(timer_period_sec, callback, self.graph.clock, on_failure)
         self._start(timer.run)
         return timer
 
@@ -274,7 +293,7 @@ class Node:
         await self._tasks.__aenter__()
         waiting, self._waiting = self._waiting, []
         for function in waiting:
-            self._tasks.start_soon(self._run, function)
+            self._tasks.start_soon(self._run, function, name=self.full_name)
         return self
 
     async def __aexit__(
@@ -300,18 +319,35 @@ class Node:
         if self._tasks is None:
             self._waiting.append(function)
         else:
-            self._tasks.start_soon(self._run, function)
+            self._tasks.start_soon(self._run, function, name=self.full_name)
 
     async def _run(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
         """Run one of the node's tasks in a scope of its own: closing the node ends its tasks, not who runs the node."""
-        with anyio.CancelScope() as scope:
-            self._scopes[scope] = None
-            try:
-                await function()
-            except SystemExit as exc:
-                raise ExitError(self.full_name, exc) from exc
-            finally:
-                self._scopes.pop(scope, None)
+        scope = anyio.CancelScope()
+        try:
+            with scope:
+                self._scopes[scope] = None
+                try:
+                    await run_as(self.full_name, function)
+                finally:
+                    self._scopes.pop(scope, None)
+        except asyncio.CancelledError:
+            # Nothing comes after this in the task, so that one that is to end may as well return. Else a cancellation
+            # that is not of the scope, but met the node's end, would end the block too.
+            if not scope.cancel_called and not is_cancelled():
+                raise
+
+    def _take_failure(self, callback: str, error: BaseException, cost: str) -> None:
+        """Count what came out of a callback and is not meant for the task that ran it."""
+        if isinstance(error, asyncio.CancelledError):
+            uncancel()
+        crash = crash_of(self.full_name, error)
+        if self._closed and isinstance(crash, ClosedError):
+            return  # the node was closed under its hands
+        self.graph.failures.record(self.full_name, callback, crash, cost)
+
+    def _take_check_failure(self, name: str, error: Exception) -> None:
+        self.graph.failures.record(self.full_name, f"check of parameter {name}", error, "the value is refused")
 
     def _show(self, entity: _Entity) -> None:
         self._entities[id(entity)] = entity

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from homebot.errors import ParameterError
+from homebot.isolation import crash_of, in_words
 from homebot.messages.rcl_interfaces import Parameter as ParameterMessage
 from homebot.messages.rcl_interfaces import ParameterValue
 
@@ -65,12 +66,20 @@ class ParameterSet:
         node: Full name of the node, for messages.
         overrides: Start-up values by name; they replace the defaults at declaration.
         on_event: Called with each parameter that was declared or changed.
+        on_failure: Called with the name of a parameter and what a check of it raised.
     """
 
-    def __init__(self, node: str, overrides: Mapping[str, Value], on_event: Callable[[Kind, Parameter], None]) -> None:
+    def __init__(
+        self,
+        node: str,
+        overrides: Mapping[str, Value],
+        on_event: Callable[[Kind, Parameter], None],
+        on_failure: Callable[[str, Exception], None] = lambda _name, _error: None,
+    ) -> None:
         self._node = node
         self._overrides = dict(overrides)
         self._on_event = on_event
+        self._on_failure = on_failure
         self._declared: dict[str, _Declared] = {}
         self._checks: list[Callable[[Parameter], str | None]] = []
 
@@ -123,7 +132,10 @@ class ParameterSet:
         return tuple(sorted(self._declared))
 
     def add_on_set_callback(self, check: Callable[[Parameter], str | None]) -> None:
-        """Ask *check* before any value is taken; it answers with the reason to refuse, or None."""
+        """Ask *check* before any value is taken; it answers with the reason to refuse, or None.
+
+        A check that raises refuses the value.
+        """
         self._checks.append(check)
 
     def _find(self, name: str) -> _Declared:
@@ -150,7 +162,14 @@ class ParameterSet:
 
     def _ask(self, parameter: Parameter) -> None:
         for check in reversed(self._checks):
-            if (reason := check(parameter)) is not None:
+            try:
+                reason = check(parameter)
+            except BaseException as exc:  # noqa: BLE001 - setting is not to pay for checking
+                crash = crash_of(self._node, exc)
+                self._on_failure(parameter.name, crash)
+                reason = f"its check failed ({in_words(crash)})"
+                raise ParameterError(f"{self._node}: parameter {parameter.name!r} was refused: {reason}") from crash
+            if reason is not None:
                 raise ParameterError(f"{self._node}: parameter {parameter.name!r} was refused: {reason}")
 
 

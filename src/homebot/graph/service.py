@@ -73,6 +73,7 @@ class Service(Generic[RequestT, ResponseT]):
         is_exclusive: Whether one call is served at a time.
         is_busy: Whether an exclusive service serves a call now.
         is_closed: Whether it stopped serving.
+        on_failure: Told of what the handler let through, but for errors of homebot, which are its answer.
         line: The calls that wait for their turn.
     """
 
@@ -85,6 +86,7 @@ class Service(Generic[RequestT, ResponseT]):
         *,
         concurrent: bool,
         on_close: Callable[[], None],
+        on_failure: Callable[[Exception], None],
     ) -> None:
         """Not for use by hand: see :meth:`homebot.graph.Node.create_service`."""
         self.info = EndpointInfo(EntityKind.SERVICE, node, name, service_type.ros_type)
@@ -92,6 +94,7 @@ class Service(Generic[RequestT, ResponseT]):
         self.is_exclusive = not concurrent
         self.is_busy = False
         self.is_closed = False
+        self.on_failure = on_failure
         self._on_close: Callable[[], None] | None = on_close
         self.line: deque[tuple[asyncio.Future[None], asyncio.Task[object] | None]] = deque()
         self._owner: asyncio.Task[object] | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable, Hashable
 from dataclasses import dataclass
 from operator import attrgetter
@@ -11,10 +12,11 @@ import anyio
 import anyio.lowlevel
 
 from homebot.clock import Clock
-from homebot.errors import ClosedError, ExitError
+from homebot.errors import ClosedError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.mailbox import TURN, BoundedQueue, Mailbox
 from homebot.graph.qos import QoSProfile
+from homebot.isolation import is_end_of
 from homebot.messages.message import Message
 
 __all__ = ["Callback", "Expiring", "Subscription", "key_of"]
@@ -59,6 +61,7 @@ class Subscription(Generic[MessageT]):
         qos: QoSProfile,
         clock: Clock,
         on_close: Callable[[], None],
+        on_failure: Callable[[BaseException], None],
         from_node: str = "",
         queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
     ) -> None:
@@ -69,6 +72,7 @@ class Subscription(Generic[MessageT]):
         self.incompatible_qos_count = 0
         self.expired = 0
         self._on_close: Callable[[], None] | None = on_close
+        self._on_failure = on_failure
         self._closed = False
         self._is_abandoned = False  # what called back has ended, so nobody reads the rest
         self._clock = clock
@@ -134,7 +138,7 @@ class Subscription(Generic[MessageT]):
         """Call *callback* with every message until the subscription is closed; the node's task does this.
 
         Without *concurrent* the next message waits until the callback is done. With it every message gets a task of
-        its own, at most ``depth`` at a time.
+        its own, at most ``depth`` at a time. A callback that fails costs its message.
         """
         try:
             if concurrent:
@@ -149,6 +153,7 @@ class Subscription(Generic[MessageT]):
     async def _run_in_turn(self, callback: Callback[MessageT]) -> None:
         mailbox = self.mailbox
         queue, senders = mailbox.queue, mailbox.senders
+        task = asyncio.current_task()
         while True:
             while queue:
                 for _ in range(TURN):
@@ -163,9 +168,14 @@ class Subscription(Generic[MessageT]):
                             continue
                     else:
                         message = item
-                    result = callback(message)
-                    if result is not None:
-                        await result
+                    try:
+                        result = callback(message)
+                        if result is not None:
+                            await result
+                    except BaseException as exc:  # whatever comes out of it, but what ends this task
+                        if is_end_of(task, exc):
+                            raise
+                        self._on_failure(exc)
                 else:
                     await anyio.lowlevel.checkpoint()
             try:
@@ -177,12 +187,15 @@ class Subscription(Generic[MessageT]):
         limit = anyio.Semaphore(self.qos.queue_depth, fast_acquire=True)
 
         async def handle(message: MessageT) -> None:
+            task = asyncio.current_task()
             try:
                 result = callback(message)
                 if result is not None:
                     await result
-            except SystemExit as exc:
-                raise ExitError(self.info.node, exc) from exc
+            except BaseException as exc:  # whatever comes out of it, but what ends this task
+                if is_end_of(task, exc):
+                    raise
+                self._on_failure(exc)
             finally:
                 limit.release()
 

@@ -6,12 +6,14 @@ while the callback still runs are skipped, not made up for.
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable
 
 import anyio
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
+from homebot.isolation import is_end_of
 
 __all__ = ["Timer"]
 
@@ -23,12 +25,19 @@ class Timer:
         skipped: Periods that passed without a call because the callback was still running.
     """
 
-    def __init__(self, period: float, callback: Callable[[], Awaitable[None] | None], clock: Clock) -> None:
+    def __init__(
+        self,
+        period: float,
+        callback: Callable[[], Awaitable[None] | None],
+        clock: Clock,
+        on_failure: Callable[[BaseException], None],
+    ) -> None:
         """Not for use by hand: see :meth:`homebot.graph.Node.create_timer`."""
         self.period = period
         self.skipped = 0
         self._callback = callback
         self._clock = clock
+        self._on_failure = on_failure
         self._cancelled = False
         self._scope: anyio.CancelScope | None = None
 
@@ -55,7 +64,8 @@ class Timer:
             self._scope.cancel()
 
     async def run(self) -> None:
-        """Call the callback until cancelled; the node's task does this."""
+        """Call the callback until cancelled; the node's task does this. One call that fails is no end."""
+        task = asyncio.current_task()
         due = self._clock.monotonic() + self.period
         while not self._cancelled:
             with anyio.CancelScope() as self._scope:
@@ -63,9 +73,14 @@ class Timer:
             self._scope = None
             if self._cancelled:
                 return
-            result = self._callback()
-            if result is not None:
-                await result
+            try:
+                result = self._callback()
+                if result is not None:
+                    await result
+            except BaseException as exc:  # whatever comes out of it, but what ends this task
+                if is_end_of(task, exc):
+                    raise
+                self._on_failure(exc)
             late = max(0.0, self._clock.monotonic() - due)
             missed = int(late // self.period)
             self.skipped += missed

@@ -23,6 +23,7 @@ from homebot.house.dialects.known import DIALECTS
 from homebot.house.faults import truth
 from homebot.house.presence import HouseCounters, Presence
 from homebot.house.world import Placed, World
+from homebot.isolation import run_as
 from homebot.log import LogLimit
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttClient
@@ -113,8 +114,8 @@ class SimulatedHouse:
         self._is_served = True
         async with anyio.create_task_group() as tasks:
             for presence in (*self._bridges, *self._presences.values()):
-                tasks.start_soon(presence.live)
-            tasks.start_soon(self._beat)
+                tasks.start_soon(run_as, "a simulated device", presence.live)
+            tasks.start_soon(run_as, "the simulated house", self._beat)
             task_status.started()
             await self._move()
 

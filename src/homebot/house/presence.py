@@ -19,6 +19,7 @@ import structlog
 from homebot.errors import LinkError, RefusedError
 from homebot.house.condition import Condition
 from homebot.house.dialect import Dialect, Nameplate, Outgoing
+from homebot.isolation import run_as
 from homebot.log import LogLimit
 from homebot.mqtt.client import Subscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
@@ -121,9 +122,8 @@ class Presence:
             while not self._has_power:
                 await self._switched.wait()
             async with self._connection, anyio.create_task_group() as tasks:
-                tasks.start_soon(self._greet)
-                tasks.start_soon(self._speak)
-                tasks.start_soon(self._hear)
+                for work in (self._greet, self._speak, self._hear):
+                    tasks.start_soon(run_as, "a simulated device", work)
                 while self._has_power:
                     await self._switched.wait()
                 self._connection.drop()  # a power failure says no good-bye

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import AsyncExitStack, contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from random import Random
 from types import TracebackType
@@ -28,6 +29,7 @@ from homebot.gateways import Gateway
 from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Graph, Node, RosoutFeed
+from homebot.isolation import run_as
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.plugins import plugin_names
@@ -200,7 +202,8 @@ class Runtime:
     def _gateway(self, component: Component[Gateway]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with Node(self.graph, component.name, namespace="/gateway") as node:
-                await self._make_gateway(component, node).serve(task_status=task_status)
+                gateway = self._make_gateway(component, node)
+                await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
 
         return work
 
@@ -215,13 +218,15 @@ class Runtime:
     def _app(self, component: Component[App]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with Node(self.graph, component.name) as node:
-                await component.kind(node, component.settings).serve(task_status=task_status)
+                app = component.kind(node, component.settings)
+                await run_as(node.full_name, partial(app.serve, task_status=task_status))
 
         return work
 
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
-            await Directory(node, self._plan.discovery, self._index_file).serve(task_status=task_status)
+            directory = Directory(node, self._plan.discovery, self._index_file)
+            await run_as(node.full_name, partial(directory.serve, task_status=task_status))
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosapi") as node:
@@ -232,7 +237,7 @@ class Runtime:
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
             self.door = Door(node, self._plan.door)
-            await self.door.run(task_status=task_status)
+            await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
     def _house(self, world: World, url: str, home: str) -> Work:
         from homebot.house import SimulatedHouse  # noqa: PLC0415 - who has a real house starts sooner without it

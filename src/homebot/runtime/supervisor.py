@@ -1,8 +1,9 @@
 """Keeps components running: one that crashes is started anew, and the others do not notice.
 
-Each component has a task of its own. A crash is logged with its traceback and followed by a new start, after a delay
-that grows with each crash within a minute; one that crashes five times within a minute is given up. A UsageError at the
-first start is nobody's crash but a mistake to be mended, and ends the start of homebot.
+Each start of a component has a task of its own. A crash is logged with its traceback and followed by a new start, after
+a delay that grows with each crash within a minute; one that crashes five times within a minute is given up. SystemExit,
+GeneratorExit and a cancellation that nobody but the component itself caused are crashes like any other. A UsageError at
+the first start is nobody's crash but a mistake to be mended, and ends the start of homebot.
 """
 
 from __future__ import annotations
@@ -10,18 +11,21 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import AsyncIterator, Awaitable
 from contextlib import asynccontextmanager
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Literal, Protocol
 
 import anyio
 import structlog
 from anyio.abc import TaskStatus
 
 from homebot.clock import Clock
-from homebot.errors import ExitError, UsageError
+from homebot.errors import UsageError
+from homebot.isolation import in_words, is_cancelled, run_as
 
-__all__ = ["Supervisor", "Work"]
+__all__ = ["ComponentCrashes", "Supervisor", "Work"]
 
 CRASHED = "runtime.crashed"
+ENDED = "runtime.ended"
 GIVEN_UP = "runtime.given_up"
 NOT_READY = "runtime.not_ready"
 
@@ -41,6 +45,23 @@ class Work(Protocol):
         ...
 
 
+@dataclass(slots=True)
+class ComponentCrashes:
+    """How a component has crashed so far.
+
+    Attributes:
+        count: How often.
+        last: The last error, in words.
+        at: When that was, in seconds since the Unix epoch.
+        state: What came of it.
+    """
+
+    count: int = 0
+    last: str = ""
+    at: float = 0.0
+    state: Literal["restarting", "running again", "ended", "given up", "stopped"] = "restarting"
+
+
 class Supervisor:
     """Starts, restarts and gives up components.
 
@@ -50,9 +71,11 @@ class Supervisor:
     Attributes:
         restarts: How often each component was started anew.
         given_up: The components that kept crashing.
+        crashes: How each component crashed that did.
     """
 
     def __init__(self, clock: Clock) -> None:
+        self.crashes: dict[str, ComponentCrashes] = {}
         self.restarts: dict[str, int] = {}
         self.given_up: list[str] = []
         self._clock = clock
@@ -77,7 +100,6 @@ class Supervisor:
             await self._wait_for(name, start)
             if start.mistake is None:
                 yield
-            start.is_stopping = True
             tasks.cancel_scope.cancel()
         if start.mistake is not None:
             raise start.mistake
@@ -100,26 +122,44 @@ class Supervisor:
             )
 
     async def _keep(self, name: str, work: Work, start: _Start) -> None:
-        crashes: deque[float] = deque()
+        recent: deque[float] = deque()
         while True:
-            try:
-                await work(task_status=start)
-            except (Exception, SystemExit) as exc:  # noqa: BLE001  # a supervisor is there for whatever comes
-                cause = ExitError(name, exc) if isinstance(exc, SystemExit) else _first_cause(exc)
-                if isinstance(cause, UsageError) and not start.over.is_set():
-                    start.mistake = cause
-                    start.started()
-                    return
-                delay = self._delay_after(crashes)
-                self._report(name, cause, delay, is_stopping=start.is_stopping)
-                start.started()  # homebot starts without it rather than not at all
-                if delay is None or start.is_stopping:
-                    return
-                await anyio.sleep(delay)
-                self.restarts[name] = self.restarts.get(name, 0) + 1
-            else:
+            crash = await self._run_once(name, work, start)
+            if crash is None:
+                _log.info(ENDED, message=f"{name} has ended", component=name)
+                self._note(name, "ended")
                 start.started()
                 return
+            cause = _first_cause(crash)
+            if isinstance(cause, UsageError) and not start.over.is_set():
+                start.mistake = cause
+                start.started()
+                return
+            delay = self._delay_after(recent)
+            self._report(name, cause, delay)
+            start.started()  # homebot starts without it rather than not at all
+            if delay is None:
+                return
+            await anyio.sleep(delay)
+            self.restarts[name] = self.restarts.get(name, 0) + 1
+            self._note(name, "running again")
+
+    async def _run_once(self, name: str, work: Work, start: _Start) -> Exception | None:
+        """Let *work* run in a task of its own, which it may cancel as it likes; return its crash, where it crashed."""
+        crash: Exception | None = None
+
+        async def run() -> None:
+            nonlocal crash
+            try:
+                await run_as(name, lambda: work(task_status=start))
+            except Exception as exc:  # noqa: BLE001 - a supervisor is there for whatever comes
+                crash = exc
+                if is_cancelled():  # nobody comes back from here to take it
+                    self._report(name, _first_cause(exc), None, is_stopping=True)
+
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(run, name=name)
+        return crash
 
     def _delay_after(self, crashes: deque[float]) -> float | None:
         """Count one more crash; return the seconds until the next start, or None when that is one too many."""
@@ -129,8 +169,17 @@ class Supervisor:
         crashes.append(now)
         return None if len(crashes) >= MAX_CRASHES else FIRST_DELAY * 2.0 ** (len(crashes) - 1)
 
-    def _report(self, name: str, cause: BaseException, delay: float | None, *, is_stopping: bool) -> None:
-        words = f"{name} crashed ({_in_words(cause)})"
+    def _note(self, name: str, state: Literal["running again", "ended"]) -> None:
+        if name in self.crashes:
+            self.crashes[name].state = state
+
+    def _report(self, name: str, cause: BaseException, delay: float | None, *, is_stopping: bool = False) -> None:
+        crashes = self.crashes.setdefault(name, ComponentCrashes())
+        crashes.count += 1
+        crashes.last = in_words(cause)
+        crashes.at = self._clock.now()
+        crashes.state = "stopped" if is_stopping else "restarting" if delay is not None else "given up"
+        words = f"{name} crashed ({in_words(cause)})"
         if is_stopping:
             _log.error(CRASHED, message=f"{words} while it stopped", component=name, exc_info=cause)
         elif delay is not None:
@@ -139,7 +188,7 @@ class Supervisor:
             self.given_up.append(name)
             _log.critical(
                 GIVEN_UP,
-                message=f"{name} crashed {MAX_CRASHES} times within a minute and is given up: {_in_words(cause)}",
+                message=f"{name} crashed {MAX_CRASHES} times within a minute and is given up: {in_words(cause)}",
                 component=name,
                 exc_info=cause,
             )
@@ -151,7 +200,6 @@ class _Start(TaskStatus[None]):
     def __init__(self) -> None:
         self.over = anyio.Event()
         self.mistake: UsageError | None = None
-        self.is_stopping = False
 
     def started(self, value: None = None) -> None:  # noqa: ARG002  # anyio's signature
         self.over.set()
@@ -162,7 +210,3 @@ def _first_cause(error: BaseException) -> BaseException:
     while isinstance(error, BaseExceptionGroup):
         error = error.exceptions[0]
     return error
-
-
-def _in_words(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}"

@@ -51,9 +51,8 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
             *apps, world=world, root=root, start=start, seed=seed, heartbeat=heartbeat
         ) as house:
             await live(day, house, root=root)
-            supervisor = house.runtime.supervisor
-            if crashed := sorted({*supervisor.restarts, *supervisor.given_up}):
-                raise AssertionError(f"crashed: {', '.join(crashed)}")
+            if house.crashed:
+                raise AssertionError(f"crashed: {', '.join(house.crashed)}")
         return world
 
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:

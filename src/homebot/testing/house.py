@@ -68,9 +68,9 @@ class TestHouse:
 
     @property
     def crashed(self) -> tuple[str, ...]:
-        """The parts of the runtime that crashed, each once, sorted."""
-        supervisor = self.runtime.supervisor
-        return tuple(sorted({*supervisor.restarts, *supervisor.given_up}))
+        """The parts of the runtime that crashed or let a callback fail, each once, sorted."""
+        failed = {failure.node.lstrip("/") for failure in self.runtime.graph.failures}
+        return tuple(sorted({*self.runtime.supervisor.crashes, *failed}))
 
     @property
     def log(self) -> EventLog:

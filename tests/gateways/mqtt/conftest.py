@@ -64,7 +64,9 @@ class OnlineWord:
 
 @dataclass(frozen=True)
 class SimpleCodec:
-    """Says ``CAPABILITY=on|off|<text>``, several parted by blanks; ``crash`` raises what it must not."""
+    """Says ``CAPABILITY=on|off|<text>``, several parted by blanks; ``crash`` raises :attr:`crash`."""
+
+    crash: ClassVar[BaseException] = RuntimeError("crash")
 
     state: str
     command: str
@@ -75,7 +77,7 @@ class SimpleCodec:
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
         del topic, retained
         if payload == b"crash":
-            raise RuntimeError("crash")
+            raise self.crash
         told: dict[str, PlainValue] = {}
         for pair in payload.decode(errors="replace").split():
             name, mark, value = pair.partition("=")
@@ -86,7 +88,7 @@ class SimpleCodec:
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
         del transition
         if capability == "crash":
-            raise RuntimeError("crash")
+            raise self.crash
         if capability != "on_off" or not isinstance(value, bool):
             raise RefusedError(capability, "this part takes on_off")
         return (Publication(self.command, b"ON" if value else b"OFF"),)
@@ -121,7 +123,7 @@ class SimpleConvention:
             case b"who?":
                 return (Question(key, (Publication(f"ask/{key}", b"who are you"),)),)
             case b"crash":
-                raise RuntimeError("crash")
+                raise SimpleCodec.crash
         try:
             told = parse_object(payload)
         except WireError:

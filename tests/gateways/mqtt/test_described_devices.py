@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 from typing import Any, TypeAlias
@@ -9,6 +10,7 @@ from typing import Any, TypeAlias
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.gateways.mqtt.conftest import SimpleCodec
 
 from homebot.devices import Devices, RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.device import Device, Endpoint
@@ -508,6 +510,26 @@ async def test_a_part_that_fails_costs_itself_alone(make_house: MakeHouse) -> No
         await house.say("lamp1/state", "on_off=on")
         assert len(house.told()) == 1
         assert house.gateway.counters.failures == 1
+
+
+@pytest.mark.parametrize(
+    "error", [asyncio.CancelledError(), SystemExit(1), GeneratorExit(), BaseExceptionGroup("", [SystemExit(1)])]
+)
+async def test_what_a_convention_lets_through_leaves_the_gateway_listening(
+    make_house: MakeHouse, error: BaseException, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """None of it ends the task that reads, which nobody would notice."""
+    monkeypatch.setattr(SimpleCodec, "crash", error)
+    async with make_house() as house:
+        await house.announce("lamp1")
+        await house.say("hello/lamp2", "crash")
+        await house.say("lamp1/state", "crash")
+        assert (await house.command(LAMP, "lamp", "crash", True)).problem == "refused"
+        await house.say("lamp1/state", "on_off=on")
+        await house.announce("lamp3")
+        assert len(house.told()) == 1
+        assert {one.key for one in house.sighted()} == {LAMP, "simple:lamp3"}
+        assert house.gateway.counters.failures == 3
 
 
 async def test_an_announcement_with_half_a_surrogate_in_its_name_is_rejected(make_house: MakeHouse) -> None:

@@ -81,7 +81,7 @@ class Announcements:
             except WireError as exc:
                 self._counters.announcements_rejected += 1
                 self._tribunal.accuse(message.topic, REJECTED, f"no announcement to {convention.name}: {exc}")
-            except Exception as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+            except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
                 self._tribunal.failed(message.topic, convention.name, exc)
 
     def _describe(self, described: Described, message: MqttMessage) -> None:

@@ -128,7 +128,7 @@ class Commands:
             publications = tuple(voice.described.codec.write(capability, value, transition=transition))
         except RefusedError:
             raise
-        except Exception as exc:  # told by the tribunal; a plug-in's fault must not be everybody's
+        except BaseException as exc:  # told by the tribunal; a plug-in's fault must not be everybody's
             self._tribunal.failed(voice.claim.described.topic, voice.claim.described.convention, exc)
             raise RefusedError(f"{capability} of {voice.claim.key[:100]}", "its convention failed") from exc
         for one in publications:

@@ -6,6 +6,8 @@ do what takes time or must wait: subscribing, asking, and ending what ends by it
 
 from __future__ import annotations
 
+from functools import partial
+
 import anyio
 
 from homebot.devices import RawMessage
@@ -31,6 +33,7 @@ from homebot.gateways.mqtt.states import States
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.gateways.mqtt.timekeeper import Timekeeper
 from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.isolation import run_as
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 
@@ -69,6 +72,7 @@ class DescribedDevices:
         stale_after: float,
     ) -> None:
         self.conventions = conventions
+        self._owner = gateway.node.full_name
         self._connection = connection
         self._counters = counters
         self._listeners = listeners
@@ -106,9 +110,12 @@ class DescribedDevices:
     async def serve(self) -> None:
         """Subscribe, ask and keep the time until cancelled."""
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._timekeeper.run)
-            tasks.start_soon(self._subscriber.run, self._connection)
-            tasks.start_soon(self.offers.serve, self._connection)
+            for work in (
+                self._timekeeper.run,
+                partial(self._subscriber.run, self._connection),
+                partial(self.offers.serve, self._connection),
+            ):
+                tasks.start_soon(run_as, self._owner, work)
 
     def tick(self) -> None:
         """Let time have passed; once before each batch of messages."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import platform
 import re
 from collections.abc import Callable, Iterable
+from functools import partial
 from random import Random
 from typing import ClassVar, Literal
 
@@ -34,6 +35,7 @@ from homebot.gateways.mqtt.described_devices import DescribedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import EntityKind, Node
+from homebot.isolation import run_as
 from homebot.messages import Time
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttClient, Subscription
@@ -144,10 +146,8 @@ class MqttGateway(Gateway):
             await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in layouts))
             await connection.subscribe(*(Subscription(one, no_local=True) for one in announcements), every_link=True)
             report = LinkReport(self, connection, self._listening_to(), (*layouts, *announcements))
-            tasks.start_soon(report.watch)
-            tasks.start_soon(self._described.serve)
-            tasks.start_soon(self._watch_nodes)
-            tasks.start_soon(self._receive, connection)
+            for work in (report.watch, self._described.serve, self._watch_nodes, partial(self._receive, connection)):
+                tasks.start_soon(run_as, self.node.full_name, work)
             await report.wait_for_first_try()
             task_status.started()
 
@@ -250,6 +250,9 @@ class MqttGateway(Gateway):
         except WireError as exc:
             self.counters.rejected += 1
             self._warn(REJECTED, f"not a device's message: {exc}", topic=message.topic)
+            return None
+        except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+            self._described.tribunal.failed(message.topic, "of the topic's layout", exc)
             return None
 
     def _is_layouts(self, topic: str) -> bool:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable
+from functools import partial
 
 import anyio
 
@@ -19,6 +20,7 @@ from homebot.gateways.mqtt.convention import Publisher
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.tribunal import Tribunal
 from homebot.graph import DurabilityPolicy, QoSProfile
+from homebot.isolation import run_as
 from homebot.mqtt.client import Subscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
@@ -74,7 +76,13 @@ class Offers:
     def take(self, message: MqttMessage) -> bool:
         """Take *message* if it is a command to something offered; one that the broker had kept is none."""
         for publisher in self._publishers:
-            commands = () if message.retain else publisher.take(message.topic, message.payload)
+            if message.retain:
+                continue
+            try:
+                commands = publisher.take(message.topic, message.payload)
+            except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+                self._tribunal.failed(message.topic, type(publisher).__name__, exc)
+                continue
             for command in commands:
                 self._commands.publish(command)
             if commands:
@@ -89,8 +97,8 @@ class Offers:
         self._node.create_subscription(Offer, self._names.offers, self._offer, _QOS)
         self._node.create_subscription(OfferReport, self._names.offer_reports, self._report, _QOS)
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._publish, connection)
-            tasks.start_soon(self._publish_anew, connection)
+            tasks.start_soon(run_as, self._node.full_name, partial(self._publish, connection))
+            tasks.start_soon(run_as, self._node.full_name, partial(self._publish_anew, connection))
 
     def _offer(self, offer: Offer) -> None:
         if offer.id not in self._offers and len(self._offers) >= MAX_OFFERS:

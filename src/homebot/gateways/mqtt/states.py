@@ -98,7 +98,7 @@ class States:
     def _whether(self, source: AvailabilitySource, claim: Claim, message: MqttMessage) -> bool | None:
         try:
             return source.read(message.payload)
-        except Exception as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+        except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
             self._tribunal.failed(message.topic, claim.described.convention, exc)
             return None
 
@@ -109,7 +109,7 @@ class States:
                 return None
             part = voice.described.part.id
             return told, [Reading(part=part, capability=name, value=Value.of(value)) for name, value in told.items()]
-        except Exception as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+        except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
             self._tribunal.failed(message.topic, voice.claim.described.convention, exc)
             return None
 

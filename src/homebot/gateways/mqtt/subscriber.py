@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from functools import partial
 from typing import TypeAlias
 
 import anyio
@@ -15,6 +16,7 @@ from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.description import Publication, Question
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.isolation import run_as
 from homebot.mqtt.client import Subscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 
@@ -89,9 +91,8 @@ class Subscriber:
     async def run(self, connection: MqttConnection) -> None:
         """Subscribe, unsubscribe and ask until cancelled."""
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._subscribe, connection)
-            tasks.start_soon(self._ask_slowly, connection)
-            tasks.start_soon(self._greet, connection)
+            for work in (self._subscribe, self._ask_slowly, self._greet):
+                tasks.start_soon(run_as, "the gateway", partial(work, connection))
 
     async def _subscribe(self, connection: MqttConnection) -> None:
         while True:

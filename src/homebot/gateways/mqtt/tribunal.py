@@ -11,6 +11,7 @@ from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.offenders import Offender, Offenders
 from homebot.gateways.mqtt.timekeeper import Timekeeper
 from homebot.graph import DurabilityPolicy, QoSProfile
+from homebot.isolation import crash_of
 from homebot.log import LogLimit
 from homebot.messages import Time
 
@@ -67,11 +68,16 @@ class Tribunal:
                 topic=topic,
             )
 
-    def failed(self, topic: str, convention: str, error: Exception) -> None:
+    def failed(self, topic: str, convention: str, error: BaseException) -> None:
         """Tell of an *error* that a convention let through; it counts as an offence.
 
-        One that a stranger's message causes must not end the gateway, which would meet the same message again.
+        One that a stranger's message causes must not end the gateway, which would meet the same message again. As a
+        convention waits for nothing, no cancellation that it lets through can be meant for the gateway.
+
+        Raises:
+            KeyboardInterrupt: *error* is one.
         """
+        error = crash_of(f"the convention {convention}", error)
         self._counters.failures += 1
         if self._limit.allows(f"{CONVENTION_FAILED} {convention}") is not None:
             self._node.log.error(

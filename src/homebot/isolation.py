@@ -1,0 +1,100 @@
+"""Keeps the failure of one part of the program from ending the others.
+
+Python ends a task by raising ``CancelledError`` in it, and a program by ``SystemExit``. Both are also what comes out of
+``await task`` where somebody else cancelled *task*, and of any library that calls ``sys.exit()``. Where the code of one
+part is run on behalf of the whole, these functions tell the two apart: what is meant for the task itself passes, and
+everything else becomes a crash of that part.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Awaitable, Callable
+
+import anyio
+
+from homebot.errors import AbortError, ExitError
+
+__all__ = ["crash_of", "in_words", "is_cancelled", "is_end_of", "run_as", "uncancel"]
+
+
+async def run_as(owner: str, function: Callable[[], Awaitable[None]]) -> None:
+    """Await *function* as the whole of a task in a task group, so that it ends by an error that is one to everybody.
+
+    A task group takes a task that ends in a CancelledError, whose ever it is, for one that was cancelled: it ends the
+    others too, without a word.
+
+    Raises:
+        AbortError: A cancellation came out of *function* although its task is not to end, or a GeneratorExit.
+        ExitError: A SystemExit came out of it.
+    """
+    task = asyncio.current_task()
+    try:
+        await function()
+    except BaseException as exc:
+        if is_end_of(task, exc):
+            raise
+        crash = crash_of(owner, exc)
+        if crash is exc:
+            raise
+        raise crash from exc
+    if task is not None and task.cancelling() and not is_cancelled():
+        raise crash_of(owner, asyncio.CancelledError())  # by itself, with its last step
+
+
+def is_cancelled() -> bool:
+    """Whether the current task is ending, because a cancel scope around the caller is cancelled.
+
+    A task of one of our task groups is ended in no other way, so that any other CancelledError in it is a stray one.
+    """
+    return anyio.current_effective_deadline() == -math.inf
+
+
+def is_end_of(task: asyncio.Task[object] | None, error: BaseException) -> bool:
+    """Whether *error* is meant for *task*, the one that ran the code which it came out of: it is being ended."""
+    if isinstance(error, asyncio.CancelledError):
+        return is_cancelled()
+    return isinstance(error, GeneratorExit) and _is_thrown_away(task)
+
+
+def _is_thrown_away(task: asyncio.Task[object] | None) -> bool:
+    """Whether *task* is not what runs now, so that its coroutine is told from outside to close."""
+    try:
+        return asyncio.current_task() is not task
+    except RuntimeError:  # no event loop runs
+        return True
+
+
+def uncancel() -> None:
+    """Take back what cancelled the current task from inside itself; for a task that no cancel scope ends."""
+    task = asyncio.current_task()
+    while task is not None and task.cancelling():
+        task.uncancel()
+
+
+def crash_of(owner: str, error: BaseException) -> Exception:
+    """Return *error*, which ended a piece of *owner*'s code, as an exception that ends nobody else.
+
+    An exception is returned as it is; of a group only what would end others is replaced.
+
+    Raises:
+        KeyboardInterrupt: *error* is one, or holds one: it is meant for the whole program.
+    """
+    if isinstance(error, Exception):
+        return error
+    if isinstance(error, KeyboardInterrupt):
+        raise error
+    if isinstance(error, BaseExceptionGroup):
+        return ExceptionGroup(error.message, [crash_of(owner, one) for one in error.exceptions])
+    crash = ExitError(owner, error) if isinstance(error, SystemExit) else AbortError(owner, error)
+    crash.__cause__ = error
+    return crash
+
+
+def in_words(error: BaseException) -> str:
+    """Return the first real error inside what task groups wrapped around *error*, in words."""
+    while isinstance(error, BaseExceptionGroup):
+        error = error.exceptions[0]
+    text = str(error)
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
