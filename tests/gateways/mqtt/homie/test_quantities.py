@@ -44,6 +44,27 @@ def test_words_are_a_guess(unit: str, words: set[str], expected: str) -> None:
     assert quantity_of(unit, frozenset(words)) == (expected, expected != "measurement")
 
 
-def test_a_word_tells_what_a_truth_means() -> None:
-    assert condition_of(frozenset({"kitchen", "motion"})) == "occupancy"
-    assert condition_of(frozenset({"kitchen"})) == "state"
+@pytest.mark.parametrize(
+    ("words", "around", "expected"),
+    [
+        ("motion", "kitchen", "occupancy"),
+        ("kitchen", "", "state"),
+        ("state", "leak sensor", "water_leak"),
+        ("water", "", "water_leak"),
+        ("water tank", "", "state"),
+        ("watertank water tank", "attachment state", "state"),
+        ("state", "water heater", "state"),
+        ("mop", "water", "state"),
+        ("door bell", "", "state"),
+        ("door", "kitchen", "contact"),
+        ("gas meter connected", "", "state"),
+        ("alarm", "smoke", "smoke"),
+    ],
+)
+def test_a_word_tells_what_a_truth_means(words: str, around: str, expected: str) -> None:
+    assert condition_of(frozenset(words.split()), frozenset(around.split())) == expected
+
+
+@pytest.mark.parametrize("words", ["color temperature", "battery cycles", "battery health"])
+def test_a_word_beside_takes_the_meaning_of_another(words: str) -> None:
+    assert quantity_of("", frozenset(words.split())) == ("measurement", False)

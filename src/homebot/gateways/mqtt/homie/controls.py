@@ -1,4 +1,4 @@
-"""Covers, locks, valves, thermostats, fans and vacuum cleaners. Pure.
+"""Covers, locks, valves, thermostats and fans. Pure.
 
 Source: hc-smarthome v2, shutter, garage-door, lock, valve and thermostat.
 """
@@ -17,7 +17,7 @@ from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_option
 
-__all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_vacuum", "add_valve"]
+__all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_valve"]
 
 Props = Mapping[str, HomieProperty]
 
@@ -27,17 +27,6 @@ _MOVES = {"open": ("open", "up"), "closed": ("close", "closed", "down"), "stoppe
 _LOCKS = {True: "locked", False: "unlocked"}
 _LOCK_WORDS = {"locked": ("lock", "locked"), "unlocked": ("unlock", "unlocked"), "open": ("open",)}
 _VALVES = {True: "open", False: "closed"}
-_CLEANING = {
-    "docked": "docked",
-    "idle": "idle",
-    "returning": "returning",
-    "cleaning": "cleaning",
-    "paused": "paused",
-    "error": "error",
-    "moving": "cleaning",
-    "manual_control": "cleaning",
-}
-_CLEANER_ORDERS = {"cleaning": "START", "paused": "PAUSE", "idle": "STOP", "returning": "HOME"}
 
 
 def add_cover(part: BytesPart, props: Props) -> None:
@@ -131,22 +120,6 @@ def add_fan(part: BytesPart, props: Props) -> None:
         add_flag(part, props["on_off"])
     if "fan_mode" in props:
         add_words(part, "fan_mode", props["fan_mode"])
-
-
-def add_vacuum(part: BytesPart, state: HomieProperty, order: HomieProperty) -> None:
-    """Let *part* be a vacuum cleaner, as Valetudo announces it."""
-    orders = {name: word for name, word in _CLEANER_ORDERS.items() if word in order.options}
-
-    def read(payload: bytes) -> Readings:
-        value = read_plain(state, payload)
-        return {"vacuum": _CLEANING[value]} if isinstance(value, str) and value in _CLEANING else NOTHING
-
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (publication(order, orders[wanted_option("vacuum", value, orders)]),)
-
-    part.reads(state.topic, read)
-    part.listens(f"{order.topic}/set")
-    part.offers("vacuum", writer=write)
 
 
 def _words(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:

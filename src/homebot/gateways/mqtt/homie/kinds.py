@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from homebot.gateways.mqtt.homie.model import HomieNode
 
-__all__ = ["KINDS", "Kind", "declared_class", "declared_kind", "guessed_kind", "words_in"]
+__all__ = ["KINDS", "Kind", "declared_class", "declared_kind", "guessed_kinds", "words_in"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,14 +102,10 @@ def declared_class(device_type: str) -> str:
     return match[1] if match is not None else ""
 
 
-def guessed_kind(node: HomieNode, around: frozenset[str]) -> str:
-    """Return the kind that the words of *node* speak of, or else those *around* it; empty where they do not."""
+def guessed_kinds(node: HomieNode, around: frozenset[str]) -> tuple[str, ...]:
+    """Return the kinds that the words of *node* speak of, then those of which the words *around* it do."""
     own = words_in(node.type, node.id, node.name, *(prop.id for prop in node.properties))
-    for words in (own, around):
-        for kind, hints in _GUESSES:
-            if words & hints:
-                return kind
-    return ""
+    return tuple(dict.fromkeys(kind for words in (own, around) for kind, hints in _GUESSES if words & hints))
 
 
 def words_in(*texts: str) -> frozenset[str]:

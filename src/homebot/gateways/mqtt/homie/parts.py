@@ -1,7 +1,8 @@
 """What a Homie device consists of. Pure.
 
 Each node's controls are one part, each value that it only tells another, and each further value that can be set a
-setting. The switch, the brightness and the colour of a lamp are one part, although they are nodes of their own.
+setting. The switch, the brightness and the colour of a lamp are one part, although they are nodes of their own. Of a
+robot that cleans, the nodes that declare no other kind are settings: the power of its fan makes it no fan.
 """
 
 from __future__ import annotations
@@ -14,16 +15,16 @@ from homebot.gateways.mqtt.homie.controls import (
     add_fan,
     add_lock,
     add_thermostat,
-    add_vacuum,
     add_valve,
 )
 from homebot.gateways.mqtt.homie.kinds import KINDS, declared_class, words_in
 from homebot.gateways.mqtt.homie.lights import LIGHT_ROLES, add_light
 from homebot.gateways.mqtt.homie.model import HomieDevice, HomieProperty
 from homebot.gateways.mqtt.homie.node_part import node_part
-from homebot.gateways.mqtt.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, find_roles
+from homebot.gateways.mqtt.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, as_settings, find_roles
 from homebot.gateways.mqtt.homie.singles import build_meters, build_singles
 from homebot.gateways.mqtt.homie.told import add_flag
+from homebot.gateways.mqtt.homie.vacuum import build_vacuum, find_vacuum
 from homebot.gateways.mqtt.part_table import BytesPart
 
 __all__ = ["build_parts"]
@@ -33,7 +34,11 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     """Return the parts of *device*; first what it is there for."""
     around = words_in(device.type, device.id, device.name)
     nodes = tuple(find_roles(node, around) for node in device.nodes)
-    controls = [*_vacuums(nodes)]
+    controls: list[BytesPart] = []
+    vacuum = find_vacuum(nodes)
+    if vacuum is not None:
+        controls.append(build_vacuum(vacuum))
+        nodes = tuple(as_settings(node, vacuum.props) for node in nodes)
     others: list[BytesPart] = []
     lamp = _lamp(device, nodes)
     if lamp:
@@ -61,23 +66,10 @@ _ADDERS: Mapping[str, _Add] = {
 }
 
 
-def _vacuums(nodes: tuple[NodeRoles, ...]) -> Iterator[BytesPart]:
-    props = [(node, role.prop) for node in nodes for role in node.roles if role.prop.datatype == "enum"]
-    states = [prop for _, prop in props if not prop.is_settable and {"docked", "cleaning"} <= set(prop.options)]
-    orders = [(node, prop) for node, prop in props if prop.is_settable and {"START", "HOME"} <= set(prop.options)]
-    if states and orders:
-        node, order = orders[0]
-        part = node_part(node.node, "robotic_vacuum_cleaner", guessed=True)
-        add_vacuum(part, states[0], order)
-        yield part
-
-
 def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles, ...]:
     """The nodes that together are one lamp; none where there is none, or more than one."""
     found = tuple(
-        node
-        for node in nodes
-        if any(role.name in LIGHT_ROLES for role in node.roles) and node.kind in {"", "switch", *_lights()}
+        node for node in nodes if any(role.name in LIGHT_ROLES for role in node.roles) and _may_be_of_a_lamp(node)
     )
     counts = [sum(1 for node in found if node.prop(role) is not None) for role in LIGHT_ROLES]
     if any(count > 1 for count in counts):
@@ -85,6 +77,33 @@ def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles,
     is_lamp = declared_class(device.type) == "light" or any(counts[1:])
     is_lamp = is_lamp or any(node.kind == "light" and node.is_guess for node in found)
     return found if is_lamp else ()
+
+
+def _may_be_of_a_lamp(node: NodeRoles) -> bool:
+    """Whether its kind says so, or nothing else: what switches a pump is not the switch of the lamp beside it."""
+    if node.kind:
+        return node.kind == "switch" or node.kind in _lights()
+    return words_in(node.node.type, node.node.id, node.node.name) <= _GENERAL
+
+
+_GENERAL = frozenset(
+    {
+        "brightness",
+        "channel",
+        "color",
+        "colour",
+        "ct",
+        "dim",
+        "level",
+        "main",
+        "on",
+        "onoff",
+        "output",
+        "power",
+        "state",
+    }
+    | {"switch", "temperature", "value", "white"}
+)
 
 
 def _lights() -> frozenset[str]:

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from homebot.gateways.mqtt.homie.qualifiers import is_object
+
 __all__ = ["CONDITIONS", "condition_of", "quantity_of"]
 
 _BY_UNIT: Mapping[str, str] = MappingProxyType(
@@ -60,6 +62,9 @@ _BY_WORD: tuple[tuple[str, str, frozenset[str]], ...] = (
     ("rssi", "signal_strength", frozenset({""})),
 )
 
+_NO_MEASURE = frozenset({"color", "colour", "count", "cycles", "health", "time"})
+"""Beside these a number is not what another word names: the temperature of a colour, the cycles of a battery."""
+
 _SHORT = 4
 """A longer word also counts where another begins with it, as ``battery`` in ``batterystate``."""
 
@@ -92,12 +97,30 @@ def quantity_of(unit: str, words: frozenset[str]) -> tuple[str, bool]:
     unit = unit.strip()
     if unit in _BY_UNIT:
         return _BY_UNIT[unit], False
+    if not words.isdisjoint(_NO_MEASURE):
+        return "measurement", False
     for word, capability, units in _BY_WORD:
         if unit in units and any(one.startswith(word) if len(word) > _SHORT else one == word for one in words):
             return capability, True
     return "measurement", False
 
 
-def condition_of(words: frozenset[str]) -> str:
-    """Return the capability of a truth near *words*; ``state`` where they tell nothing."""
-    return next((capability for word, capability in CONDITIONS.items() if word in words), "state")
+def condition_of(words: frozenset[str], around: frozenset[str]) -> str:
+    """Return the capability of a truth; ``state`` where nothing tells.
+
+    Args:
+        words: Of the property. One of a thing, such as a water tank, is no condition.
+        around: Of its node; they count where the property's own say nothing.
+    """
+    if is_object(words):
+        return "state"
+    told = words if words & CONDITIONS.keys() or not words <= _NEUTRAL else around
+    if told is around and is_object(around):
+        return "state"
+    return next((capability for word, capability in CONDITIONS.items() if word in told), "state")
+
+
+_NEUTRAL = frozenset(
+    {"active", "alarm", "alert", "detected", "detection", "detector", "sensor", "state", "status", "triggered", "value"}
+)
+"""Words that say of a truth nothing but that it is one."""

@@ -5,15 +5,15 @@ Source: hc-smarthome v2.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 
-from homebot.gateways.mqtt.homie.guesses import guess_role, is_opening
-from homebot.gateways.mqtt.homie.kinds import KINDS, declared_kind, guessed_kind, words_in
+from homebot.gateways.mqtt.homie.guesses import guess_role, is_opening, is_speed
+from homebot.gateways.mqtt.homie.kinds import KINDS, declared_kind, guessed_kinds, words_in
 from homebot.gateways.mqtt.homie.model import HomieNode, HomieProperty
 from homebot.gateways.mqtt.homie.quantities import condition_of, quantity_of
 
-__all__ = ["CONTROLS", "THERMOSTAT_ROLES", "NodeRoles", "Role", "find_roles"]
+__all__ = ["CONTROLS", "THERMOSTAT_ROLES", "NodeRoles", "Role", "as_settings", "find_roles"]
 
 CONTROLS = frozenset(
     {"on_off", "level", "color", "color_temperature", "position", "tilt", "movement", "move", "lock", "lock_action"}
@@ -69,16 +69,60 @@ def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
         around: The words of its device.
     """
     declared = declared_kind(node.type)
-    kind = declared or guessed_kind(node, around)
+    if declared:
+        roles = _singled(node, (_declared(node, prop, declared) for prop in node.properties))
+        return NodeRoles(node, declared, is_guess=False, roles=roles)
+    kinds = guessed_kinds(node, around)
+    for kind in kinds:
+        roles = _singled(node, (_suggested(node, prop, kind) for prop in node.properties))
+        if _is_borne_out(kind, {role.name: role.prop for role in roles}):
+            return NodeRoles(node, kind, is_guess=True, roles=roles)
+    roles = _singled(node, (_suggested(node, prop, "") for prop in node.properties))
+    if kinds:
+        roles = tuple(_told(node, role.prop, "") if role.name in _SHARES else role for role in roles)
+    return NodeRoles(node, "", is_guess=True, roles=roles)
+
+
+_SHARES = frozenset({"level", "position", "tilt"})
+"""Roles that a number alone does not bear out where words speak of something else: the position of a valve."""
+
+
+def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRoles:
+    """Return *node* so that what was guessed of it controls nothing, and without the given properties."""
+    roles = [role for role in node.roles if role.prop not in without]
+    if node.is_guess:
+        roles = [_told(node.node, role.prop, "") if role.name in CONTROLS else role for role in roles]
+    return replace(node, kind="" if node.is_guess else node.kind, roles=tuple(roles))
+
+
+def _singled(node: HomieNode, suggested: Iterable[Role]) -> tuple[Role, ...]:
+    """Return the roles; of two properties that would control the same the first one does."""
     taken: set[str] = set()
     roles: list[Role] = []
-    for prop in node.properties:
-        role = _declared(node, prop, declared) if declared else _suggested(node, prop, kind)
-        if role.name in CONTROLS and role.name in taken:
-            role = _told(node, prop, "")
+    for role in suggested:
+        is_taken = role.name in CONTROLS and role.name in taken
+        roles.append(_told(node, role.prop, "") if is_taken else role)
         taken.add(role.name)
-        roles.append(role)
-    return NodeRoles(node, kind, not declared, tuple(roles))
+    return tuple(roles)
+
+
+def _is_borne_out(kind: str, props: Mapping[str, HomieProperty]) -> bool:
+    """Whether the forms of *props*, by role, bear out the *kind* that words suggested."""
+    if kind == "fan":
+        speed = props.get("fan_mode")
+        return "on_off" in props or (speed is not None and is_speed(speed))
+    return not props.keys().isdisjoint(_EVIDENCE[kind])
+
+
+_EVIDENCE: Mapping[str, frozenset[str]] = {
+    "garage-door": frozenset({"position", "movement", "move"}),
+    "shutter": frozenset({"position", "tilt", "movement", "move"}),
+    "lock": frozenset({"lock", "lock_action"}),
+    "thermostat": frozenset({*THERMOSTAT_ROLES, "local_temperature"}),
+    "valve": frozenset({"valve"}),
+    "light": frozenset({"on_off", "level", "color", "color_temperature"}),
+}
+"""Of each kind that words may suggest, besides a fan: the roles of which it has at least one."""
 
 
 _Fit = Callable[[HomieProperty], bool]
@@ -144,11 +188,12 @@ def _told(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
     """The role of a property that controls nothing by itself."""
     if prop.is_settable:
         return Role("", prop, is_guess=False)
-    words = words_in(prop.id, prop.name, node.id, node.name, kind)
+    words = words_in(prop.id, prop.name)
+    around = words_in(node.id, node.name, kind)
     if prop.is_number:
-        name, is_guess = quantity_of(prop.unit, words)
+        name, is_guess = quantity_of(prop.unit, words | around)
         return Role(name, prop, is_guess)
     if prop.datatype == "boolean":
-        name = condition_of(words)
+        name = condition_of(words, around)
         return Role(name, prop, is_guess=name != "state")
     return Role("value" if prop.is_retained else "press", prop, is_guess=False)

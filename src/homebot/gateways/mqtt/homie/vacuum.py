@@ -1,0 +1,103 @@
+"""Robots that clean, as Valetudo announces them. Pure.
+
+Source: Valetudo 2021.10 to 2025, ``backend/lib/mqtt``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from homebot.devices.value import PlainValue
+from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.homie.kinds import words_in
+from homebot.gateways.mqtt.homie.model import HomieNode, HomieProperty
+from homebot.gateways.mqtt.homie.node_part import node_part
+from homebot.gateways.mqtt.homie.roles import NodeRoles
+from homebot.gateways.mqtt.homie.told import add_words
+from homebot.gateways.mqtt.homie.values import publication, read_plain
+from homebot.gateways.mqtt.part_table import BytesPart
+from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.wanted import wanted_option
+
+__all__ = ["Vacuum", "build_vacuum", "find_vacuum"]
+
+
+@dataclass(frozen=True, slots=True)
+class Vacuum:
+    """A robot that cleans.
+
+    Attributes:
+        node: The node that takes its orders.
+        order: What it does.
+        state: What it tells of that; None while it does not.
+        power: How strong its fan is; None where that cannot be set.
+    """
+
+    node: HomieNode
+    order: HomieProperty
+    state: HomieProperty | None
+    power: HomieProperty | None
+
+    @property
+    def props(self) -> tuple[HomieProperty, ...]:
+        """All of the above."""
+        return tuple(prop for prop in (self.order, self.state, self.power) if prop is not None)
+
+
+def find_vacuum(nodes: tuple[NodeRoles, ...]) -> Vacuum | None:
+    """Return the robot, by the words of its orders and its state; None where the device is none.
+
+    Its state may come later than its orders, which are as clear where they are these four.
+    """
+    props = [(node.node, role.prop) for node in nodes for role in node.roles if role.prop.datatype == "enum"]
+    states = [prop for _, prop in props if not prop.is_settable and {"docked", "cleaning"} <= set(prop.options)]
+    orders = [(node, prop) for node, prop in props if prop.is_settable and {"START", "HOME"} <= set(prop.options)]
+    if not orders or not (states or set(orders[0][1].options) == set(_ORDERS.values())):
+        return None
+    node, order = orders[0]
+    power = next((prop for one, prop in props if prop.is_settable and "fan" in _spelled(one)), None)
+    return Vacuum(node, order, states[0] if states else None, power)
+
+
+def build_vacuum(vacuum: Vacuum) -> BytesPart:
+    """Describe the robot."""
+    part = node_part(vacuum.node, "robotic_vacuum_cleaner", guessed=True)
+    order, state = vacuum.order, vacuum.state
+    orders = {name: word for name, word in _ORDERS.items() if word in order.options}
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (publication(order, orders[wanted_option("vacuum", value, orders)]),)
+
+    if state is not None:
+        part.reads(state.topic, lambda payload: _read(state, payload))
+    part.listens(f"{order.topic}/set")
+    part.offers("vacuum", readable=state is not None, writer=write)
+    if vacuum.power is not None:
+        add_words(part, "fan_mode", vacuum.power)
+    return part
+
+
+_ORDERS = {"cleaning": "START", "paused": "PAUSE", "idle": "STOP", "returning": "HOME"}
+_STATES: Mapping[str, str] = {
+    "docked": "docked",
+    "idle": "idle",
+    "returning": "returning",
+    "cleaning": "cleaning",
+    "paused": "paused",
+    "error": "error",
+    "moving": "cleaning",
+    "manual_control": "cleaning",
+}
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
+
+
+def _read(state: HomieProperty, payload: bytes) -> Readings:
+    value = read_plain(state, payload)
+    return {"vacuum": _STATES[value]} if isinstance(value, str) and value in _STATES else NOTHING
+
+
+def _spelled(node: HomieNode) -> frozenset[str]:
+    """The words of a node, also of one that writes ``FanSpeedControlCapability``."""
+    return words_in(_CAMEL.sub(" ", node.id), node.name)
