@@ -272,3 +272,27 @@ def test_without_a_type_words_and_forms_suggest_what_it_is(
     (part,) = introduce({node: {"properties": prop}}).values()
     assert (part.part.service_type, part.part.guessed) == (service_type, True)
     assert capability in {one.name for one in part.part.capabilities}
+
+
+@pytest.mark.parametrize("kind", [f"{CAP}fan", ""])
+@pytest.mark.parametrize(
+    ("form", "unit", "spoken", "half"),
+    [("0:100", "%", "50", "50"), ("0:4", "", "2", "2"), ("0:1:0.1", "", "0.5", "0.5")],
+)
+def test_a_fan_is_told_its_speed_by_a_number(
+    introduce: Introduce, kind: str, form: str, unit: str, spoken: str, half: str
+) -> None:
+    datatype = "float" if "." in form else "integer"
+    speed = {"datatype": datatype, "format": form, "unit": unit, "settable": True}
+    fan = introduce({"fan": {"type": kind, "properties": {"speed": speed}}})["fan"]
+    assert fan.part.service_type == "fan"
+    assert read(fan, "fan/speed", spoken) == {"fan_speed": 50.0, "on_off": True}
+    assert read(fan, "fan/speed", "0") == {"fan_speed": 0.0, "on_off": False}
+    assert told(fan, "fan_speed", 50.0) == [("fan/speed/set", half)]
+    assert told(fan, "on_off", False) == [("fan/speed/set", "0")]
+
+
+def test_a_fan_with_a_switch_is_switched_by_that(introduce: Introduce) -> None:
+    fan = introduce({"fan": {"type": f"{CAP}fan", "properties": {"state": FLAG, "speed": PERCENT}}})["fan"]
+    assert told(fan, "on_off", False) == [("fan/state/set", "false")]
+    assert read(fan, "fan/speed", "30") == {"fan_speed": 30.0}

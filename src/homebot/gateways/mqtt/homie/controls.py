@@ -11,11 +11,18 @@ from functools import partial
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homie.model import HomieProperty
-from homebot.gateways.mqtt.homie.told import add_flag, add_percent, add_temperature, add_words, percent_written
+from homebot.gateways.mqtt.homie.told import (
+    add_flag,
+    add_percent,
+    add_temperature,
+    add_words,
+    percent_of,
+    percent_written,
+)
 from homebot.gateways.mqtt.homie.values import publication, read_plain
 from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_option
+from homebot.gateways.mqtt.wanted import wanted_flag, wanted_option
 
 __all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_valve"]
 
@@ -115,11 +122,28 @@ def add_thermostat(part: BytesPart, props: Props) -> None:
 
 
 def add_fan(part: BytesPart, props: Props) -> None:
-    """Let *part* be a fan."""
+    """Let *part* be a fan. One without a switch is off at speed 0."""
+    speed = props.get("fan_speed")
     if "on_off" in props:
         add_flag(part, props["on_off"])
+    elif speed is not None:
+        _add_switch_of_speed(part, speed)
+    if speed is not None:
+        add_percent(part, "fan_speed", speed)
     if "fan_mode" in props:
         add_words(part, "fan_mode", props["fan_mode"])
+
+
+def _add_switch_of_speed(part: BytesPart, speed: HomieProperty) -> None:
+    def read(payload: bytes) -> Readings:
+        percent = percent_of(speed, payload)
+        return NOTHING if percent is None else {"on_off": percent > 0}
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (percent_written(speed, "fan_speed", 100.0 if wanted_flag("on_off", value) else 0.0),)
+
+    part.reads(speed.topic, read)
+    part.offers("on_off", readable=speed.is_retained, writer=write if speed.is_settable else None)
 
 
 def _words(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:

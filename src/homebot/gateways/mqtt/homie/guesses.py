@@ -97,6 +97,8 @@ def _ordered_number(node: HomieNode, prop: HomieProperty, kind: str, words: froz
         if words & _TILTS:
             return "tilt"
         return "position" if (words & _POSITIONS or prop.id == node.id) and _is_share(prop) else ""
+    if kind == "fan":
+        return "fan_speed" if (words & _SPEEDS or prop.id == node.id) and _is_speed_range(prop) else ""
     if kind not in {"light", ""}:
         return ""
     if prop.unit in _WHITES:
@@ -109,6 +111,11 @@ def _ordered_number(node: HomieNode, prop: HomieProperty, kind: str, words: froz
 def _is_share(prop: HomieProperty) -> bool:
     """Whether its range is a part of a whole: it begins at 0 or 1, and ends where percent and bytes do."""
     return prop.unit in {"", "%"} and prop.range.least in {None, 0.0, 1.0} and prop.range.most in {None, *_ENDS}
+
+
+def _is_speed_range(prop: HomieProperty) -> bool:
+    """Whether its numbers are percent or steps, of which 0 is standing still."""
+    return prop.unit in {"", "%"} and prop.range.least in {None, 0.0} and (prop.range.most or 0.0) <= max(_ENDS)
 
 
 def _is_room_temperature(prop: HomieProperty) -> bool:

@@ -149,6 +149,6 @@ _NEEDED: Mapping[str, frozenset[str]] = {
     "door_lock": frozenset({"lock", "lock_action"}),
     "water_valve": frozenset({"valve"}),
     "thermostat": THERMOSTAT_ROLES,
-    "fan": frozenset({"fan_mode", "on_off"}),
+    "fan": frozenset({"fan_mode", "fan_speed", "on_off"}),
     "switch": frozenset({"on_off"}),
 }

@@ -17,7 +17,7 @@ __all__ = ["CONTROLS", "THERMOSTAT_ROLES", "NodeRoles", "Role", "as_settings", "
 
 CONTROLS = frozenset(
     {"on_off", "level", "color", "color_temperature", "position", "tilt", "movement", "move", "lock", "lock_action"}
-    | {"valve", "heating_setpoint", "cooling_setpoint", "thermostat_mode", "fan_mode", "local_temperature"}
+    | {"valve", "heating_setpoint", "cooling_setpoint", "thermostat_mode", "fan_mode", "fan_speed", "local_temperature"}
 )
 """Roles of what a part is controlled by; every other role is a capability that it only tells."""
 
@@ -110,7 +110,7 @@ def _is_borne_out(kind: str, props: Mapping[str, HomieProperty]) -> bool:
     """Whether the forms of *props*, by role, bear out the *kind* that words suggested."""
     if kind == "fan":
         speed = props.get("fan_mode")
-        return "on_off" in props or (speed is not None and is_speed(speed))
+        return not props.keys().isdisjoint({"on_off", "fan_speed"}) or (speed is not None and is_speed(speed))
     return not props.keys().isdisjoint(_EVIDENCE[kind])
 
 
@@ -161,6 +161,7 @@ _FITS: Mapping[str, _Fit] = {
     "local_temperature": lambda prop: prop.is_number and not prop.is_settable,
     "thermostat_mode": _is_choice,
     "fan_mode": _is_choice,
+    "fan_speed": _is_number,
     "battery": _is_number,
     "battery_low": _is_truth,
     "press": lambda prop: prop.datatype in {"enum", "string"},
@@ -169,6 +170,8 @@ _FITS: Mapping[str, _Fit] = {
 
 def _declared(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
     name = KINDS[kind].roles.get(prop.id, "")
+    if name == "fan_mode" and prop.is_number:
+        name = "fan_speed"
     if name and _FITS[name](prop):
         return Role(name, prop, is_guess=False)
     if KINDS[kind].condition and prop.datatype == "boolean" and not prop.is_settable:
