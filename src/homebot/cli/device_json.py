@@ -35,6 +35,7 @@ def device_json(device: Device) -> dict[str, object]:
         },
         "parts": [message_to_json(one) for one in device.parts],
         "states": [_state(one) for one in device.states],
+        "events": [_state(one) for one in device.events],
         "facts": [message_to_json(one) | {"said_at": iso(one.said_at)} for one in device.facts],
         "evidence": list(device.evidence),
         "conflicts": list(device.conflicts),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, EVENTS
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability
@@ -37,7 +37,7 @@ def says(device: Device) -> str:
     told, is_mute = [], True
     for part in main_parts(device):
         for capability in part.part.capabilities:
-            is_mute = is_mute and not capability.readable
+            is_mute = is_mute and (not capability.readable or capability.name in EVENTS)
             value = values.get((part.id, capability.name))
             if value is not None:
                 told.append(in_words(capability, value))

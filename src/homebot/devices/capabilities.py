@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
-__all__ = ["CAPABILITIES", "CapabilityType", "ValueKind"]
+__all__ = ["CAPABILITIES", "EVENTS", "CapabilityType", "ValueKind"]
 
 ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers"]
 
@@ -27,6 +27,8 @@ class CapabilityType:
         unit: Of a number; empty where it has none, or each device names its own.
         bounds: Smallest and largest number; empty where there is none.
         options: The texts that it may be; empty where each device names its own.
+        is_event: Whether a value is something that happened, and is over at once, rather than a state that lasts: each
+            is told once, also where it equals the one before, and none is ever told again.
     """
 
     name: str
@@ -36,6 +38,7 @@ class CapabilityType:
     unit: str = ""
     bounds: tuple[float, ...] = ()
     options: tuple[str, ...] = ()
+    is_event: bool = False
 
 
 _PERCENT = (0.0, 100.0)
@@ -92,10 +95,10 @@ _CONTROLS = (
 )
 
 _EVENTS = (
-    CapabilityType("press", "text", "what was pressed and how; an event, never a state", 0x003B),
+    CapabilityType("press", "text", "what was pressed and how; an event, never a state", 0x003B, is_event=True),
     CapabilityType("push", "bool", "told true: press this button"),
     CapabilityType("scene", "bool", "told true: call this scene", 0x0062),
-    CapabilityType("scan", "text", "which tag was read; an event"),
+    CapabilityType("scan", "text", "which tag was read; an event", is_event=True),
     CapabilityType("locate", "bool", "told true: make yourself heard", 0x0003),
 )
 
@@ -171,3 +174,6 @@ def _by_name(*groups: Iterable[CapabilityType]) -> Mapping[str, CapabilityType]:
 
 CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTINGS, _CONDITIONS, _MEASUREMENTS)
 """Every capability by name. A device whose value fits none has ``value``, ``measurement`` or ``state``."""
+
+EVENTS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_event)
+"""Names of those whose values are events."""

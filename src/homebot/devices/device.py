@@ -172,7 +172,8 @@ class Device(Message):
         parts: What it offers, each part once.
         facts: What was said of it, by whom, and when; of each name the one that counts first.
         reachable: Whether it can be reached.
-        states: What its parts last told.
+        states: What its parts last told; events are no states.
+        events: What happened last, and when; it is over.
         evidence: Why its announcements are one device, in words; empty for a single announcement.
         conflicts: What is disputed about it, in words; nothing of that counts until it is resolved.
     """
@@ -194,6 +195,7 @@ class Device(Message):
     facts: tuple[Fact, ...] = ()
     reachable: Reachability = Reachability()
     states: tuple[State, ...] = ()
+    events: tuple[State, ...] = ()
     evidence: tuple[str, ...] = ()
     conflicts: tuple[str, ...] = ()
 
@@ -222,10 +224,11 @@ class DeviceChange(Message):
 
 
 class StateChange(Message):
-    """A capability of a device has another value.
+    """A capability of a device has another value, or an event happened.
 
     Attributes:
-        stream: Device, part and capability in one: of each the newest change is never lost.
+        stream: Device, part and capability in one: of each the newest change is never lost. Each event has a stream of
+            its own, so that a reader who is behind loses none of the last hundred.
         device: Id of the device.
         state: The new state.
         sequence: In one series with those of :class:`DeviceChange`.

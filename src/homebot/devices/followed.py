@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import final
 
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.query import And, Not, Or, Query, StateIs, facets_of, fits, parse_query, type_is
 
@@ -59,7 +60,12 @@ class FollowedDevices:
         return change.model_copy(update={"kind": "changed"}) if change.kind == "appeared" else change
 
     def take_state(self, change: StateChange) -> DeviceChange | None:
-        """Return what the reader hears because a part told another value: that the device fits now, or no longer."""
+        """Return what the reader hears because a part told another value: that the device fits now, or no longer.
+
+        An event is nothing that a device fits by.
+        """
+        if change.state.capability in EVENTS:
+            return None
         device, sequence = self._house.get(change.device, (None, 0))
         if device is None or change.sequence <= max(sequence, self._sequence):
             return None

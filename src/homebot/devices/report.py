@@ -37,7 +37,8 @@ class Report(Message):
         readings: What was said, in the order of the parts.
         address: Where it was said (MQTT: the topic); empty for what the gateway concluded by itself.
         stream: Key and address in one. The newest report of each is kept for late joiners, so that together they are
-            all that the device told.
+            all that the device told. Events are told in reports of their own, each in a stream of its own that nobody
+            keeps: they happened once.
         retained: Whether the broker had kept it from before: what was, not what is.
         received_at: When.
         heard_at: When, in seconds of the monotonic clock, which nobody sets; 0 where the gateway does not say.

@@ -55,6 +55,7 @@ class Claim:
         confirmed: Whether the device itself was heard through it since the start.
         said: Each fact with its value, and when it was first said.
         told: What its parts told, by part and capability.
+        events: What happened last, by part and capability.
         reachable: What it says of itself; None for unknown.
         reachable_since: Since when.
         reachable_live: Whether that was said live.
@@ -68,6 +69,7 @@ class Claim:
     heard: float = -math.inf
     said: dict[str, tuple[str, Time]] = field(default_factory=dict)
     told: dict[tuple[str, str], Told] = field(default_factory=dict)
+    events: dict[tuple[str, str], Told] = field(default_factory=dict)
     reachable: bool | None = None
     reachable_since: Time | None = None
     reachable_live: bool = False
@@ -122,3 +124,4 @@ def note_description(claim: Claim, before: Sighting) -> None:
     claim.said = {**kept, **anew}
     places = {(part.id, capability.name) for part in now.parts for capability in part.capabilities}
     claim.told = {place: told for place, told in claim.told.items() if place in places}
+    claim.events = {place: told for place, told in claim.events.items() if place in places}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from homebot.devices import (
@@ -20,6 +20,7 @@ from homebot.devices.device_types import wanted_types
 from homebot.devices.value import Value
 from homebot.devices.words import takes_words, words_address
 from homebot.discovery.claim import Claim, ClaimKey, Told, preference
+from homebot.discovery.echoes import Echoes
 from homebot.discovery.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.parts import Disputed, MergedParts, main_part, merge_parts
 from homebot.discovery.rhythm import Rhythm
@@ -52,6 +53,7 @@ class Entry:
         lasts: For how many seconds its gateways think that silence is no bad sign.
         saved_at: When it was last to be written to the index file that it was seen, on the clock that is never set.
         known_ids: Ids that parts had, beside those of the description that stands.
+        echoes: What happened lately, and by how many routes that was told.
     """
 
     id: str
@@ -67,6 +69,7 @@ class Entry:
     told_conflicts: tuple[str, ...] = ()
     rival: str = ""
     known_ids: PartIds = field(default_factory=lambda: NO_IDS)
+    echoes: Echoes = field(default_factory=Echoes)
     _description: _Description | None = None
     _device: Device | None = None
 
@@ -130,7 +133,8 @@ class Entry:
                 parts=described.merged.parts,
                 facts=described.facts,
                 reachable=self.reachability(),
-                states=tuple(self._states(described.merged)),
+                states=tuple(self._newest(described.merged, lambda claim: claim.told)),
+                events=tuple(self._newest(described.merged, lambda claim: claim.events)),
                 evidence=self.evidence,
                 conflicts=described.merged.conflicts,
             )
@@ -159,11 +163,11 @@ class Entry:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
 
-    def _states(self, merged: MergedParts) -> Iterator[State]:
+    def _newest(self, merged: MergedParts, said: Callable[[Claim], Mapping[tuple[str, str], Told]]) -> Iterator[State]:
         """The newest of what all routes to a part told; what came live counts more than what the broker had kept."""
         newest: dict[tuple[int, str], Told] = {}
         for (gateway, key), claim in self.claims.items():
-            for (part, capability), told in claim.told.items():
+            for (part, capability), told in said(claim).items():
                 place = merged.places.get((gateway, key, part))
                 if place is None:
                     continue

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import final
 
 from homebot.devices import Device, DeviceChange, State, StateChange
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind
 from homebot.discovery.entry import Entry
 from homebot.discovery.parts import MergedParts
@@ -14,6 +15,8 @@ from homebot.discovery.parts import MergedParts
 __all__ = ["Happenings"]
 
 _MAX_STATES = 10_000
+_EVENTS = 100
+"""Events that a reader may have unread."""
 
 
 @dataclass(slots=True, eq=False)
@@ -41,6 +44,7 @@ class Happenings:
     def __init__(self, describe: Callable[[Entry], Device], first_sequence: int) -> None:
         self.sequence = first_sequence - 1
         self.states_lost = 0
+        self._events = 0
         self._describe = describe
         self._happened: list[_Happened] = []
         self._last: dict[str, _Happened] = {}
@@ -108,4 +112,7 @@ class Happenings:
     def _state_change(self, entry: Entry, state: State) -> StateChange:
         self.sequence += 1
         stream = f"{entry.id}\0{state.part}\0{state.capability}"
+        if state.capability in EVENTS:  # of a state the newest counts, of events each
+            self._events = (self._events + 1) % _EVENTS
+            stream += f"\0{self._events}"
         return StateChange.of_checked(stream=stream, device=entry.id, state=state, sequence=self.sequence)

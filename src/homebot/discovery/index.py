@@ -14,12 +14,13 @@ from functools import lru_cache
 from typing import final
 
 from homebot.devices import Device, DeviceChange, Sighting, State, StateChange
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind
 from homebot.devices.part import Part
 from homebot.devices.query import Query, facets_of, type_is
 from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.discovery.bonds import Bonds
-from homebot.discovery.claim import Claim, ClaimKey, is_described_anew, note_description
+from homebot.discovery.claim import Claim, ClaimKey, Told, is_described_anew, note_description
 from homebot.discovery.deadlines import Deadlines
 from homebot.discovery.disputes import Disputes
 from homebot.discovery.entry import Entry
@@ -171,6 +172,9 @@ class DeviceIndex:
                 if change:
                     self._note("changed", entry, change)
                 is_life = is_life and reading.value.flag
+            elif reading.capability in EVENTS:
+                if live:
+                    self._happen(entry, claim, reading, stamp)
             else:
                 self._tell(entry, claim, reading, stamp, live=live)
         entry.told_anew()
@@ -599,9 +603,26 @@ class DeviceIndex:
         if self.tells_states:
             self._happenings.note_state(entry, merged, state_of(part.id, reading, told))
 
+    def _happen(self, entry: Entry, claim: Claim, reading: Reading, stamp: Time) -> None:
+        """Tell an event once, by however many routes it comes; it is no state, so nothing becomes findable by it."""
+        if not can_tell(claim, reading.part, reading.capability):
+            self.counters.unknown_parts += 1
+            return
+        merged = entry.parts(self._disputed)
+        number = merged.places.get((*claim.key, reading.part))
+        value = reading.value.plain()
+        if number is None or not entry.echoes.is_new(number, reading.capability, value, claim.key, self._now):
+            return
+        told = claim.events[reading.part, reading.capability] = Told(value, stamp, stamp, live=True, heard=self._now)
+        if self.tells_states:
+            state = state_of(merged.parts[number].id, reading, told)
+            self._happenings.note_state(entry, merged, state)
+
     def _counts(self, entry: Entry, parts: MergedParts, state: State) -> bool:
         if self._entries.get(entry.id) is not entry:
             return False
+        if state.capability in EVENTS:
+            return any(one.id == state.part for one in entry.parts(self._disputed).parts)
         if entry.parts(self._disputed) is parts:
             return True
         place = (state.part, state.capability)

@@ -6,6 +6,7 @@ from collections import OrderedDict
 from typing import final
 
 from homebot.devices import Sighting
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import REACHABLE, Report
 from homebot.discovery.claim import ClaimKey
 from homebot.messages import Time
@@ -15,8 +16,11 @@ __all__ = ["Strays"]
 _MAX_KEYS = 1000
 _MAX_BURIED = 10_000
 _MAX_ADDRESSES = 16
-_PATIENCE = 60
+_PATIENCE = 60.0
 """Seconds for which a report is kept for its device: the two come on two topics, and either may be first."""
+
+_PATIENCE_OF_EVENT = 5.0
+"""Likewise for an event: a press that is told a minute late opens a door that nobody stands at any more."""
 
 
 @final
@@ -37,8 +41,9 @@ class Strays:
         self.count += 1
         found = self._reports.setdefault(key, {})
         self._reports.move_to_end(key)
-        found.pop(report.address, None)
-        found[report.address] = now, report
+        place = report.stream if _is_event(report) else report.address
+        found.pop(place, None)
+        found[place] = now, report
         if len(found) > _MAX_ADDRESSES:
             del found[next(iter(found))]
         if len(self._reports) > _MAX_KEYS:
@@ -69,4 +74,12 @@ class Strays:
         found = self._reports.pop(key, None)
         if found is None:
             return ()
-        return tuple(report for came, report in found.values() if now - came <= _PATIENCE)
+        return tuple(report for came, report in found.values() if now - came <= _patience(report))
+
+
+def _is_event(report: Report) -> bool:
+    return any(reading.capability in EVENTS for reading in report.readings)
+
+
+def _patience(report: Report) -> float:
+    return _PATIENCE_OF_EVENT if _is_event(report) else _PATIENCE

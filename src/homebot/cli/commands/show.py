@@ -15,6 +15,7 @@ from homebot.cli.thing_files import thing_text
 from homebot.cli.through_door import through_door
 from homebot.cli.values import in_words, span
 from homebot.devices import Device, DevicePart, State
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Capability
 from homebot.devices.words import read_words_address
 
@@ -50,7 +51,7 @@ def describe(device: Device, reasons: tuple[str, ...], now: float) -> Iterator[s
     """
     yield from to_lines([(device.id, device.name)])
     yield from _section("", _overview(device, now))
-    values = {(one.part, one.capability): one for one in device.states}
+    values = {(one.part, one.capability): one for one in (*device.states, *device.events)}
     for part in device.parts:
         yield from _section(_title(part), _part(part, values, now))
     words = [one for one in device.endpoints if one.address or one.command_address]
@@ -110,7 +111,8 @@ def _capability(capability: Capability, state: State | None, now: float) -> tupl
     since = ""
     if state is not None and value is not None:
         shown = in_words(capability, value)
-        since = f"{'since' if state.live else 'kept since'} {ago(state.since, now)}"
+        lasts = "last" if capability.name in EVENTS else "since" if state.live else "kept since"
+        since = f"{lasts} {ago(state.since, now)}"
     return capability.name, shown, use, span(capability), since
 
 

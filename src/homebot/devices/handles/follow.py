@@ -10,6 +10,8 @@ from typing import Generic, Literal, Self, TypeVar
 import anyio
 import anyio.lowlevel
 
+from homebot.devices.capabilities import EVENTS
+from homebot.devices.device import State, StateChange
 from homebot.devices.follow import Follow
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handles import Handles
@@ -24,31 +26,45 @@ HandleT = TypeVar("HandleT", bound=Handle)
 _TURN = 100
 """Changes given out before other tasks get their turn, should the reader never wait."""
 
+_MAX_EVENTS = 1000
+"""Events that wait for a slow reader; the oldest is dropped and counted."""
+
+_MAX_EARLY = 100
+_MOMENT = 5.0
+"""Seconds for which an event waits for its device to be described."""
+
 
 @dataclass(frozen=True, slots=True)
 class HandleChange(Generic[HandleT]):
     """Something happened to a part.
 
     Attributes:
-        kind: ``appeared``: it is wanted from now on; ``changed``: it, or what it tells, is different; ``removed``: it
-            is gone, or what was asked for is no longer true.
+        kind: ``appeared``: it is wanted from now on; ``changed``: it, or what it tells, is different; ``event``:
+            something happened that is over, such as a press; ``removed``: it is gone, or what was asked for is no
+            longer true.
         handle: Its handle, the same one each time.
+        event: What happened; None for any other kind.
     """
 
-    kind: Literal["appeared", "changed", "removed"]
+    kind: Literal["appeared", "changed", "event", "removed"]
     handle: HandleT
+    event: State | None = None
 
 
 class FollowHandles(Generic[HandleT]):
     """``async for change in devices.follow(Light, area="kitchen", on=True)``.
 
     Each handle appears first and is removed last. Changes that come while the reader is busy are told as one, so that
-    it always hears the newest and nothing piles up. A directory that is away is waited for. One task reads.
+    it always hears the newest and nothing piles up; of events each is told, once. A directory that is away is waited
+    for. One task reads.
 
     Args:
         node: Who asks; the query ends with it.
         handles: Where the handles come from.
         wanted: What is asked for.
+
+    Attributes:
+        events_lost: Events that were dropped because 1,000 waited for the reader.
     """
 
     def __init__(self, node: Node, handles: Handles, wanted: Wanted[HandleT]) -> None:
@@ -60,6 +76,10 @@ class FollowHandles(Generic[HandleT]):
         self._given: dict[str, dict[str, HandleT]] = {}
         self._touched: dict[str, None] = {}
         self._ready: deque[HandleChange[HandleT]] = deque()
+        self.events_lost = 0
+        self._clock = node.graph.clock
+        self._events: deque[StateChange] = deque()
+        self._early: deque[tuple[float, StateChange]] = deque(maxlen=_MAX_EARLY)
         self._is_touched = anyio.Event()
         self._unwatch: Callable[[], None] | None = None
         self._is_closed = False
@@ -76,7 +96,7 @@ class FollowHandles(Generic[HandleT]):
         """
         if self._devices is None and not self._is_closed:
             self._devices = devices = Follow(self._node)
-            self._unwatch = self._handles.watch(self._touch)
+            self._unwatch = self._handles.watch(self._on_state)
             self._node.create_task(lambda: self._follow(devices))
         self._told += 1
         if self._told % _TURN == 0:
@@ -86,6 +106,8 @@ class FollowHandles(Generic[HandleT]):
                 device_id = next(iter(self._touched))
                 del self._touched[device_id]
                 self._look_at(device_id)
+            elif self._events:
+                self._tell_event(self._events.popleft())
             elif self._is_closed:
                 raise StopAsyncIteration
             else:
@@ -98,6 +120,7 @@ class FollowHandles(Generic[HandleT]):
         if not self._is_closed:
             self._is_closed = True
             self._touched.clear()
+            self._events.clear()
             self._ready.clear()
             self._is_touched.set()
             if self._devices is not None:
@@ -111,8 +134,37 @@ class FollowHandles(Generic[HandleT]):
                 device = change.device
                 self._known[device.id] = self._handles.known(device, change.sequence, is_gone=change.kind == "removed")
                 self._touch(device.id)
+                self._tell_early(device.id)
         finally:
             self.close()
+
+    def _on_state(self, change: StateChange) -> None:
+        if change.state.capability not in EVENTS:
+            self._touch(change.device)
+        elif change.device in self._known:
+            self._add_event(change)
+        else:  # what happened first made the device known, and the one is told on another way than the other
+            self._early.append((self._clock.monotonic(), change))
+
+    def _add_event(self, change: StateChange) -> None:
+        if len(self._events) >= _MAX_EVENTS:
+            self._events.popleft()
+            self.events_lost += 1
+        self._events.append(change)
+        self._is_touched.set()
+
+    def _tell_early(self, device_id: str) -> None:
+        """Tell what a device did that nobody knew a moment ago."""
+        early, now = self._early, self._clock.monotonic()
+        self._early = deque((one for one in early if one[1].device != device_id), maxlen=early.maxlen)
+        for at, change in early:
+            if change.device == device_id and now - at <= _MOMENT:
+                self._add_event(change)
+
+    def _tell_event(self, change: StateChange) -> None:
+        given = self._given.get(change.device, {})
+        if (handle := given.get(change.state.part)) is not None:
+            self._ready.append(HandleChange("event", handle, change.state))
 
     def _touch(self, device_id: str) -> None:
         if device_id in self._known:

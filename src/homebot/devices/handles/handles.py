@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TypeVar
 from weakref import WeakValueDictionary
 
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import Device, DeviceChange, StateChange
 from homebot.devices.handles.commander import Commander
 from homebot.devices.handles.handle import Handle
@@ -18,8 +19,8 @@ from homebot.graph import Node
 __all__ = ["Handles", "Watcher"]
 
 HandleT = TypeVar("HandleT", bound=Handle)
-Watcher = Callable[[str], None]
-"""Is told the id of each device that told something."""
+Watcher = Callable[[StateChange], None]
+"""Is told what devices tell."""
 
 
 class Handles:
@@ -72,7 +73,9 @@ class Handles:
             known.take(change.device, change.sequence, is_gone=change.kind == "removed")
 
     def _on_state(self, change: StateChange) -> None:
-        if (known := self._known.get(change.device)) is not None:
+        known = self._known.get(change.device)
+        if known is not None:
             known.take_state(change)
+        if known is not None or change.state.capability in EVENTS:
             for watcher in self._watchers:
-                watcher(change.device)
+                watcher(change)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import Device, DevicePart, State, StateChange
 from homebot.devices.value import PlainValue
 
@@ -37,8 +38,9 @@ class KnownDevice:
             self._put(state, sequence)
 
     def take_state(self, change: StateChange) -> None:
-        """Take a state; one that was told before what is known changes nothing."""
-        self._put(change.state, change.sequence)
+        """Take a state; one that was told before what is known changes nothing. An event is no state."""
+        if change.state.capability not in EVENTS:
+            self._put(change.state, change.sequence)
 
     def part(self, part_id: str) -> DevicePart | None:
         """Return the part, or None where it has none of that id, or no more."""

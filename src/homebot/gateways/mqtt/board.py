@@ -14,6 +14,9 @@ __all__ = ["REFRESH", "Board", "stamps"]
 REFRESH = 1.0
 """Seconds between two sightings of a device that keeps talking: `last_seen` is exact to this much."""
 
+_EVENTS = 1000
+"""Events of one gateway that a reader may have unread; it loses those that are older, and counts them."""
+
 _READINGS_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -43,6 +46,7 @@ class Board:
         self._gateway = gateway
         self._clock = gateway.node.graph.clock
         self._stale_after = stale_after
+        self._events = 0
         self._reports = gateway.node.create_publisher(Report, gateway.names.readings, _READINGS_QOS)
         self.tick()
 
@@ -74,6 +78,13 @@ class Board:
                 heard_at=self.now,
             )
         )
+
+    def report_events(self, key: str, readings: tuple[Reading, ...], address: str) -> None:
+        """Tell what happened to the device *key*: nothing takes its place, and no late joiner hears it."""
+        self._events = (self._events + 1) % _EVENTS
+        stream = f"event {self._events}"
+        self.report(key, readings, address, stream, retained=False)
+        self._reports.dispose(stream)
 
     def clear(self, claim: Claim) -> None:
         """Keep no report of a device for late joiners any more."""

@@ -19,6 +19,9 @@ SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
 
 _MAX_STREAMS = 100
 _KEPT = 10
+_MOMENT = 5.0
+"""Seconds for which an event is told to who comes to listen: the first makes its device known, and is heard late."""
+
 _NEVER = Time(sec=0, nanosec=0)
 
 
@@ -30,24 +33,34 @@ class Voice:
         claim: Whose part it is.
         described: The part.
         address: Its words address.
-        kept: Its last 10 words and when each came, for a listener that comes a moment later.
+        kept: Its last 10 words and when each came, for a listener that comes later.
+        events: Likewise of words that tell what happened; they are good for a moment only.
     """
 
     claim: Claim
     described: DescribedPart
     address: str
     kept: tuple[tuple[float, RawMessage], ...] = ()
+    events: tuple[tuple[float, RawMessage], ...] = ()
 
-    def keep(self, message: RawMessage, now: float) -> None:
+    def keep(self, message: RawMessage, now: float, *, is_event: bool) -> None:
         """Remember a word that came at *now* on the monotonic clock."""
-        self.kept = (*self.kept[1 - _KEPT :], (now, message))
+        if is_event:
+            self.events = (*self.events[1 - _KEPT :], (now, message))
+        else:
+            self.kept = (*self.kept[1 - _KEPT :], (now, message))
 
-    def missed_by(self, since: float) -> tuple[RawMessage, ...]:
+    def missed_by(self, since: float, now: float) -> tuple[RawMessage, ...]:
         """Return the kept words that a listener wants that was there from *since* on, on the monotonic clock.
 
         What the broker had kept is among them where it is still the part's last word.
         """
-        return missed(self.kept, since)
+        recent = missed(self.events, max(since, now - _MOMENT))
+        if not recent:
+            return missed(self.kept, since)
+        wanted = {id(one) for one in (*recent, *missed(self.kept, since))}
+        told = sorted((*self.kept, *self.events), key=lambda one: one[0])
+        return tuple(one for _, one in told if id(one) in wanted)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -186,7 +186,7 @@ class DescribedDevices:
         """Return what a new listener wants of what was said on *topic* from *since* on, on the monotonic clock."""
         if (part := read_words_address(topic)) is not None:
             voice = self._claims.voice(*part)
-            return voice.missed_by(since) if voice is not None else ()
+            return voice.missed_by(since, self._board.now) if voice is not None else ()
         route, word = self._claims.route(topic), self._last_words.get(topic)
         if route is None or not route.voices or word is None or (not word.retained and word.heard_at < since):
             return ()

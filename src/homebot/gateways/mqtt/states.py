@@ -8,6 +8,7 @@ from functools import partial
 import anyio.lowlevel
 
 from homebot.devices import RawMessage
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import REACHABLE, Reading
 from homebot.devices.value import PlainValue, Value
 from homebot.devices.words import word
@@ -120,11 +121,20 @@ class States:
         if not message.retain and (not claim.is_confirmed or self._board.now >= claim.refresh_at):
             # First: to a directory that has forgotten the device, a report alone is of nobody.
             self._board.sight(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
-        stream = claim.stream(message.topic)
-        self._board.report(claim.key, tuple(readings), message.topic, stream, retained=message.retain)
+        self._tell(claim, readings, message)
         if not message.retain and claim.reachable is False and claim.reachability is not None:
             claim.reachability.doubt()
             self._tell_reachable(claim, message.topic, retained=False)
+
+    def _tell(self, claim: Claim, readings: list[Reading], message: MqttMessage) -> None:
+        """Tell what lasts, and what happened; that the broker had kept an event says that it happened before."""
+        events = tuple(one for one in readings if one.capability in EVENTS)
+        states = tuple(one for one in readings if one.capability not in EVENTS) if events else tuple(readings)
+        if states:
+            stream = claim.stream(message.topic)
+            self._board.report(claim.key, states, message.topic, stream, retained=message.retain)
+        if events and not message.retain:
+            self._board.report_events(claim.key, events, message.topic)
 
     def _tell_reachable(self, claim: Claim, topic: str, *, retained: bool) -> None:
         reachable = None if claim.reachability is None else claim.reachability.value
@@ -141,6 +151,8 @@ class States:
                 await self._listeners.deliver(listener, raw, patient=message.qos > 0)
 
     def _word(self, voice: Voice, told: Mapping[str, PlainValue], *, retained: bool) -> RawMessage | None:
+        if retained:
+            told = {name: value for name, value in told.items() if name not in EVENTS}
         said = word(told)
         if said is None:
             return None
@@ -152,7 +164,7 @@ class States:
             retained=retained,
             received_at=self._board.stamp,
         )
-        voice.keep(raw, self._board.now)
+        voice.keep(raw, self._board.now, is_event=not EVENTS.isdisjoint(told))
         return raw
 
     def _plan(self, voice: Voice, fade: Fade, told: Mapping[str, PlainValue]) -> None:

@@ -174,6 +174,17 @@ def test_a_repeated_press_is_none(say: Say, part: Find) -> None:
     assert button.read(topic, b'{"event":"","event_cnt":6}', retained=False) == {}
 
 
+def test_a_press_after_a_new_description_is_not_taken_for_the_first_that_is_heard(say: Say, part: Find) -> None:
+    """The device announces itself at each link, and is described anew when it is heard on one more topic."""
+    switch = {"id": "shellyix3-1BC57A", "model": "SHIX3-1"}
+    topic = "shellies/shellyix3-1BC57A/input_event/0"
+    before = part(say("shellies/announce", switch), "input:0").codec
+    assert before.read(topic, b'{"event":"S","event_cnt":4}', retained=False) == {}
+    after = part(say("shellies/announce", {**switch, "fw_ver": "2"}), "input:0").codec
+    assert after.read(topic, b'{"event":"S","event_cnt":4}', retained=False) == {}
+    assert after.read(topic, b'{"event":"S","event_cnt":5}', retained=False) == {"press": "single"}
+
+
 def test_the_first_press_of_a_button_that_wakes_to_tell_it_counts(say: Say, part: Find) -> None:
     button = part(say("shellies/announce", {"id": "shellybutton1-1CD6EB", "model": "SHBTN-1"}), "input:0").codec
     topic = "shellies/shellybutton1-1CD6EB/input_event/0"

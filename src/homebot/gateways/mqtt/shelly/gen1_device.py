@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from homebot.devices.identity import identifiers
 from homebot.gateways.mqtt.description import Availability, Described
 from homebot.gateways.mqtt.payload import clean_text
+from homebot.gateways.mqtt.shelly.gen1_inputs import Presses
 from homebot.gateways.mqtt.shelly.gen1_models import Gen1Model, find_model
 from homebot.gateways.mqtt.shelly.gen1_parts import build_parts
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
@@ -33,6 +35,7 @@ class Gen1Device:
         is_announced: Whether it announced itself.
         is_online: Whether it said that it is online.
         topic: Where it was first known by.
+        presses: What it told of each of its inputs, at most 16.
     """
 
     place: Gen1Place
@@ -46,6 +49,7 @@ class Gen1Device:
     is_announced: bool = False
     is_online: bool = False
     topic: str = ""
+    presses: defaultdict[int, Presses] = field(default_factory=lambda: defaultdict(Presses))
 
     def announce(self, device_id: str, mac: str, told: Mapping[str, object]) -> bool:
         """Take what it says of itself; tell whether that differs from what it said before."""
@@ -85,7 +89,7 @@ class Gen1Device:
             convention="shelly",
             identifiers=identifiers(declared),
             name=clean_text(place.name),
-            parts=build_parts(place, self.model, self.known()),
+            parts=build_parts(place, self.model, self.known(), self.presses),
             topic=self.topic or topic,
             facts=self._facts(),
             availability=None if sleeps else Availability((OnlineTopic(place.at("online")),)),

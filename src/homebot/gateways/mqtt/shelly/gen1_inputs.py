@@ -5,12 +5,14 @@ Source: Shelly Gen1 API, MQTT: ``input/<i>`` and ``input_event/<i>``.
 
 from __future__ import annotations
 
+from functools import partial
+
 from homebot.gateways.mqtt.part_table import BytesPart, PartTable
 from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, text_in
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.table_codec import raw_bytes
 
-__all__ = ["build_input"]
+__all__ = ["Presses", "build_input"]
 
 _PRESSES = {
     "S": "single",
@@ -23,20 +25,21 @@ _PRESSES = {
 _STATES: dict[str, Readings] = {"0": {"state": False}, "1": {"state": True}}
 
 
-class _Presses:
+class Presses:
     """Tells a new press from one that the device only repeats, by the counter beside it.
 
     A device that was asked for its state tells its last press again. So the first one that is heard only sets the
-    counter, but for a device that wakes up to tell it.
+    counter, but for a device that wakes up to tell it. It outlives a description, which a device that is heard on one
+    more topic gets anew.
     """
 
-    __slots__ = ("_count", "_counts_first")
+    __slots__ = ("_count",)
 
-    def __init__(self, *, counts_first: bool) -> None:
+    def __init__(self) -> None:
         self._count: object = None
-        self._counts_first = counts_first
 
-    def read(self, payload: bytes) -> Readings:
+    def read(self, payload: bytes, *, counts_first: bool) -> Readings:
+        """Return the press that *payload* tells, if it is a new one; the first counts where *counts_first* says so."""
         told = json_in(payload)
         if not isinstance(told, dict):
             return NOTHING
@@ -44,14 +47,25 @@ class _Presses:
         if not isinstance(count, int) or isinstance(count, bool):
             count = None
         is_first = self._count is None
-        is_new = (count is None or count != self._count) and (self._counts_first or not is_first)
+        is_new = (count is None or count != self._count) and (counts_first or not is_first)
         self._count = 0 if count is None else count
         press = _PRESSES.get(event) if isinstance(event, str) else None
         return {"press": press} if is_new and press is not None else NOTHING
 
 
-def build_input(place: Gen1Place, index: int, *, has_state: bool, has_events: bool, counts_first: bool) -> BytesPart:
-    """Describe an input: a button where it tells presses."""
+def build_input(
+    place: Gen1Place, index: int, presses: Presses, *, has_state: bool, has_events: bool, counts_first: bool
+) -> BytesPart:
+    """Describe an input: a button where it tells presses.
+
+    Args:
+        place: Where the device speaks.
+        index: Number of the input.
+        presses: Its presses so far.
+        has_state: Whether it tells if it is on.
+        has_events: Whether it tells presses.
+        counts_first: Whether the first press that is heard is a new one.
+    """
     part = PartTable(
         raw_bytes, f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input"
     )
@@ -59,7 +73,7 @@ def build_input(place: Gen1Place, index: int, *, has_state: bool, has_events: bo
         part.reads(place.at(f"input/{index}"), _read_state)
         part.offers("state")
     if has_events:
-        part.reads_events(place.at(f"input_event/{index}"), _Presses(counts_first=counts_first).read)
+        part.reads_events(place.at(f"input_event/{index}"), partial(presses.read, counts_first=counts_first))
         part.offers("press", options=tuple(_PRESSES.values()))
     return part
 

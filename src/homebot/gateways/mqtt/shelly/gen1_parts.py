@@ -6,13 +6,14 @@ Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0, ``lib/devices/gen1``.
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.shelly.gen1_controls import build_relay, build_roller
-from homebot.gateways.mqtt.shelly.gen1_inputs import build_input
+from homebot.gateways.mqtt.shelly.gen1_inputs import Presses, build_input
 from homebot.gateways.mqtt.shelly.gen1_lights import build_light
 from homebot.gateways.mqtt.shelly.gen1_models import Gen1Model
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
@@ -33,10 +34,22 @@ def is_known_topic(suffix: str) -> bool:
     return match is not None and int(match["index"]) < MAX_CHANNELS and (match["rest"] or "") in _RESTS[match["kind"]]
 
 
-def build_parts(place: Gen1Place, model: Gen1Model | None, suffixes: frozenset[str]) -> tuple[DescribedPart, ...]:
-    """Return the parts of the device at *place* that publishes *suffixes*; first what it is there for."""
+def build_parts(
+    place: Gen1Place, model: Gen1Model | None, suffixes: frozenset[str], presses: defaultdict[int, Presses]
+) -> tuple[DescribedPart, ...]:
+    """Return the parts of the device at *place* that publishes *suffixes*; first what it is there for.
+
+    Args:
+        place: Where it speaks.
+        model: What it is, where that is known.
+        suffixes: What it publishes on.
+        presses: What it told so far of each of its inputs.
+    """
     parts: list[BytesPart] = []
     for channel in _channels(suffixes):
+        if channel.kind == "input":
+            parts.append(_input(place, channel, suffixes, model, presses[channel.index]))
+            continue
         parts.extend(part for build in _BUILDERS[channel.kind] if (part := build(place, channel, suffixes, model)))
     if "relay/power" in suffixes and "relay/0/power" not in suffixes:
         parts.append(build_meter(place, "meter", {"power": "relay/power", "energy": "relay/energy"}))
@@ -104,10 +117,13 @@ def _light(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], model
     return build_light(place, channel.kind, channel.index, "" if model is None else model.name)
 
 
-def _input(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
+def _input(
+    place: Gen1Place, channel: _Channel, suffixes: frozenset[str], model: Gen1Model | None, presses: Presses
+) -> BytesPart:
     return build_input(
         place,
         channel.index,
+        presses,
         has_state=channel.topic in suffixes,
         has_events=f"input_event/{channel.index}" in suffixes,
         counts_first=model is not None and model.sleeps,
@@ -140,7 +156,6 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     "light": (_light, _meter),
     "color": (_light, _meter),
     "white": (_light, _meter),
-    "input": (_input,),
     "emeter": (_emeter,),
     "adc": (_adc,),
     "ext_temperature": (_external,),

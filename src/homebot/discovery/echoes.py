@@ -1,0 +1,64 @@
+"""Which of the events that are told by several routes are one. Pure."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from typing import TypeAlias, final
+
+from homebot.devices.value import PlainValue
+from homebot.discovery.claim import ClaimKey
+
+__all__ = ["Echoes"]
+
+WINDOW = 2.0
+"""Seconds after an event within which another route tells the same one."""
+
+_MOST = 64
+"""Events of one device that are remembered; the oldest is forgotten."""
+
+_What: TypeAlias = tuple[int, str, PlainValue]
+
+
+@dataclass(slots=True)
+class _Lately:
+    at: float
+    told: int = 0
+    by_route: dict[ClaimKey, int] = field(default_factory=dict)
+
+
+@final
+class Echoes:
+    """A button that is announced twice, by its own convention and by another, tells each press twice.
+
+    Of equal events within two seconds as many happened as the route that told most of them told.
+    """
+
+    __slots__ = ("_lately",)
+
+    def __init__(self) -> None:
+        self._lately: OrderedDict[_What, _Lately] = OrderedDict()
+
+    def is_new(self, place: int, capability: str, value: PlainValue, route: ClaimKey, now: float) -> bool:
+        """Whether an event was not told by another route already.
+
+        Args:
+            place: Which part of the device.
+            capability: Of which capability.
+            value: What happened.
+            route: By which announcement it was told.
+            now: When, on a clock that is never set.
+        """
+        what = (place, capability, value)
+        lately = self._lately.get(what)
+        if lately is None or now - lately.at > WINDOW:
+            lately = self._lately[what] = _Lately(now)
+            if len(self._lately) > _MOST:
+                self._lately.popitem(last=False)
+        lately.at = now
+        self._lately.move_to_end(what)
+        count = lately.by_route[route] = lately.by_route.get(route, 0) + 1
+        if count <= lately.told:
+            return False
+        lately.told = count
+        return True
