@@ -17,6 +17,7 @@ from structlog.testing import capture_logs
 from homebot.clock import ManualClock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker import Broker, BrokerLimits, PortTakenError
+from homebot.mqtt.broker.connection import Connection
 from homebot.mqtt.packets import (
     Connect,
     Disconnect,
@@ -134,7 +135,8 @@ async def test_clients_that_do_not_read_do_not_hold_up_a_stop(dial: Dial) -> Non
 async def test_nagle_is_off(dial: Dial) -> None:
     async with Broker() as broker:
         await dial(broker)
-        (connection,) = broker._connections
+        (connection,) = broker._sockets
+        assert isinstance(connection, Connection)
         assert connection._transport is not None
         sock = connection._transport.get_extra_info("socket")
         assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)

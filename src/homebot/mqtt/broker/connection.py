@@ -11,11 +11,11 @@ from homebot.mqtt.broker.endpoint import Endpoint
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.peer import Peer
+from homebot.mqtt.broker.sockets import Sockets
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["Connection"]
 
-_READ_AT_MOST = 16 * 1024  # handled in one turn of the loop: some hundred messages, then it is the others' turn
 _JOIN_AT_MOST = 128 * 1024  # write at once what has grown to this, so that the transport's limit counts
 _TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linux has it
 
@@ -27,8 +27,7 @@ class Connection(asyncio.BufferedProtocol):
     Args:
         hub: The broker.
         loop: The running loop.
-        admit: Asked when the socket is open (with TLS: when the hand-shake is done); False cuts it.
-        on_lost: Told when an admitted socket is closed.
+        sockets: Where it counts while it is open.
         endpoint: Makes what understands the bytes.
 
     Attributes:
@@ -41,8 +40,7 @@ class Connection(asyncio.BufferedProtocol):
         self,
         hub: Hub,
         loop: asyncio.AbstractEventLoop,
-        admit: Callable[[Connection], bool],
-        on_lost: Callable[[Connection], None],
+        sockets: Sockets,
         endpoint: Callable[[Hub, Link], Endpoint] = Peer,
     ) -> None:
         self.choked = False
@@ -50,12 +48,10 @@ class Connection(asyncio.BufferedProtocol):
         self.peer = endpoint(hub, self)
         self._hub = hub
         self._loop = loop
-        self._admit = admit
-        self._on_lost = on_lost
+        self._sockets = sockets
+        self._buffer = sockets.read_buffer
         self._transport: asyncio.Transport | None = None
         self._tcp: socket.socket | None = None
-        self._buffer = bytearray(_READ_AT_MOST)
-        self._view = memoryview(self._buffer)
         self._out: list[bytes] = []
         self._out_size = 0
         self._closing = False
@@ -67,7 +63,7 @@ class Connection(asyncio.BufferedProtocol):
         address = transport.get_extra_info("peername")
         if isinstance(address, tuple):
             self.address = f"{address[0]}:{address[1]}"
-        if not self._admit(self):
+        if self._closing or not self._sockets.admit(self, self._hub):
             self.abort()
             return
         transport.set_write_buffer_limits(high=self._hub.limits.write_buffer)
@@ -76,14 +72,14 @@ class Connection(asyncio.BufferedProtocol):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._tcp = sock
 
-    def get_buffer(self, sizehint: int) -> bytearray:  # noqa: ARG002 - asyncio's signature
-        """Where the next bytes go."""
+    def get_buffer(self, sizehint: int) -> memoryview:  # noqa: ARG002 - asyncio's signature
+        """Where the next bytes go: one place for all connections, since they are taken before anybody else reads."""
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
         """Bytes came; a fault of ours costs this connection only."""
         try:
-            self.peer.receive(bytes(self._view[:nbytes]))
+            self.peer.receive(bytes(self._buffer[:nbytes]))
         except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
             self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
             self._hub.warn(
@@ -93,7 +89,7 @@ class Connection(asyncio.BufferedProtocol):
                 error=repr(error),
                 exc_info=True,
             )
-        if nbytes < _READ_AT_MOST and not self._out:
+        if nbytes < len(self._buffer) and not self._out:
             self._acknowledge()
 
     def eof_received(self) -> bool:
@@ -106,7 +102,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._lingering is not None:
             self._lingering.cancel()
         self.peer.lost()
-        self._on_lost(self)
+        self._sockets.lost(self)
 
     def pause_writing(self) -> None:
         """The socket takes bytes slower than they come."""
@@ -144,10 +140,13 @@ class Connection(asyncio.BufferedProtocol):
         A socket closed with unread bytes makes the kernel reset the connection, and the peer loses the reason;
         so with *linger* only the sending half is closed and what comes is thrown away for a moment.
         """
-        if self._closing or self._transport is None:
+        if self._closing:
             return
         self._flush()
         self._closing = True
+        if self._transport is None:
+            return
+        self._sockets.ends(self)
         if not linger:
             self._transport.close()
             return
@@ -160,6 +159,10 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.write_eof()
         except OSError:  # the far side reset the connection just now: nobody is left to read the reason
             self._transport.abort()
+
+    def end(self, reason: ReasonCode) -> None:
+        """Close it in order; MQTT 5 clients are told *reason*, and no will is published."""
+        self.peer.end(reason, publish_will=False)
 
     def abort(self) -> None:
         """Cut the connection without a word."""

@@ -21,6 +21,8 @@ from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.policy import Policy, RefusedFilters
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
+from homebot.mqtt.broker.unread import UnreadPackets
+from homebot.mqtt.broker.waiting_logins import WaitingLogins
 from homebot.mqtt.broker.words import short
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Hub"]
 
+_CUT_BY_A_READ = 4096  # bytes: about a read may leave as much of a packet on every connection
 _WARNINGS = 20  # of one event in ten seconds: enough to tell a few clients apart
 _log = structlog.get_logger()
 
@@ -48,6 +51,9 @@ class Hub:
     Attributes:
         peers: Logged-in connections by client id.
         deadlines: What is due when; the carrier runs it.
+        waiting_logins: Connections that have not logged in.
+        unread_logins: Their incomplete packets.
+        unread: The incomplete packets of the others.
     """
 
     def __init__(
@@ -70,6 +76,9 @@ class Hub:
         self.deadlines = Deadlines()
         self._on_message = on_message
         self.peers: dict[str, Peer] = {}
+        self.waiting_logins = WaitingLogins(limits.max_waiting_logins)
+        self.unread_logins = UnreadPackets(max(limits.max_unread_login_bytes, limits.max_connect_size))
+        self.unread = UnreadPackets(max(limits.max_unread_bytes, limits.max_packet_size), _CUT_BY_A_READ)
         self._log_limit = LogLimit(clock, burst=_WARNINGS)
         self._clear()
 

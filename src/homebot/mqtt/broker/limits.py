@@ -18,12 +18,17 @@ class BrokerLimits:
 
     Attributes:
         max_connections: Clients connected at once; one more is refused (0x97). Twice as many sockets may be
-            open; one more is closed at once.
+            open; one more costs the oldest that only waits for its end, or is closed at once.
         max_sessions: Sessions kept, connected or not; one more pushes out the one that was left longest ago.
         max_subscriptions: Subscriptions of one session; one more is refused (0x97).
         max_topic_levels: Levels of a topic or filter; a deeper one is refused (0x90, 0x8F).
         max_packet_size: The largest packet taken; a larger one ends the connection (0x95).
         max_connect_size: The largest CONNECT taken, so that nobody fills the memory without a password.
+        max_waiting_logins: Connections that have not logged in; one more costs the oldest of the host that has most
+            of them.
+        max_unread_login_bytes: Bytes of incomplete packets on all of these together; beyond it the one incomplete
+            longest loses its connection. At least one CONNECT of the largest size has room.
+        max_unread_bytes: The same for connections that have logged in, and for one packet of the largest size.
         max_inflight: QoS 1 and 2 messages sent to a client and not acknowledged; the client may ask for less.
         receive_maximum: QoS 1 and 2 messages taken from a client and not answered; one more from an MQTT 5
             client ends its connection (0x93).
@@ -49,7 +54,10 @@ class BrokerLimits:
     max_subscriptions: int = 5000
     max_topic_levels: int = 128
     max_packet_size: int = 16 * _MIB
-    max_connect_size: int = _MIB // 2
+    max_connect_size: int = _MIB // 4
+    max_waiting_logins: int = 256
+    max_unread_login_bytes: int = 4 * _MIB
+    max_unread_bytes: int = 16 * _MIB
     max_inflight: int = 64
     receive_maximum: int = 1024
     topic_alias_maximum: int = 64

@@ -73,11 +73,19 @@ class Peer:
         self._holding = Holding(hub, link, self._go_on)
         self._heard_at = hub.clock.monotonic()
         self._silence = hub.deadlines.at(self._heard_at + hub.limits.connect_timeout, self._no_connect)
+        self._unread = hub.unread_logins
+        self._is_unread_noted = False
+        hub.waiting_logins.add(self)
 
     @property
     def client_id(self) -> str | None:
         """Who it is, once logged in."""
         return None if self._client is None else self._client.session.client_id
+
+    @property
+    def address(self) -> str:
+        """The far side's address."""
+        return self._link.address
 
     @property
     def words(self) -> str:
@@ -98,6 +106,11 @@ class Peer:
                     return
         except PacketError as error:
             self._fail(error)
+            return
+        held = self._reader.held
+        if held or self._is_unread_noted:
+            self._is_unread_noted = bool(held)
+            self._unread.note(self._give_up_unread, held)
 
     def writable(self) -> None:
         """The link is no longer choked."""
@@ -116,6 +129,11 @@ class Peer:
             publish_will: Whether the client's will is published.
         """
         self._close(reason, "", publish_will=publish_will)
+
+    def make_room(self) -> None:
+        """End the connection, which has not logged in, because another one needs its place."""
+        self._hub.counters.logins_pushed_out += 1
+        self._push_out()
 
     def _handle(self, packet: Packet) -> None:
         client = self._client
@@ -188,6 +206,9 @@ class Peer:
         )
         self._client = _Client(wanted, session, outbound, Inbound(hub, session, outbound), packet.will)
         hub.peers[wanted.client_id] = self
+        hub.waiting_logins.discard(self)
+        self._note_nothing_unread()
+        self._unread = hub.unread
         outbound.send(login.welcome(wanted, hub, session_present=present))
         self._expect_signs_of_life()
         session.resume(outbound, wanted.receive_maximum)
@@ -261,6 +282,27 @@ class Peer:
     def _no_connect(self) -> None:
         self._fail(PacketError("no CONNECT came", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
 
+    def _give_up_unread(self) -> None:
+        self._hub.counters.unread_given_up += 1
+        if self._client is None:
+            self._push_out()
+        else:
+            self._fail(PacketError("its packet was incomplete for too long", code=ReasonCode.QUOTA_EXCEEDED))
+
+    def _push_out(self) -> None:
+        """Close without a word, because one who knows no password is not owed one, and many may have to go at once."""
+        self._hub.warn(
+            "broker.login_pushed_out",
+            f"the broker closed the connection of {self.address}, which had not logged in: too many wait for that",
+            address=self.address,
+        )
+        self._finish(publish_will=False)
+        self._link.close(linger=False)
+
+    def _note_nothing_unread(self) -> None:
+        self._is_unread_noted = False
+        self._unread.note(self._give_up_unread, 0)
+
     def _fail(self, error: PacketError) -> None:
         hub = self._hub
         hub.counters.connections_failed += 1
@@ -320,8 +362,12 @@ class Peer:
             return
         client = self._client
         self._closed = True
+        self._hub.counters.connections_closed += 1
         self._silence.cancel()
         self._holding.stop()
+        self._hub.waiting_logins.discard(self)
+        self._note_nothing_unread()
+        self._reader = _NOTHING_MORE
         if client is not None:
             self._take_held(client)
             del self._hub.peers[client.session.client_id]
@@ -350,6 +396,7 @@ class Peer:
     }
 
 
+_NOTHING_MORE = PacketReader()
 _NEVER_HELD = (Pubrec, Pubrel, Pubcomp, Pingreq)
 
 

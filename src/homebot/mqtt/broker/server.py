@@ -19,6 +19,7 @@ from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker.authentication import Authentication, is_loopback
 from homebot.mqtt.broker.connection import Connection
 from homebot.mqtt.broker.endpoint import Endpoint
+from homebot.mqtt.broker.housekeeping import Housekeeping
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.hub_timer import HubTimer
 from homebot.mqtt.broker.limits import BrokerLimits, checked_keep_alive
@@ -26,13 +27,14 @@ from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.policy import Policy, policy_of
+from homebot.mqtt.broker.sockets import Sockets
 from homebot.mqtt.broker.stats import BrokerStats
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["Broker", "PortTakenError"]
 
 _BACKLOG = 512
-_SOCKETS_PER_CLIENT = 2  # those not logged in must not keep the others out, nor be without bound
+_ACCEPTED_IN_A_TURN = 16  # asyncio takes as many in one turn of the loop as it is told to let wait
 _log = structlog.get_logger()
 
 
@@ -108,9 +110,9 @@ class Broker:
         self._on_message = on_message
         self._hub: Hub | None = None
         self._server: asyncio.Server | None = None
-        self._connections: set[Connection] = set()
-        self._empty: anyio.Event | None = None
+        self._sockets = Sockets()
         self._timer: HubTimer | None = None
+        self._housekeeping: Housekeeping | None = None
 
     def __repr__(self) -> str:
         return f"Broker({self.url!r})"
@@ -187,14 +189,17 @@ class Broker:
             raise LinkError(f"cannot listen on {self._host} port {self._port}: {error.strerror}") from error
         self._port = sock.getsockname()[1]
         self._server = await loop.create_server(
-            lambda: Connection(hub, loop, self._admit, self._lost, self._endpoint),
+            lambda: Connection(hub, loop, self._sockets, self._endpoint),
             sock=sock,
             ssl=self._tls,
-            backlog=_BACKLOG,
+            backlog=_ACCEPTED_IN_A_TURN,
             ssl_handshake_timeout=None if self._tls is None else self._limits.connect_timeout,
         )
+        sock.listen(_BACKLOG)
         self._timer = HubTimer(hub)
         self._timer.start()
+        self._housekeeping = Housekeeping(hub)
+        self._housekeeping.start()
         _log.debug("broker.listening", url=self.url)
 
     async def stop(self, *, abrupt: bool = False) -> None:
@@ -210,18 +215,21 @@ class Broker:
         if server is None or self._hub is None:
             return
         server.close()
-        for connection in list(self._connections):
+        for connection in self._sockets:
             if abrupt:
                 connection.abort()
-            connection.peer.end(ReasonCode.SERVER_SHUTTING_DOWN, publish_will=False)
+            connection.end(ReasonCode.SERVER_SHUTTING_DOWN)
         with anyio.move_on_after(self._limits.stop_timeout):
-            await self._gone()
-        for connection in list(self._connections):
+            await self._sockets.wait_until_gone()
+        for connection in self._sockets:
             connection.abort()
-        await self._gone()
+        await self._sockets.wait_until_gone()
         if self._timer is not None:
             self._timer.stop()
             self._timer = None
+        if self._housekeeping is not None:
+            self._housekeeping.stop()
+            self._housekeeping = None
         _log.debug("broker.stopped", url=self.url)
 
     async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
@@ -261,30 +269,3 @@ class Broker:
             return infos[0][0], infos[0][4]
         family = socket.AF_INET if literal.version == 4 else socket.AF_INET6
         return family, (self._host, self._port)
-
-    def _admit(self, connection: Connection) -> bool:
-        hub = self._hub
-        if hub is None or self._server is None:
-            return False
-        if len(self._connections) >= _SOCKETS_PER_CLIENT * self._limits.max_connections:
-            hub.warn(
-                "broker.too_many_sockets",
-                f"the broker turned {connection.address} away: {len(self._connections)} connections are open already",
-                address=connection.address,
-                sockets=len(self._connections),
-            )
-            hub.counters.connections_refused += 1
-            return False
-        hub.counters.connections_accepted += 1
-        self._connections.add(connection)
-        return True
-
-    def _lost(self, connection: Connection) -> None:
-        self._connections.discard(connection)
-        if self._empty is not None and not self._connections:
-            self._empty.set()
-
-    async def _gone(self) -> None:
-        while self._connections:
-            self._empty = anyio.Event()
-            await self._empty.wait()

@@ -15,6 +15,7 @@ class Counters:
         connections_accepted: Sockets accepted.
         connections_refused: Sockets or logins turned away.
         connections_failed: Connections closed because of what the client did or left undone.
+        connections_closed: Connections that ended, whoever ended them.
         messages_received: PUBLISH packets taken from clients.
         messages_sent: PUBLISH packets written to clients.
         dropped_qos0: QoS 0 messages not sent to a client whose socket was full.
@@ -25,6 +26,8 @@ class Counters:
         dropped_refused: Publishes a policy refused.
         retained_refused: Messages not retained for want of room.
         sessions_evicted: Sessions pushed out for want of room.
+        logins_pushed_out: Connections closed before their login, because others needed the place.
+        unread_given_up: Connections closed because their packet stayed incomplete while there was no room for others.
         holds: Times a publisher was held back for a slow client.
         clients_stalled: Connections closed because the client took next to nothing while publishers that cannot be
             told no waited for it.
@@ -33,6 +36,7 @@ class Counters:
     connections_accepted: int = 0
     connections_refused: int = 0
     connections_failed: int = 0
+    connections_closed: int = 0
     messages_received: int = 0
     messages_sent: int = 0
     dropped_qos0: int = 0
@@ -43,6 +47,8 @@ class Counters:
     dropped_refused: int = 0
     retained_refused: int = 0
     sessions_evicted: int = 0
+    logins_pushed_out: int = 0
+    unread_given_up: int = 0
     holds: int = 0
     clients_stalled: int = 0
 
@@ -69,6 +75,7 @@ class BrokerStats:
     connections_accepted: int
     connections_refused: int
     connections_failed: int
+    connections_closed: int
     messages_received: int
     messages_sent: int
     dropped_qos0: int
@@ -79,6 +86,8 @@ class BrokerStats:
     dropped_refused: int
     retained_refused: int
     sessions_evicted: int
+    logins_pushed_out: int
+    unread_given_up: int
     holds: int
     clients_stalled: int
 

@@ -30,16 +30,21 @@ class PacketReader:
         max_packet_size: A larger packet is refused (0x95) as soon as its length is known, in bytes.
     """
 
-    __slots__ = ("_data", "_error", "_missing", "_pieces", "_position", "max_packet_size", "version")
+    __slots__ = ("_data", "_error", "_missing", "_position", "_tail", "max_packet_size", "version")
 
     def __init__(self, version: ProtocolVersion = ProtocolVersion.V5, max_packet_size: int = MAX_PACKET_SIZE) -> None:
         self.version = version
         self.max_packet_size = max_packet_size
         self._data = b""
         self._position = 0
-        self._pieces: list[bytes] = []  # behind _data, joined only when the packet is complete
+        self._tail = bytearray()  # behind _data; what a packet announces is not reserved before it comes
         self._missing = 0
         self._error: PacketError | None = None
+
+    @property
+    def held(self) -> int:
+        """Bytes that were fed and not taken yet."""
+        return len(self._data) - self._position + len(self._tail)
 
     def feed(self, data: bytes) -> Iterator[Packet]:
         """Add *data* and iterate over the packets that are complete now.
@@ -52,12 +57,12 @@ class PacketReader:
         """
         if self._missing > len(data):
             self._missing -= len(data)
-            self._pieces.append(data)
+            self._tail += data
             return iter(())
         self._missing = 0
-        if self._pieces:
-            self._data = b"".join((self._data[self._position :], *self._pieces, data))
-            self._pieces.clear()
+        if self._tail:
+            self._data = b"".join((self._data[self._position :], self._tail, data))
+            self._tail = bytearray()
         elif self._position == len(self._data):
             self._data = data
         else:
@@ -75,6 +80,7 @@ class PacketReader:
         position = self._position
         left = len(data) - position
         if left < 2 or self._missing:
+            self._forget_taken()
             return None
         size = data[position + 1]
         body = position + 2
@@ -83,6 +89,7 @@ class PacketReader:
                 raise self._error
             long_form = self._long_size(size & 0x7F, body)
             if long_form is None:
+                self._forget_taken()
                 return None
             size, body = long_form
         end = body + size
@@ -90,6 +97,7 @@ class PacketReader:
             raise self._fail(f"a packet of {end - position} bytes is too large", ReasonCode.PACKET_TOO_LARGE)
         if end > len(data):
             self._missing = end - len(data)
+            self._forget_taken()
             return None
         first = data[position]
         try:
@@ -104,6 +112,12 @@ class PacketReader:
             raise
         self._position = end
         return packet
+
+    def _forget_taken(self) -> None:
+        """Keep no packet in memory for the sake of the few bytes behind it."""
+        if self._position:
+            self._data = self._data[self._position :]
+            self._position = 0
 
     def _long_size(self, size: int, position: int) -> tuple[int, int] | None:
         data = self._data

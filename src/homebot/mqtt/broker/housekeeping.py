@@ -1,0 +1,39 @@
+"""What a broker on sockets does every few seconds."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Final, final
+
+from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.memory import MemoryKeeper
+
+__all__ = ["Housekeeping"]
+
+_EVERY: Final = 10.0
+_MESSAGES: Final = 1000  # so many may have held memory worth to be given back
+
+
+@final
+class Housekeeping:
+    """A timer of the running loop, from :meth:`start` to :meth:`stop`."""
+
+    def __init__(self, hub: Hub) -> None:
+        self._hub = hub
+        self._memory = MemoryKeeper()
+        self._timer: asyncio.TimerHandle | None = None
+
+    def start(self) -> None:
+        """Begin."""
+        self._timer = asyncio.get_running_loop().call_later(_EVERY, self._run)
+
+    def stop(self) -> None:
+        """End."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _run(self) -> None:
+        counters = self._hub.counters
+        self._memory.look(counters.connections_closed + counters.messages_received // _MESSAGES)
+        self.start()

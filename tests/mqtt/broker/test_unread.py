@@ -1,0 +1,161 @@
+"""Packets that never come to their end, and connections that never log in."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import pytest
+from tests.mqtt.broker.conftest import Join, NewHub, Stranger
+
+from homebot.mqtt.broker import Hub
+from homebot.mqtt.broker.words import host_of
+from homebot.mqtt.packets import (
+    Connack,
+    Connect,
+    Disconnect,
+    PacketReader,
+    Pingreq,
+    Pingresp,
+    ProtocolVersion,
+    Publish,
+    ReasonCode,
+    encode,
+)
+
+KIB = 1024
+
+
+def begun(size: int, came: int) -> bytes:
+    """The first *came* bytes of a PUBLISH of *size* bytes of payload."""
+    return encode(Publish("t", bytes(size)))[:came]
+
+
+def test_what_a_packet_announces_is_not_reserved_before_it_comes() -> None:
+    reader = PacketReader()
+    tracemalloc.start()
+    try:
+        reader.feed(b"\x30\xff\xff\xff\x7f" + bytes(1000))
+        for packet in reader.feed(b""):
+            raise AssertionError(packet)
+        assert tracemalloc.get_traced_memory()[0] < 10 * KIB
+    finally:
+        tracemalloc.stop()
+    assert reader.held == 1005
+
+
+def test_a_packet_in_single_bytes_takes_no_more_memory_than_its_bytes() -> None:
+    reader = PacketReader()
+    data = begun(100 * KIB, 50 * KIB)
+    pieces = [data[place : place + 1] for place in range(len(data))]
+    tracemalloc.start()
+    try:
+        for piece in pieces:
+            assert list(reader.feed(piece)) == []
+        assert tracemalloc.get_traced_memory()[0] < 80 * KIB
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_reader_does_not_keep_what_was_taken() -> None:
+    reader = PacketReader()
+    whole = encode(Publish("t", bytes(10 * KIB)))
+    assert len(list(reader.feed(whole + whole[:7]))) == 1
+    assert reader.held == 7
+    assert len(reader._data) == 7
+    assert len(list(reader.feed(whole[7:]))) == 1
+    assert reader.held == 0
+
+
+def test_the_packet_that_is_incomplete_longest_gives_way_to_others(new_hub: NewHub, join: Join) -> None:
+    """Honest packets are complete sooner than those that are only begun."""
+    hub = new_hub(max_packet_size=100 * KIB, max_unread_bytes=250 * KIB)
+    slow, second, third = (join(name, at=hub) for name in "abc")
+    for client in (slow, second, third):
+        client.send_bytes(begun(90 * KIB, 80 * KIB))
+    assert not slow.link.closed
+    honest = join("honest", at=hub)
+    honest.subscribe("t", qos=0)
+    honest.send_bytes(begun(90 * KIB, 80 * KIB))
+    (goodbye,) = slow.take_only(Disconnect)
+    assert goodbye.reason is ReasonCode.QUOTA_EXCEEDED
+    honest.send_bytes(encode(Publish("t", bytes(90 * KIB)))[80 * KIB :])
+    assert [len(message.payload) for message in honest.messages()] == [90 * KIB]
+    assert [client.link.closed for client in (slow, second, third)] == [True, False, False]
+    assert hub.stats.unread_given_up == 1
+
+
+def test_packets_that_come_to_their_end_or_whose_client_goes_count_no_longer(new_hub: NewHub, join: Join) -> None:
+    hub = new_hub(max_packet_size=100 * KIB, max_unread_bytes=100 * KIB)
+    clients = [join(str(number), at=hub) for number in range(20)]
+    for number, client in enumerate(clients):
+        client.send_bytes(begun(90 * KIB, 80 * KIB))
+        if number % 2:
+            client.lose()
+        else:
+            client.send_bytes(encode(Publish("t", bytes(90 * KIB)))[80 * KIB :])
+    assert hub.unread.size == 0
+    assert hub.stats.unread_given_up == 0
+
+
+def test_before_the_login_all_incomplete_packets_together_have_a_bound(new_hub: NewHub, stranger: Stranger) -> None:
+    hub = new_hub(max_connect_size=64 * KIB, max_unread_login_bytes=256 * KIB)
+    flood = [stranger(at=hub) for _ in range(200)]
+    for each in flood:
+        each.send_bytes(encode(Connect("x" * 60_000))[: 50 * KIB])
+    assert hub.unread_logins.size <= 256 * KIB
+    assert [each.link.closed for each in flood].count(False) == 5
+    honest = stranger(at=hub)
+    honest.send(Connect("honest"))
+    assert honest.take_only(Connack)[0].reason is ReasonCode.SUCCESS
+
+
+def test_a_connect_is_small(stranger: Stranger) -> None:
+    client = stranger()
+    client.send_bytes(b"\x10\x80\x80\x40")
+    assert client.link.closed
+
+
+def test_connections_that_do_not_log_in_make_room_for_later_ones(new_hub: NewHub, stranger: Stranger) -> None:
+    hub = new_hub(max_waiting_logins=50)
+    silent = [stranger(at=hub) for _ in range(500)]
+    assert [each.link.closed for each in silent] == [True] * 450 + [False] * 50
+    assert len(hub.waiting_logins) == 50
+    assert hub.stats.logins_pushed_out == 450
+
+
+def test_a_flood_from_one_host_keeps_nobody_else_out(new_hub: NewHub, stranger: Stranger) -> None:
+    hub = new_hub(max_waiting_logins=50)
+    honest = stranger(ProtocolVersion.V311, at=hub)
+    honest.link.address = "192.168.1.7:50000"
+    silent = []
+    for number in range(500):
+        silent.append(stranger(at=hub))
+        silent[-1].link.address = f"192.168.1.66:{number}"
+    assert not honest.link.closed
+    honest.send(Connect("honest", ProtocolVersion.V311), Pingreq())
+    assert honest.take_only(Pingresp) == [Pingresp()]
+    assert len(hub.waiting_logins) == 49
+
+
+def test_those_who_logged_in_or_went_take_no_place_of_the_waiting(hub: Hub, join: Join, stranger: Stranger) -> None:
+    join("a")
+    stranger().lose()
+    wrong = stranger()
+    wrong.send_bytes(b"GET / HTTP/1.1\r\n")
+    assert len(hub.waiting_logins) == 0
+
+
+@pytest.mark.parametrize(
+    ("address", "host"),
+    [
+        ("192.168.1.7:50000", "192.168.1.7"),
+        ("::1:50000", "0:0:0:0"),
+        ("fe80::1:2:50000", "fe80:0:0:0"),
+        ("2001:db8:1:2:3:4:5:6:50000", "2001:db8:1:2"),
+        ("::ffff:10.0.0.5:50000", "10.0.0.5"),
+        ("memory:3", "memory"),
+        ("?", ""),
+    ],
+)
+def test_a_host_is_what_one_owner_has(address: str, host: str) -> None:
+    assert host_of(address) == host
