@@ -151,6 +151,7 @@ _MEASUREMENTS = (
     CapabilityType("flow", "number", "flow", 0x0404, "m³/h"),
     CapabilityType("power", "number", "electrical power drawn", 0x0090, "W"),
     CapabilityType("energy", "number", "electrical energy drawn", 0x0091, "kWh"),
+    CapabilityType("energy_returned", "number", "electrical energy fed back", 0x0091, "kWh"),
     CapabilityType("voltage", "number", "voltage", 0x0090, "V"),
     CapabilityType("current", "number", "current", 0x0090, "A"),
     CapabilityType("frequency", "number", "frequency", 0x0090, "Hz"),

@@ -89,6 +89,7 @@ SENSOR_TYPES: Mapping[str, str] = MappingProxyType(
         "volatile_organic_compounds": "air_quality_sensor",
         "power": "electrical_meter",
         "energy": "electrical_meter",
+        "energy_returned": "electrical_meter",
         "voltage": "electrical_meter",
         "current": "electrical_meter",
         "frequency": "electrical_meter",

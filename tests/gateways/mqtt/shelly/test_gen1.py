@@ -289,3 +289,10 @@ def test_what_is_heard_of_parts_comes_by_the_filters(shelly: Shelly) -> None:
         topic = f"shellies/shellyplug-s-122881/{suffix}"
         assert any(topic_matches(one, topic) for one in shelly.filters()), suffix
     assert not any(topic_matches(one, "shellies/x/relay/0/command") for one in shelly.filters())
+
+
+def test_a_meter_counts_what_is_drawn_and_what_is_fed_back(say: Say, part: Find) -> None:
+    meter = part(say("shellies/announce", {"id": "shellyem3-A8032A1339F2", "model": "SHEM-3"}), "emeter:0").codec
+    topic = "shellies/shellyem3-A8032A1339F2/emeter/0"
+    assert meter.read(f"{topic}/total", b"1500.0", retained=False) == {"energy": 1.5}
+    assert meter.read(f"{topic}/total_returned", b"250.0", retained=False) == {"energy_returned": 0.25}

@@ -191,10 +191,8 @@ def test_a_shutter_may_be_the_wrong_way_round() -> None:
 @pytest.mark.parametrize("outputs", [[2, 0, 0], [1, 1, 1, 1]])
 def test_a_ceiling_fan_is_a_lamp_and_a_fan(outputs: list[int]) -> None:
     parts = built(rl=outputs, fan=1)
-    assert [(part_id, one.part.service_type) for part_id, one in parts.items()] == [
-        ("power_1", "light"),
-        ("fan", "fan"),
-    ]
+    of_use = [(part_id, one.part.service_type) for part_id, one in parts.items() if not one.part.category]
+    assert of_use == [("power_1", "light"), ("fan", "fan")]
     fan = parts["fan"]
     assert told(fan, "on_off", value=True) == ("c/FanSpeed", "2")
     assert said(fan, "s/RESULT", {"FanSpeed": 3}) == {"on_off": True, "fan_speed": 100.0}
@@ -304,3 +302,14 @@ def test_the_strength_of_the_signal_is_told_beside_the_state() -> None:
     assert (wifi.part.category, config.name) == ("diagnostic", MAC)
     assert said(wifi, "t/STATE", {"Wifi": {"Signal": -65}}) == {"signal_strength": -65.0}
     assert said(wifi, "t/STATE", {"Wifi": 1}) == {}
+
+
+def test_the_relays_of_a_fans_speeds_are_told_and_switched_by_nobody() -> None:
+    """Home Assistant shows them as switches: *all on* there would set the fan between two speeds."""
+    parts = built(rl=[1, 1, 1, 1], fan=1)
+    relay = parts["power_3"]
+    assert (relay.part.service_type, relay.part.category) == ("x_binary_sensor", "diagnostic")
+    assert said(relay, "t/STATE", {"POWER1": "OFF", "POWER3": "ON"}) == {"state": True}
+    assert not any(one.settable for one in relay.part.capabilities)
+    with pytest.raises(RefusedError):
+        relay.codec.write("on_off", True)

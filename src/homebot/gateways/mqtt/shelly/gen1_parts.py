@@ -137,8 +137,8 @@ def _meter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model
 
 
 def _emeter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
-    names = {"power": "power", "voltage": "voltage", "current": "current", "total": "total"}
-    told = {name: f"{channel.topic}/{rest}" for rest, name in names.items() if f"{channel.topic}/{rest}" in suffixes}
+    names = ("power", "voltage", "current", "total", "total_returned")
+    told = {name: f"{channel.topic}/{name}" for name in names if f"{channel.topic}/{name}" in suffixes}
     return build_meter(place, f"emeter:{channel.index}", told)
 
 

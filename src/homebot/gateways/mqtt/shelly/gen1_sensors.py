@@ -99,6 +99,7 @@ _METERED: Mapping[str, tuple[str, float]] = MappingProxyType(
         "power": ("power", 1.0),
         "energy": ("energy", 1 / 60_000),
         "total": ("energy", 1 / 1000),
+        "total_returned": ("energy_returned", 1 / 1000),
         "voltage": ("voltage", 1.0),
         "current": ("current", 1.0),
     }
@@ -124,7 +125,8 @@ def build_meter(place: Gen1Place, part_id: str, told: Mapping[str, str]) -> Byte
     Args:
         place: Of its device.
         part_id: Of the part.
-        told: Topics below the device's, by what is told there: power, energy, total, voltage, current.
+        told: Topics below the device's, by what is told there: power, energy, total, total_returned, voltage,
+            current.
     """
     part = PartTable(raw_bytes, part_id, "electrical_meter", advertised="meter")
     for name, suffix in told.items():

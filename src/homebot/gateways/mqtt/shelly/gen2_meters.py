@@ -5,6 +5,8 @@ Source: Shelly Gen2+ API, components PM1, EM, EM1, EMData, EM1Data, and the meas
 
 from __future__ import annotations
 
+from functools import partial
+
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, measured
@@ -21,6 +23,7 @@ _ELECTRICAL = (
     ("current", "current"),
     ("freq", "frequency"),
 )
+_COUNTED = (("aenergy", "energy"), ("ret_aenergy", "energy_returned"))
 _PHASES = ("a", "b", "c")
 _TOTALS = (("total_act_power", "power"), ("total_current", "current"))
 
@@ -37,12 +40,12 @@ def build_meters(component: Component) -> tuple[JsonPart, ...]:
         if field in component.status:
             component.tells(part, measured(field, capability))
             part.offers(capability)
-    if isinstance(component.status.get("aenergy"), dict):
-        component.tells(part, _told_energy)
-        part.offers("energy")
+    for field, capability in _COUNTED:
+        if isinstance(component.status.get(field), dict):
+            component.tells(part, partial(_told_energy, field, capability))
+            part.offers(capability)
     if component.kind == "em1":
-        component.tells(part, measured("total_act_energy", "energy", _ENERGY), f"em1data:{component.index}")
-        part.offers("energy")
+        _count(component, part, f"em1data:{component.index}", "total_act_energy", "total_act_ret_energy")
     return (part,)
 
 
@@ -68,8 +71,7 @@ def _build_phases(component: Component) -> tuple[JsonPart, ...]:
         component.tells(total, measured(field, capability))
         total.offers(capability)
     data = f"emdata:{component.index}"
-    component.tells(total, measured("total_act", "energy", _ENERGY), data)
-    total.offers("energy")
+    _count(component, total, data, "total_act", "total_act_ret")
     parts = [total]
     for phase in _PHASES:
         if f"{phase}_act_power" not in component.status:
@@ -78,13 +80,19 @@ def _build_phases(component: Component) -> tuple[JsonPart, ...]:
         for field, capability in (("act_power", "power"), ("voltage", "voltage"), ("current", "current")):
             component.tells(part, measured(f"{phase}_{field}", capability))
             part.offers(capability)
-        component.tells(part, measured(f"{phase}_total_act_energy", "energy", _ENERGY), data)
-        part.offers("energy")
+        _count(component, part, data, f"{phase}_total_act_energy", f"{phase}_total_act_ret_energy")
         parts.append(part)
     return tuple(parts)
 
 
-def _told_energy(status: Fields) -> Readings:
-    energy = status.get("aenergy")
+def _count(component: Component, part: JsonPart, key: str, drawn: str, returned: str) -> None:
+    """Have *part* tell the energy that the component *key* counts both ways."""
+    for field, capability in ((drawn, "energy"), (returned, "energy_returned")):
+        component.tells(part, measured(field, capability, _ENERGY), key)
+        part.offers(capability)
+
+
+def _told_energy(field: str, capability: str, status: Fields) -> Readings:
+    energy = status.get(field)
     total = number_in(energy.get("total")) if isinstance(energy, dict) else None
-    return NOTHING if total is None else {"energy": total * _ENERGY}
+    return NOTHING if total is None else {capability: total * _ENERGY}

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.part_table import JsonPart
+from homebot.gateways.mqtt.shelly.gen2_bluetooth import build_bluetooth_device, build_bluetooth_sensor
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, Gen2Place
 from homebot.gateways.mqtt.shelly.gen2_controls import (
     build_cover,
@@ -18,7 +19,6 @@ from homebot.gateways.mqtt.shelly.gen2_lights import LIGHTS, build_light
 from homebot.gateways.mqtt.shelly.gen2_meters import build_meters, build_own_temperature
 from homebot.gateways.mqtt.shelly.gen2_sensors import (
     SENSORS,
-    build_bluetooth_sensor,
     build_input,
     build_power,
     build_sensor,
@@ -61,6 +61,7 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     **dict.fromkeys(SENSORS, (build_sensor,)),
     "blutrv": (build_radiator_valve,),
     "bthomesensor": (build_bluetooth_sensor,),
+    "bthomedevice": (build_bluetooth_device,),
     "input": (build_input,),
     "devicepower": (build_power,),
     **dict.fromkeys(VIRTUAL, (build_virtual,)),

@@ -1,7 +1,7 @@
 """What Shelly's second generation measures and watches. Pure.
 
 Source: Shelly Gen2+ API, components Temperature, Humidity, Illuminance, DevicePower, Smoke, Flood, Presence, Voltmeter,
-Input and BTHomeSensor; BTHome v2 object ids.
+Input.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
 from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, Told, flag, measured
 
 __all__ = [
+    "PRESSES",
     "SENSORS",
-    "build_bluetooth_sensor",
     "build_input",
     "build_power",
     "build_sensor",
@@ -53,30 +53,12 @@ SENSORS: Mapping[str, _Sensor] = MappingProxyType(
 )
 """The components that are one sensor each."""
 
-_PRESSES = {
+PRESSES: Mapping[str, str] = {
     "single_push": "single",
     "double_push": "double",
     "triple_push": "triple",
     "long_push": "long",
 }
-_BLUETOOTH: Mapping[int, tuple[str, str, Category]] = MappingProxyType(
-    {
-        1: ("x_battery", "battery", "diagnostic"),
-        2: ("temperature_sensor", "temperature", ""),
-        3: ("humidity_sensor", "humidity", ""),
-        4: ("pressure_sensor", "pressure", ""),
-        5: ("light_sensor", "illuminance", ""),
-        33: ("occupancy_sensor", "occupancy", ""),
-        35: ("occupancy_sensor", "occupancy", ""),
-        45: ("contact_sensor", "contact", ""),
-        26: ("contact_sensor", "contact", ""),
-        32: ("water_leak_detector", "water_leak", ""),
-        41: ("smoke_co_alarm", "smoke", ""),
-        44: ("x_binary_sensor", "vibration", ""),
-        46: ("humidity_sensor", "humidity", ""),
-        69: ("temperature_sensor", "temperature", ""),
-    }
-)
 
 
 def build_sensor(component: Component) -> tuple[JsonPart, ...]:
@@ -93,6 +75,9 @@ def build_power(component: Component) -> tuple[JsonPart, ...]:
     part = component.part("", "x_battery", category="diagnostic")
     component.tells(part, _told_by_power)
     part.offers("battery")
+    battery = component.status.get("battery")
+    if isinstance(battery, dict) and "V" in battery:
+        part.offers("voltage")
     if isinstance(component.status.get("external"), dict):
         part.offers("plugged_in")
     return (part,)
@@ -119,32 +104,8 @@ def build_input(component: Component) -> tuple[JsonPart, ...]:
         component.tells(part, flag("state", "state"))
         part.offers("state")
     if is_button:
-        component.hears_presses(part, _PRESSES)
+        component.hears_presses(part, PRESSES)
     return (part,)
-
-
-def build_bluetooth_sensor(component: Component) -> tuple[JsonPart, ...]:
-    """Describe one value that a gateway hears by Bluetooth; nothing where it is not known what it means."""
-    object_id = component.config.get("obj_id")
-    known = _BLUETOOTH.get(object_id) if isinstance(object_id, int) else None
-    if known is None:
-        return ()
-    service_type, capability, category = known
-    part = component.part("", service_type, category=category)
-
-    def told(status: Fields) -> Readings:
-        value = status.get("value")
-        if isinstance(value, bool):
-            return {capability: value} if capability not in _NUMBERS else NOTHING
-        number = number_in(value)
-        return {capability: number} if number is not None and capability in _NUMBERS else NOTHING
-
-    component.tells(part, told)
-    part.offers(capability)
-    return (part,)
-
-
-_NUMBERS = frozenset({"battery", "temperature", "humidity", "pressure", "illuminance"})
 
 
 def _told_by_counter(status: Fields) -> Readings:
@@ -159,6 +120,8 @@ def _told_by_power(status: Fields) -> Readings:
     if isinstance(battery, dict) and "percent" in battery:
         percent = number_in(battery["percent"])
         found["battery"] = percent if percent is not None and 0 <= percent <= 100 else None
+    if isinstance(battery, dict) and "V" in battery:
+        found["voltage"] = number_in(battery["V"])
     if isinstance(external, dict) and isinstance(present := external.get("present"), bool):
         found["plugged_in"] = present
     return found

@@ -1,10 +1,11 @@
 """Values that users or makers of a device define themselves, in Shelly's second generation. Pure.
 
-Source: Shelly Gen2+ API, Virtual Components: Boolean, Number, Text, Enum and Button.
+Source: Shelly Gen2+ API, Virtual Components: Boolean, Number, Text, Enum and Button; XT1, Irrigation Controller.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from homebot.devices.value import PlainValue
@@ -27,7 +28,13 @@ _MOST_OPTIONS = 100
 
 
 def build_virtual(component: Component) -> tuple[JsonPart, ...]:
-    """Describe a value as a setting."""
+    """Describe a value as a setting, or as what its role or its access says."""
+    role = _role(component.config)
+    if component.kind == "boolean" and _ZONE.fullmatch(role):
+        return (_build_zone(component),)
+    access = component.config.get("access")
+    if role in _WATCHED or (isinstance(access, str) and "w" not in access):
+        return (_build_watched(component, role),)
     capability = VIRTUAL[component.kind]
     options = _options(component.config)
     bounds = _bounds(component.config)
@@ -60,6 +67,54 @@ def build_virtual(component: Component) -> tuple[JsonPart, ...]:
         options=options if component.kind == "enum" else (),
     )
     return (part,)
+
+
+def _build_zone(component: Component) -> JsonPart:
+    """Describe a zone of an irrigation controller: a valve that is open while the zone is watered."""
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return component.call("Boolean.Set", value=wanted_option("valve", value, _VALVES) == "open")
+
+    def told(status: Fields) -> Readings:
+        value = status.get("value")
+        return {"valve": "open" if value else "closed"} if isinstance(value, bool) else NOTHING
+
+    part = component.part("", "water_valve", tag=_role(component.config))
+    component.tells(part, told)
+    component.listens(part)
+    part.offers("valve", writer=write, options=_VALVES)
+    return part
+
+
+def _build_watched(component: Component, role: str) -> JsonPart:
+    """Describe a value that is only told."""
+    service_type, capability, unit = _WATCHED.get(role, ("x_sensor", _TOLD[component.kind], ""))
+
+    def told(status: Fields) -> Readings:
+        value = _plain(component.kind, status.get("value"))
+        return NOTHING if value is None else {capability: value}
+
+    part = component.part("", "x_binary_sensor" if capability == "state" else service_type)
+    component.tells(part, told)
+    part.offers(capability, unit=unit)
+    return part
+
+
+_VALVES = ("open", "closed")
+_ZONE = re.compile(r"zone[0-9]{1,2}")
+_TOLD: Mapping[str, str] = {"boolean": "state", "number": "measurement", "text": "value", "enum": "value"}
+_WATCHED: Mapping[str, tuple[str, str, str]] = {
+    "average_temperature": ("temperature_sensor", "temperature", ""),
+    "last_precipitation": ("x_sensor", "measurement", "mm"),
+}
+"""What the numbers of a maker's service tell, by their roles."""
+
+
+def _role(config: Fields) -> str:
+    """What a maker's service means by the value; empty for a user's own."""
+    owner, role = config.get("owner"), config.get("role")
+    is_makers = isinstance(owner, str) and owner.startswith("service:")
+    return role if is_makers and isinstance(role, str) else ""
 
 
 def build_virtual_button(component: Component) -> tuple[JsonPart, ...]:

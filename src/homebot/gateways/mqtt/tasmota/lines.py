@@ -73,12 +73,23 @@ class Lines:
         part.listens(self.topic(f"Power{index + 1}"))
         part.asks(*self.asks_state)
 
+    def tell_power(self, part: JsonPart, index: int) -> None:
+        """Have *part* tell whether the output *index* is on."""
+        for topic in self.states:
+            part.reads(topic, partial(self._read_state, index))
+        part.offers("state")
+        part.asks(*self.asks_state)
+
     def read_power(self, index: int, message: JsonMessage) -> Readings:
         """Return whether the output *index* is on. The first is not numbered where there is one only."""
         word = message.get(f"POWER{index + 1}", message.get("POWER") if index == 0 else None)
         if not isinstance(word, str) or word not in self.config.words[:2]:
             return NOTHING
         return {"on_off": word == self.config.words[1]}
+
+    def _read_state(self, index: int, message: JsonMessage) -> Readings:
+        told = self.read_power(index, message)
+        return {"state": told["on_off"]} if told else NOTHING
 
     def _switch(self, index: int, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return self.tell(f"Power{index + 1}", self.word(wanted_flag("on_off", value)))

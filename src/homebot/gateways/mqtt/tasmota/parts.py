@@ -25,7 +25,8 @@ __all__ = ["build_parts"]
 def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[DescribedPart, ...]:
     """Describe the parts of a device, each id once.
 
-    The relays of an iFan are its lamp and the speeds of its fan, so that only the first is a part of its own.
+    The first relay of an iFan is its lamp. The others make the speeds of its fan: they are told, and nobody switches
+    one of them alone, as Home Assistant would let people do.
     """
     lines = Lines(config)
     described = chain(_outputs(lines), describe_inputs(lines), describe_sensors(lines, leaves))
@@ -43,8 +44,7 @@ def _outputs(lines: Lines) -> Iterable[DescribedPart]:
     for index, output in enumerate(config.outputs):
         name = config.output_name(index)
         if config.is_fan and output in (RELAY, LIGHT):
-            if index == 0:
-                yield _relay(lines, index, "light", name)
+            yield _relay(lines, index, "light", name) if index == 0 else _relay_of_fan(lines, index, name)
         elif output == LIGHT:
             part = PartTable(json_object, f"light_{index + 1}", "light", name=name, advertised="light")
             offer_light(part, lines, index)
@@ -64,4 +64,12 @@ def _outputs(lines: Lines) -> Iterable[DescribedPart]:
 def _relay(lines: Lines, index: int, service_type: str, name: str) -> DescribedPart:
     part = PartTable(json_object, f"power_{index + 1}", service_type, name=name, advertised="relay")
     lines.offer_power(part, index)
+    return part.described()
+
+
+def _relay_of_fan(lines: Lines, index: int, name: str) -> DescribedPart:
+    part = PartTable(
+        json_object, f"power_{index + 1}", "x_binary_sensor", name=name, advertised="relay", category="diagnostic"
+    )
+    lines.tell_power(part, index)
     return part.described()
