@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
-from homebot.devices.thing.scale import canonical
+from homebot.devices.thing.scale import bounds_of
 from homebot.devices.thing.thing import Affordance, DataSchema, Form, Thing
 from homebot.devices.thing.units import unit_of
 from homebot.devices.thing.vocabulary import CAPABILITY_TYPES, LONE_TYPES, NAMES, OWNED, THING_TYPES
@@ -208,10 +208,5 @@ def _capability(one: _One) -> Capability:
 
 def _bounds(one: _One) -> tuple[float, ...]:
     """In the vocabulary's unit; none where the vocabulary's own say as much."""
-    ends = [
-        found
-        for end in (one.affordance.schema.minimum, one.affordance.schema.maximum)
-        if end is not None and (found := canonical(one.capability, one.affordance, end)) is not None
-    ]
-    bounds = (min(ends), max(ends)) if len(ends) == 2 else ()  # both
+    bounds = bounds_of(one.capability, one.affordance)
     return () if bounds == CAPABILITIES[one.capability].bounds else bounds

@@ -20,6 +20,7 @@ __all__ = [
     "KelvinRange",
     "from_hue_saturation",
     "kelvin_mired",
+    "mired_bounds",
     "to_hue_saturation",
     "white_kelvin",
 ]
@@ -36,7 +37,18 @@ CHANNELS: Mapping[str, str] = MappingProxyType({"hs": "hs", "xy": "xy", "rgb": "
 
 def kelvin_mired(value: float) -> int:
     """Return mired for kelvin and kelvin for mired; *value* is above 0."""
-    return math.floor(1_000_000 / value)
+    return math.floor(_MIRED / value)
+
+
+def mired_bounds(least: float, most: float) -> tuple[float, float]:
+    """Return the lowest and the highest kelvin that a lamp of *least* to *most* mired takes, both at least 1.
+
+    They are compared in its own unit: what :func:`kelvin_mired` makes of a kelvin must lie within, whose ends are whole
+    numbers as well, or become some by rounding down.
+    """
+    coldest, warmest = math.floor(least), math.floor(most)
+    low, high = _MIRED // (warmest + 1) + 1, kelvin_mired(coldest)
+    return (float(low), float(high)) if low <= high else (float(kelvin_mired(warmest)), float(high))
 
 
 def white_kelvin(value: float | None, *, in_kelvin: bool) -> float | None:
@@ -61,6 +73,7 @@ def to_hue_saturation(mode: str, channels: Channels, white: KelvinRange) -> tupl
     return round(hue * 360, 3), round(saturation * 100, 3)
 
 
+_MIRED = 1_000_000
 _MOST_KELVIN = 1_000_000
 _LEAST_Y = 1e-11
 """To divide by; a smaller one, which no lamp means, would make infinity."""

@@ -5,6 +5,7 @@ Source of the conversions: Home Assistant core 2025.4, ``util/unit_conversion.py
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,7 +14,7 @@ from typing import NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
 
-__all__ = ["SENSOR_TYPES", "Conversion", "Quantity", "conversion_of"]
+__all__ = ["SENSOR_TYPES", "Conversion", "Quantity", "celsius_bounds", "conversion_of"]
 
 
 class Conversion(NamedTuple):
@@ -70,6 +71,16 @@ def conversion_of(capability: str, unit: str) -> Conversion | None:
     if spelled == CAPABILITIES[capability].unit:
         return _SAME
     return _UNITS[capability].get(spelled) if capability in _UNITS else None
+
+
+def celsius_bounds(low: float, high: float) -> tuple[float, float]:
+    """Return the bounds *low* and *high*, in °F, in °C.
+
+    Each is the tenth that is as far out or farther, so that a bound which somebody rounded is within as well. What is
+    told of it must be kept within *low* and *high* then.
+    """
+    lowest, highest = (round((one - 32.0) / 0.18, 6) for one in (low, high))
+    return math.floor(lowest) / 10, math.ceil(highest) / 10
 
 
 SENSOR_TYPES: Mapping[str, str] = MappingProxyType(

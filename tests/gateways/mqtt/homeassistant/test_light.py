@@ -36,7 +36,7 @@ def payload(part: DescribedPart, capability: str, value: PlainValue, transition:
 def test_a_lamp_offers_what_its_modes_allow() -> None:
     capabilities = {one.name: one for one in lamp(JSON).part.capabilities}
     assert list(capabilities) == ["on_off", "level", "color_temperature", "color", "effect"]
-    assert capabilities["color_temperature"].bounds == (2000.0, 6666.0)
+    assert capabilities["color_temperature"].bounds == (1997.0, 6666.0)
     assert capabilities["effect"].options == ("blink", "breathe")
     assert all(one.readable and one.settable for one in capabilities.values())
 

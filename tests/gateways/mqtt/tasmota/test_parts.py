@@ -90,7 +90,7 @@ def test_another_processor_has_another_dimmer_and_does_not_fade() -> None:
 
 def test_whites_are_kelvin() -> None:
     lamp = only(rl=[2], lt_st=2, so={"82": 1})
-    assert lamp.part.capabilities[2].bounds == (2631.0, 5000.0)
+    assert lamp.part.capabilities[2].bounds == (2625.0, 5000.0)
     assert said(lamp, "t/STATE", {"CT": 250}) == {"color_temperature": 4000.0}
     assert told(lamp, "color_temperature", 4_000.0)[1] == "NoDelay;Power1 ON;NoDelay;CT 250"
 

@@ -104,7 +104,7 @@ def test_a_lamp_that_names_hue_first_is_told_hue() -> None:
 def test_white_alone_is_read_without_a_colour_mode() -> None:
     lamp = only({"type": "light", "features": [onoff(), level(), WHITE]})
     assert said(lamp, color_temp=250) == {"color_temperature": 4000.0}
-    assert lamp.part.capabilities[2].bounds == (2000.0, 6535.0)
+    assert lamp.part.capabilities[2].bounds == (1997.0, 6535.0)
 
 
 def test_lamps_of_one_device_have_their_own_properties() -> None:

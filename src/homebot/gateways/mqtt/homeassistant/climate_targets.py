@@ -18,7 +18,7 @@ from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import read_number
-from homebot.gateways.mqtt.homeassistant.temperature import Thermometer, read_thermometer
+from homebot.gateways.mqtt.homeassistant.temperature import Limits, read_thermometer
 from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.wanted import wanted_number
 
@@ -56,11 +56,12 @@ def offer_temperatures(entity: Entity, config: Config, modes: tuple[str, ...], m
     the mode ``heat_cool``, and the single one in any other, also while the mode is unknown.
     """
     thermometer = read_thermometer(config)
+    limits = thermometer.limits(config, 7.0, 35.0)
     measured = source_of(config, "current_temperature")
     has_pair = any(_is_there(config, end) for end in _ENDS.values())
     by_single = _by_single(modes)
     if has_pair and _is_there(config, _SINGLE):
-        _offer_both(entity, config, modes, mode, thermometer, by_single)
+        _offer_both(entity, config, modes, mode, limits, by_single)
     else:
         for name, key in _ENDS.items() if has_pair else ((name, _SINGLE) for name in by_single):
             offer_number(
@@ -68,10 +69,10 @@ def offer_temperatures(entity: Entity, config: Config, modes: tuple[str, ...], m
                 name,
                 source_of(config, f"{key}_state"),
                 _command(config, key),
-                bounds=_bounds(config, thermometer),
+                bounds=limits.bounds,
                 unit="°C",
                 heard=thermometer.celsius,
-                told=thermometer.number,
+                told=limits.number,
             )
     offer_number(entity, "local_temperature", measured, None, unit="°C", heard=thermometer.celsius)
 
@@ -96,21 +97,17 @@ def _command(config: Config, key: str) -> CommandTopic | None:
     return config.command(f"{key}_command_topic", f"{key}_command_template")
 
 
-def _bounds(config: Config, thermometer: Thermometer) -> tuple[float, float]:
-    return thermometer.bounds(config, 7.0, 35.0)
-
-
 def _offer_both(
     entity: Entity,
     config: Config,
     modes: tuple[str, ...],
     mode: TargetMode,
-    thermometer: Thermometer,
+    limits: Limits,
     by_single: tuple[str, ...],
 ) -> None:
     keys = (_SINGLE, *(end for end in _ENDS.values() if _is_there(config, end)))
     commands = {key: command for key in keys if (command := _command(config, key)) is not None}
-    targets = _Targets(mode, thermometer, _bounds(config, thermometer), by_single, commands)
+    targets = _Targets(mode, limits, by_single, commands)
     mode_source = source_of(config, "mode_state")  # is read first: of one message it selects what the others mean
     entity.hears(mode_source, partial(targets.read_mode, frozenset(modes)))
     heard = {key: entity.hears(source_of(config, f"{key}_state"), partial(targets.read, key)) for key in keys}
@@ -126,7 +123,7 @@ def _offer_both(
             readable=any(heard[way] for way in ways),
             writer=partial(targets.write, name) if is_told else None,
             unit="°C",
-            bounds=targets.bounds if is_told else (),
+            bounds=limits.bounds if is_told else (),
         )
     entity.listens_at(*commands.values())
     entity.remembers()
@@ -137,8 +134,7 @@ class _Targets:
     """A single target and a pair, of which the mode says which count: by capability, and what they last said by key."""
 
     mode: TargetMode
-    thermometer: Thermometer
-    bounds: tuple[float, float]
+    limits: Limits
     by_single: tuple[str, ...]
     commands: Mapping[str, CommandTopic]
     names: list[str] = field(default_factory=list)
@@ -156,14 +152,14 @@ class _Targets:
 
     def read(self, key: str, text: str) -> Readings:
         """Take the target *key*."""
-        found = read_number(key, text, heard=self.thermometer.celsius)
+        found = read_number(key, text, heard=self.limits.thermometer.celsius)
         if not found:
             return NOTHING
         self.said[key] = found[key]
         return {name: found[key] for name in self.names if self._key(name) == key}
 
     def write(self, name: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        number = self.thermometer.number(wanted_number(name, value, *self.bounds, "°C"))
+        number = self.limits.number(wanted_number(name, value, *self.limits.bounds, "°C"))
         command = self.commands.get(self._key(name))
         if command is None:
             raise RefusedError(f"{name} in mode {self.mode.mode or 'unknown'}", "it has no such target in that mode")

@@ -105,7 +105,7 @@ class BasicState:
             self.remembered.brightness = brightness
             found["level"] = brightness * 100 / _BYTE
         self.remembered.colors[mode] = channels
-        return {**found, "color": to_hue_saturation(mode, channels, self.lamp.white)}
+        return {**found, "color": to_hue_saturation(mode, channels, self.lamp.white.kelvins)}
 
 
 _MOST = {"hs": (360, 100), "xy": (1, 1)}

@@ -112,7 +112,7 @@ class _State:
             if kelvin is None:
                 return NOTHING
             return {"color_temperature": kelvin} | ({"color": None} if self.lamp.color_mode else {})
-        color = _hue_saturation(mode, message.get("color"), self.lamp.white) if mode in CHANNELS else None
+        color = _hue_saturation(mode, message.get("color"), self.lamp.white.kelvins) if mode in CHANNELS else None
         if color is None:
             return NOTHING
         return {"color": color} | ({"color_temperature": None} if self.lamp.has_white else {})

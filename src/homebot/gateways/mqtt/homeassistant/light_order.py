@@ -18,10 +18,11 @@ from homebot.gateways.mqtt.light_color import (
     KelvinRange,
     from_hue_saturation,
     kelvin_mired,
+    mired_bounds,
 )
 from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number, wanted_option, wanted_transition
 
-__all__ = ["Lamp", "LightOrder", "read_white_range"]
+__all__ = ["Lamp", "LightOrder", "WhiteRange", "read_white_range"]
 
 _MOST_SECONDS = 6_553.0
 """Longest transition that Home Assistant lets pass."""
@@ -54,19 +55,32 @@ Publish: TypeAlias = Callable[[LightOrder], tuple[Publication, ...]]
 
 
 @dataclass(frozen=True, slots=True)
+class WhiteRange:
+    """The whites of a lamp.
+
+    Attributes:
+        kelvins: Warmest and coldest, as Home Assistant counts with them.
+        bounds: The lowest and the highest kelvin that it takes; see :func:`mired_bounds`.
+    """
+
+    kelvins: KelvinRange
+    bounds: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Lamp:
     """What a lamp can do, and how it is told.
 
     Attributes:
         modes: Its colour modes, as Home Assistant names them.
-        white: Warmest and coldest white in kelvin.
+        white: Warmest and coldest white.
         publish: Spells an order.
         effects: What it can play.
         any_effect: Whether it plays what is not listed, too.
     """
 
     modes: frozenset[str]
-    white: KelvinRange
+    white: WhiteRange
     publish: Publish
     effects: tuple[str, ...] = ()
     any_effect: bool = False
@@ -97,9 +111,11 @@ class Lamp:
         if self.has_level:
             entity.offers("level", readable=readable("level"), writer=self._level)
         if self.has_white:
-            bounds = tuple(float(one) for one in self.white)
             entity.offers(
-                "color_temperature", readable=readable("color_temperature"), writer=self._white, bounds=bounds
+                "color_temperature",
+                readable=readable("color_temperature"),
+                writer=self._white,
+                bounds=self.white.bounds,
             )
         if self.color_mode:
             entity.offers("color", readable=readable("color"), writer=self._color)
@@ -119,12 +135,13 @@ class Lamp:
         return self._tell(order, transition)
 
     def _white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        kelvin = wanted_number("color_temperature", value, 1_000, 40_000, "K")
+        low, high = self.white.bounds
+        kelvin = wanted_number("color_temperature", value, min(low, _LEAST_KELVIN), max(high, _MOST_WANTED_KELVIN), "K")
         return self._tell(LightOrder(on=True, kelvin=int(kelvin)), transition)
 
     def _color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         hue, saturation = wanted_color(value)
-        color = from_hue_saturation(self.color_mode, hue, saturation, self.white)
+        color = from_hue_saturation(self.color_mode, hue, saturation, self.white.kelvins)
         return self._tell(LightOrder(on=True, mode=self.color_mode, color=color), transition)
 
     def _effect(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
@@ -133,16 +150,23 @@ class Lamp:
         return self._tell(LightOrder(on=True, effect=str(value)), transition)
 
 
-def read_white_range(config: Config) -> KelvinRange:
-    """Return warmest and coldest white in kelvin, whichever way the config tells them."""
+def read_white_range(config: Config) -> WhiteRange:
+    """Return warmest and coldest white, whichever way the config tells them."""
     most = config.integer("max_mireds", 0, least=0, most=_MOST_MIRED)
     least = config.integer("min_mireds", 0, least=0, most=_MOST_MIRED)
-    return (
-        kelvin_mired(most) if most else config.integer("min_kelvin", 2_000, least=1, most=_MOST_KELVIN),
-        kelvin_mired(least) if least else config.integer("max_kelvin", 6_535, least=1, most=_MOST_KELVIN),
+    low = config.integer("min_kelvin", 2_000, least=1, most=_MOST_KELVIN)
+    high = config.integer("max_kelvin", 6_535, least=1, most=_MOST_KELVIN)
+    return WhiteRange(
+        kelvins=(kelvin_mired(most) if most else low, kelvin_mired(least) if least else high),
+        bounds=(
+            mired_bounds(most, most)[0] if most else float(low),
+            mired_bounds(least, least)[1] if least else float(high),
+        ),
     )
 
 
 _PREFERRED = ("hs", "rgb", "rgbw", "rgbww", "xy")
 _MOST_MIRED = 1_000_000
 _MOST_KELVIN = 1_000_000
+_LEAST_KELVIN = 1_000.0
+_MOST_WANTED_KELVIN = 40_000.0

@@ -126,7 +126,7 @@ class _Reader:
         channels = [value for one in (red, green, blue) if one and (value := whole_of(one)) is not None]
         if len(channels) != len(_RGB) or not all(0 <= one <= _BYTE for one in channels):
             return NOTHING
-        return {"color": to_hue_saturation("rgb", tuple(channels), self.lamp.white)}
+        return {"color": to_hue_saturation("rgb", tuple(channels), self.lamp.white.kelvins)}
 
     def effect(self, _said: Said, text: str) -> Readings:
         return {"effect": text} if text in self.lamp.effects else NOTHING

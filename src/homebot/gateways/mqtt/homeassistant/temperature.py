@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from homebot.errors import WireError
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.payload import shown
+from homebot.gateways.mqtt.quantity import celsius_bounds
 
-__all__ = ["Thermometer", "read_thermometer"]
+__all__ = ["Limits", "Thermometer", "read_thermometer"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,19 +27,40 @@ class Thermometer:
 
     def celsius(self, number: float) -> float:
         """Return the device's *number* in °C."""
-        return (number - 32.0) / 1.8 if self.is_fahrenheit else number
+        return round((number - 32.0) / 1.8, 6) if self.is_fahrenheit else number
 
     def number(self, celsius: float) -> float:
         """Return a temperature in °C as the device's number."""
-        return celsius * 1.8 + 32.0 if self.is_fahrenheit else celsius
+        return round(celsius * 1.8 + 32.0, 6) if self.is_fahrenheit else celsius
 
-    def bounds(self, config: Config, least: float, most: float) -> tuple[float, float]:
-        """Return the config's ``min_temp`` and ``max_temp`` in °C; *least* and *most* stand for missing ones."""
+    def limits(self, config: Config, least: float, most: float) -> Limits:
+        """Return the config's ``min_temp`` and ``max_temp``; *least* and *most*, in °C, stand for missing ones."""
         low, high = config.optional_number("min_temp"), config.optional_number("max_temp")
-        return (
-            least if low is None else self.celsius(low),
-            most if high is None else self.celsius(high),
-        )
+        return Limits(self, self.number(least) if low is None else low, self.number(most) if high is None else high)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The lowest and the highest temperature that a device takes.
+
+    Attributes:
+        thermometer: The unit that it counts in.
+        low: Its lowest number.
+        high: Its highest number.
+    """
+
+    thermometer: Thermometer
+    low: float
+    high: float
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The two in °C; see :func:`celsius_bounds`."""
+        return celsius_bounds(self.low, self.high) if self.thermometer.is_fahrenheit else (self.low, self.high)
+
+    def number(self, celsius: float) -> float:
+        """Return a temperature within :attr:`bounds` as the device's number, which is within its own."""
+        return min(max(self.thermometer.number(celsius), self.low), self.high)
 
 
 def read_thermometer(config: Config) -> Thermometer:

@@ -18,16 +18,17 @@ __all__ = ["build_water_heater"]
 def build_water_heater(config: Config) -> DescribedPart:
     """Describe a water heater. It is told on and off where it has a topic for that, and never says it."""
     thermometer = read_thermometer(config)
+    limits = thermometer.limits(config, *_CELSIUS)
     entity = Entity(config, "water_heater")
     offer_number(
         entity,
         "heating_setpoint",
         source_of(config, "temperature_state"),
         config.command("temperature_command_topic", "temperature_command_template"),
-        bounds=thermometer.bounds(config, *_BOUNDS),
+        bounds=limits.bounds,
         unit="°C",
         heard=thermometer.celsius,
-        told=thermometer.number,
+        told=limits.number,
     )
     measured = source_of(config, "current_temperature")
     offer_number(entity, "local_temperature", measured, None, unit="°C", heard=thermometer.celsius)
@@ -39,7 +40,7 @@ def build_water_heater(config: Config) -> DescribedPart:
     return entity.described()
 
 
-_BOUNDS = (Thermometer(is_fahrenheit=True).celsius(110.0), Thermometer(is_fahrenheit=True).celsius(140.0))
+_CELSIUS = (Thermometer(is_fahrenheit=True).celsius(110.0), Thermometer(is_fahrenheit=True).celsius(140.0))
 """Where the config does not say: 110 to 140 °F."""
 
 _MODES = ("eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off")

@@ -45,6 +45,11 @@ class Range:
         """Whether *number* lies within."""
         return (self.least is None or number >= self.least) and (self.most is None or number <= self.most)
 
+    def kept(self, number: float) -> float:
+        """Return *number*, or the end that it lies beyond."""
+        number = number if self.least is None else max(number, self.least)
+        return number if self.most is None else min(number, self.most)
+
     def nearest(self, number: float) -> float:
         """Return the number that it takes nearest to *number*; steps count from the smallest, or else the largest."""
         if not self.step:

@@ -7,6 +7,7 @@ Source: homie5-device-profiles, Light; hc-smarthome v2, switch, level and color.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -25,6 +26,7 @@ LIGHT_ROLES = ("on_off", "level", "color", "color_temperature")
 """What a lamp may have, each once."""
 
 _KELVIN = (1000.0, 40_000.0)
+_MIRED = 1_000_000.0
 
 
 def add_light(part: BytesPart, props: Mapping[str, HomieProperty]) -> None:
@@ -106,26 +108,32 @@ def _add_white(part: BytesPart, lamp: _Lamp, white: HomieProperty) -> None:
         value = read_plain(white, payload)
         if not isinstance(value, float) or value <= 0:
             return NOTHING
-        return {"color_temperature": value if is_kelvin else float(round(1_000_000 / value))}
+        return {"color_temperature": value if is_kelvin else float(round(_MIRED / value))}
 
     def warm(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        kelvin = wanted_number("color_temperature", value, *_KELVIN, "K")
-        told = round(kelvin if is_kelvin else 1_000_000 / kelvin)
-        return (publication(white, spell_plain(white, "color_temperature", float(told))), *lamp.switched(on=True))
+        least, most = bounds or _KELVIN
+        kelvin = wanted_number("color_temperature", value, least, most, "K")
+        told = white.range.kept(round(kelvin if is_kelvin else _MIRED / kelvin, digits))
+        return (publication(white, spell_plain(white, "color_temperature", told)), *lamp.switched(on=True))
 
+    bounds = _white_bounds(white, is_kelvin=is_kelvin)
+    digits = 0 if white.datatype == "integer" else 3
     part.reads(white.topic, read)
     part.offers(
         "color_temperature",
         readable=white.is_retained,
         writer=warm if white.is_settable else None,
-        bounds=_white_bounds(white, is_kelvin=is_kelvin),
+        bounds=bounds,
     )
     if white.is_settable:
         part.listens(f"{white.topic}/set")
 
 
-def _white_bounds(white: HomieProperty, *, is_kelvin: bool) -> tuple[float, ...]:
+def _white_bounds(white: HomieProperty, *, is_kelvin: bool) -> tuple[float, float] | tuple[()]:
+    """Of one that counts in mired every kelvin that lies within when it is rounded to whole mired."""
     least, most = white.range.least, white.range.most
-    if least is None or most is None or not 0 < least < most:
+    if least is None or most is None or not 1 <= least < most:
         return ()
-    return (least, most) if is_kelvin else (float(round(1_000_000 / most)), float(round(1_000_000 / least)))
+    if is_kelvin:
+        return least, most
+    return float(math.floor(_MIRED / (most + 0.5)) + 1), float(math.ceil(_MIRED / (least - 0.5)) - 1)

@@ -11,7 +11,7 @@ from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.homie.values import is_unknown_number, publication, read_plain, spell_plain
 from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.quantity import Conversion, conversion_of
+from homebot.gateways.mqtt.quantity import Conversion, celsius_bounds, conversion_of
 from homebot.gateways.mqtt.readings import NOTHING, Readings
 from homebot.gateways.mqtt.table_codec import Writer
 from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number
@@ -29,6 +29,7 @@ __all__ = [
 
 _FAHRENHEIT = frozenset({"F", "°F"})
 _PERCENT = 100.0
+_ANY_CELSIUS = (-273.15, 1e6)
 
 
 def add_plain(part: BytesPart, capability: str, prop: HomieProperty) -> None:
@@ -107,11 +108,13 @@ def add_temperature(part: BytesPart, capability: str, prop: HomieProperty) -> No
         return {capability: _celsius(value) if is_fahrenheit else value}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        celsius = wanted_number(capability, value, -273.15, 1e6, "°C")
+        least, most = bounds or _ANY_CELSIUS
+        celsius = wanted_number(capability, value, least, most, "°C")
         told = round(celsius * 1.8 + 32, 3) if is_fahrenheit else celsius
-        return (publication(prop, spell_plain(prop, capability, told)),)
+        return (publication(prop, spell_plain(prop, capability, prop.range.kept(told) if bounds else told)),)
 
-    bounds = tuple(_celsius(one) if is_fahrenheit else one for one in _bounds(prop))
+    ends = _bounds(prop)
+    bounds = celsius_bounds(*ends) if ends and is_fahrenheit else ends
     _hear(part, prop, read)
     part.offers(capability, writer=_writer(part, prop, write), bounds=bounds if prop.is_settable else ())
 
@@ -170,7 +173,7 @@ def _celsius(fahrenheit: float) -> float:
     return round((fahrenheit - 32) / 1.8, 3)
 
 
-def _bounds(prop: HomieProperty) -> tuple[float, ...]:
+def _bounds(prop: HomieProperty) -> tuple[float, float] | tuple[()]:
     least, most = prop.range.least, prop.range.most
     return (least, most) if least is not None and most is not None else ()
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.light_color import kelvin_mired
+from homebot.gateways.mqtt.light_color import kelvin_mired, mired_bounds
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
 from homebot.gateways.mqtt.tasmota.config import LIGHT, TasmotaConfig
@@ -78,7 +78,7 @@ class _Lamp:
     @property
     def kelvins(self) -> tuple[float, ...]:
         coldest, warmest = self._mireds
-        return float(kelvin_mired(warmest)), float(kelvin_mired(coldest))
+        return mired_bounds(coldest, warmest)
 
     @property
     def _mireds(self) -> tuple[int, int]:

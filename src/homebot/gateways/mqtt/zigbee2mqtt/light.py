@@ -16,6 +16,7 @@ from homebot.gateways.mqtt.light_color import (
     KelvinRange,
     from_hue_saturation,
     kelvin_mired,
+    mired_bounds,
     to_hue_saturation,
 )
 from homebot.gateways.mqtt.part_table import JsonPart
@@ -108,7 +109,8 @@ class _Lamp:
         return self._tell({brightness.key: steps}, transition)
 
     def set_white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        kelvin = wanted_number("color_temperature", value, 1_000, 40_000, "K")
+        low, high = _kelvins(self.features["color_temp"]) or _KELVIN
+        kelvin = wanted_number("color_temperature", value, min(low, _KELVIN[0]), max(high, _KELVIN[1]), "K")
         return self._tell({self.features["color_temp"].key: kelvin_mired(int(kelvin))}, transition)
 
     def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
@@ -153,6 +155,7 @@ _NO_WHITE: KelvinRange = (2_000, 6_535)
 """Only colours with channels of white need it."""
 
 _MOST_MIRED = 1_000_000
+_KELVIN = (1_000.0, 40_000.0)
 _FULL = 254.0
 
 
@@ -166,9 +169,9 @@ def _full(brightness: Expose) -> float:
 
 
 def _kelvins(white: Expose) -> tuple[float, ...]:
-    if white.least is None or white.most is None or not 0 < white.least <= white.most <= _MOST_MIRED:
+    if white.least is None or white.most is None or not 1 <= white.least <= white.most <= _MOST_MIRED:
         return ()
-    return float(kelvin_mired(white.most)), float(kelvin_mired(white.least))
+    return mired_bounds(white.least, white.most)
 
 
 def _hue_saturation(mode: str, color: object) -> tuple[float, float] | None:
