@@ -67,6 +67,9 @@ def test_a_message_is_told_in_one_word(readings: dict[str, PlainValue], said: st
         ("21.5", part("heating_setpoint"), ("heating_setpoint", 21.5)),
         ("press", part("push"), ("push", True)),
         ("eco", part("on_off", preset_mode=("eco", "away")), ("preset_mode", "eco")),
+        ("off", part("fan_speed"), ("fan_speed", 0.0)),
+        ("off", part(fan_mode=("OFF", "LOW")), ("fan_mode", "OFF")),
+        ("off", part("on_off", fan_mode=("OFF", "LOW")), ("on_off", False)),
         ("anything", part("text"), ("text", "anything")),
     ],
 )

@@ -97,6 +97,8 @@ def meaning(said: str, part: Part) -> tuple[str, PlainValue]:
     for name, value in _PHRASES.get(said, ()):
         if name in settable:
             return name, value
+    if said == "off" and (speed := next((name for name in SPEEDS if name in settable), None)) is not None:
+        return speed, 0.0
     if said.endswith(" K") and "color_temperature" in settable and (kelvin := plain_number(said[:-2])) is not None:
         return "color_temperature", kelvin
     if (number := plain_number(said)) is not None and (meant := _told_number(number, settable)) is not None:
@@ -104,6 +106,10 @@ def meaning(said: str, part: Part) -> tuple[str, PlainValue]:
     for name, capability in settable.items():
         if said in capability.options or name == "text":
             return name, said
+    for name, capability in settable.items():
+        for option in capability.options:
+            if option.casefold() == said:  # such as the OFF of a fan
+                return name, option
     raise RefusedError(f"the word {said[:40]!r}", f"this part takes {_known(settable)}")
 
 

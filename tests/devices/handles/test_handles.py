@@ -171,6 +171,11 @@ async def test_every_kind_can_be_asked_for_by_its_state(
             {"local_temperature": 20.5, "heating_setpoint": 21.0, "thermostat_mode": "heat", "cooling_setpoint": 25.0},
             {"temperature": 20.5, "heating_setpoint": 21.0, "mode": "heat", "cooling_setpoint": 25.0, "action": None},
         ),
+        (Fan, {"fan_speed": 66.0}, {"on": True}),
+        (Fan, {"fan_speed": 0.0, "fan_mode": "low"}, {"on": False}),
+        (Fan, {"fan_mode": "OFF"}, {"on": False, "mode": "OFF"}),
+        (Fan, {"on_off": None, "fan_mode": "low"}, {"on": True}),
+        (Fan, {"on_off": None}, {"on": None}),
         (Fan, {"on_off": True, "fan_speed": 66.0, "fan_mode": "auto"}, {"on": True, "speed": 66.0, "mode": "auto"}),
         (WaterValve, {"valve": "open", "position": 100.0}, {"movement": "open", "position": 100.0}),
         (RoboticVacuumCleaner, {"vacuum": "docked", "battery": 80.0}, {"state": "docked", "battery": 80.0}),
@@ -266,6 +271,8 @@ Act = Callable[[Any], Awaitable[None]]
         ),
         (Fan, ("fan_speed",), lambda it: it.set_speed(20), [("fan_speed", 20.0, 0.0)]),
         (Fan, ("on_off",), lambda it: it.turn_off(), [("on_off", False, 0.0)]),
+        (Fan, ("fan_speed",), lambda it: it.turn_off(), [("fan_speed", 0.0, 0.0)]),
+        (Fan, ("on_off", "fan_speed"), lambda it: it.turn_off(), [("on_off", False, 0.0)]),
         (WaterValve, ("valve",), lambda it: it.open(), [("valve", "open", 0.0)]),
         (WaterValve, ("position",), lambda it: it.close(), [("position", 0.0, 0.0)]),
         (WaterValve, ("position",), lambda it: it.set_position(5), [("position", 5.0, 0.0)]),
@@ -289,6 +296,16 @@ async def test_a_handle_sends_absolute_commands(
     (handle,) = await house.devices.find(kind)
     await act(handle)
     assert house.told == [("mqtt", "", *one) for one in told]
+
+
+@pytest.mark.parametrize("word", ["OFF", "off", "Off"])
+async def test_a_fan_whose_speeds_have_off_is_turned_off_by_that(house: House, word: str) -> None:
+    speeds = Capability(name="fan_mode", settable=True, options=("LOW", "HIGH", word))
+    house.has(house.device("fan", house.part("fan", capabilities=(speeds,))))
+    house.gateway("mqtt")
+    (fan,) = await house.devices.find(Fan)
+    await fan.turn_off()
+    assert house.told == [("mqtt", "", "fan_mode", word, 0.0)]
 
 
 @pytest.mark.parametrize(

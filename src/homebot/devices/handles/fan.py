@@ -27,8 +27,12 @@ class Fan(Handle):
 
     @property
     def on(self) -> bool | None:
-        """Whether it is on; None where that is unknown."""
-        return self._flag("on_off")
+        """Whether it is on; None where that is unknown. One that only tells its speed is off at none."""
+        if (on := self._flag("on_off")) is not None:
+            return on
+        if self.speed is not None:
+            return self.speed > 0
+        return None if self.mode is None else self.mode.casefold() != _OFF
 
     @property
     def speed(self) -> float | None:
@@ -55,13 +59,18 @@ class Fan(Handle):
             await self.command("fan_speed", speed)
 
     async def turn_off(self) -> None:
-        """Turn it off.
+        """Turn it off; where that is one of its speeds, set it to that.
 
         Raises:
             RefusedError: It cannot be told.
             LinkError: No gateway of it is there now.
         """
-        await self.command("on_off", False)  # noqa: FBT003  # the value
+        if not self.can("on_off") and (mode := self._mode_off()) is not None:
+            await self.command("fan_mode", mode)
+        elif not self.can("on_off") and self.can("fan_speed"):
+            await self.command("fan_speed", 0.0)
+        else:
+            await self.command("on_off", False)  # noqa: FBT003  # the value
 
     async def set_speed(self, speed: float) -> None:
         """Make it turn at *speed* percent.
@@ -71,3 +80,11 @@ class Fan(Handle):
             LinkError: No gateway of it is there now.
         """
         await self.command("fan_speed", speed)
+
+    def _mode_off(self) -> str | None:
+        """Which of its own speeds is off; None where none is."""
+        options = [word for one in self.capabilities if one.name == "fan_mode" and one.settable for word in one.options]
+        return next((word for word in options if word.casefold() == _OFF), None)
+
+
+_OFF = "off"

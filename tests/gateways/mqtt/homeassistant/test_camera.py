@@ -10,8 +10,8 @@ from homebot.gateways.mqtt.homeassistant.config import Config
     ("part", "service_type"),
     [
         (build_camera(Config("camera", "door", {"topic": "frigate/door/snapshot"})), "camera"),
-        (build_image(Config("image", "map", {"image_topic": "frigate/door/snapshot"})), "x_sensor"),
-        (build_image(Config("image", "map", {"url_topic": "frigate/door/snapshot"})), "x_sensor"),
+        (build_image(Config("image", "map", {"image_topic": "frigate/door/snapshot"})), "camera"),
+        (build_image(Config("image", "map", {"url_topic": "frigate/door/snapshot"})), "camera"),
     ],
 )
 def test_a_picture_is_known_to_be_there_but_not_listened_to(part: DescribedPart, service_type: str) -> None:

@@ -26,7 +26,7 @@ def build_image(config: Config) -> DescribedPart:
     topic = config.state_topic("image_topic") or config.state_topic("url_topic")
     if not topic:
         raise WireError("image: it has neither image_topic nor url_topic")
-    return _seen(config, "x_sensor", topic)
+    return _seen(config, "camera", topic)
 
 
 _IMAGE = Capability(name="image", readable=False)
