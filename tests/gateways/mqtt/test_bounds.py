@@ -221,14 +221,16 @@ def thermostats(draw: st.DrawFn) -> Bounded:
 @st.composite
 def homie_thermostats(draw: st.DrawFn) -> Bounded:
     is_fahrenheit = draw(st.booleans())
-    ends = draw(spread(40, 100) if is_fahrenheit else spread(5, 35))
+    span = (40, 55, 80, 100) if is_fahrenheit else (5, 12, 25, 35)  # such as a room may have; others are no setpoints
+    ends = (draw(spread(*span[:2]))[0], draw(spread(*span[2:]))[1])
     target = {
         "datatype": "float",
         "format": f"{ends[0]:g}:{ends[1]:g}",
         "unit": "°F" if is_fahrenheit else "°C",
         "settable": True,
     }
-    part = homie("heating_setpoint", "thermostat", {"set-temperature": target})
+    measured = {"datatype": "float", "unit": target["unit"]}
+    part = homie("heating_setpoint", "thermostat", {"set-temperature": target, "temperature": measured})
     says = ("homie/5/x/n/set-temperature", "{:f}")
     return Bounded(
         part, "heating_setpoint", outside_of(ends, is_fahrenheit), lambda number: (says[0], says[1].format(number))
