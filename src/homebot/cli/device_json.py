@@ -33,6 +33,7 @@ def device_json(device: Device) -> dict[str, object]:
             "since": iso(device.reachable.since),
             "why": device.reachable.why,
         },
+        "offline_parts": list(device.offline_parts),
         "parts": [message_to_json(one) for one in device.parts],
         "states": [_state(one) for one in device.states],
         "events": [_state(one) for one in device.events],

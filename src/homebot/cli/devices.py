@@ -13,8 +13,8 @@ _EXAMPLES = """\
   homebot devices --td things/
 
 SAYS is what a device last told of itself. STATE is `fresh` where it spoke itself, `unconfirmed` where only a message
-that the broker had kept or the index file speaks for it, `stale` where it has been silent for too long, `unreachable`
-where it says that.
+that the broker had kept or the index file speaks for it, `stale` where it has been silent for too long; and
+`unreachable` where it or its last will says that, `partly unreachable` where that is so of some of its parts.
 """
 
 

@@ -10,7 +10,7 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
-__all__ = ["in_words", "main_parts", "says", "span", "types"]
+__all__ = ["in_words", "life", "main_parts", "says", "span", "types"]
 
 _FLAGS = {
     "on_off": ("off", "on"),
@@ -44,6 +44,13 @@ def says(device: Device) -> str:
     if not told:
         return "" if is_mute else "unknown"
     return ", ".join(told[:_MOST]) + (", …" if len(told) > _MOST else "")
+
+
+def life(device: Device) -> str:
+    """Return in words how a device is: the same for a table and for a page of its own."""
+    if device.reachable.state == "no":
+        return f"{device.freshness}, unreachable"
+    return f"{device.freshness}, partly unreachable" if device.offline_parts else device.freshness
 
 
 def types(device: Device) -> str:

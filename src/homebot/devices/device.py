@@ -171,7 +171,8 @@ class Device(Message):
         identifiers: Who it is; see :func:`homebot.devices.identity.identifiers`.
         parts: What it offers, each part once.
         facts: What was said of it, by whom, and when; of each name the one that counts first.
-        reachable: Whether it can be reached.
+        reachable: Whether it can be reached, as its parts are together.
+        offline_parts: Ids of its parts that cannot be reached, as their announcements say.
         states: What its parts last told; events are no states.
         events: What happened last, and when; it is over.
         evidence: Why its announcements are one device, in words; empty for a single announcement.
@@ -196,6 +197,7 @@ class Device(Message):
     reachable: Reachability = Reachability()
     states: tuple[State, ...] = ()
     events: tuple[State, ...] = ()
+    offline_parts: tuple[str, ...] = ()
     evidence: tuple[str, ...] = ()
     conflicts: tuple[str, ...] = ()
 

@@ -139,5 +139,6 @@ def _description(device: Device) -> tuple[object, ...]:
         device.parts,
         device.freshness,
         device.reachable.state,
+        device.offline_parts,
         device.conflicts,
     )

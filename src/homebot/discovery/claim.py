@@ -10,7 +10,17 @@ from homebot.devices import Sighting
 from homebot.devices.value import PlainValue
 from homebot.messages import Time
 
-__all__ = ["NATIVE", "WHOLE", "Claim", "ClaimKey", "Told", "is_described_anew", "note_description", "preference"]
+__all__ = [
+    "NATIVE",
+    "WHOLE",
+    "Claim",
+    "ClaimKey",
+    "Reach",
+    "Told",
+    "is_described_anew",
+    "note_description",
+    "preference",
+]
 
 ClaimKey: TypeAlias = tuple[str, str]
 """Gateway, and what that calls the announcement."""
@@ -42,6 +52,23 @@ class Told:
     heard: float = -math.inf
 
 
+@dataclass(slots=True)
+class Reach:
+    """What was said of whether something can be reached.
+
+    Attributes:
+        value: Whether it can; None for unknown.
+        since: Since when.
+        heard: The same on the clock that is never set.
+        live: Whether that was said live, rather than in a message that the broker had kept.
+    """
+
+    value: bool | None
+    since: Time
+    heard: float
+    live: bool
+
+
 @dataclass(slots=True, eq=False)
 class Claim:
     """What one gateway heard under one key.
@@ -56,9 +83,7 @@ class Claim:
         said: Each fact with its value, and when it was first said.
         told: What its parts told, by part and capability.
         events: What happened last, by part and capability.
-        reachable: What it says of itself; None for unknown.
-        reachable_since: Since when.
-        reachable_live: Whether that was said live.
+        reach: Whether it can be reached, as it says, by part; the whole is ``""``.
     """
 
     sighting: Sighting
@@ -70,9 +95,16 @@ class Claim:
     said: dict[str, tuple[str, Time]] = field(default_factory=dict)
     told: dict[tuple[str, str], Told] = field(default_factory=dict)
     events: dict[tuple[str, str], Told] = field(default_factory=dict)
-    reachable: bool | None = None
-    reachable_since: Time | None = None
-    reachable_live: bool = False
+    reach: dict[str, Reach] = field(default_factory=dict)
+
+    def reach_of(self, part: str) -> Reach | None:
+        """What was said of whether *part* can be reached, by itself or with the whole; None where nothing was."""
+        return self.reach.get(part) or self.reach.get("")
+
+    @property
+    def is_online(self) -> bool:
+        """Whether it said live that it is online, so that its last will watches over it."""
+        return any(one.value and one.live for one in self.reach.values())
 
     @property
     def key(self) -> ClaimKey:
@@ -124,4 +156,7 @@ def note_description(claim: Claim, before: Sighting) -> None:
     claim.said = {**kept, **anew}
     places = {(part.id, capability.name) for part in now.parts for capability in part.capabilities}
     claim.told = {place: told for place, told in claim.told.items() if place in places}
+    claim.reach = {
+        part: one for part, one in claim.reach.items() if not part or any(part == has.id for has in now.parts)
+    }
     claim.events = {place: told for place, told in claim.events.items() if place in places}

@@ -23,6 +23,7 @@ from homebot.discovery.claim import Claim, ClaimKey, Told, preference
 from homebot.discovery.echoes import Echoes
 from homebot.discovery.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.parts import Disputed, MergedParts, main_part, merge_parts
+from homebot.discovery.reach import offline_parts, reachability
 from homebot.discovery.rhythm import Rhythm
 from homebot.messages import Time
 
@@ -53,6 +54,7 @@ class Entry:
         lasts: For how many seconds its gateways think that silence is no bad sign.
         saved_at: When it was last to be written to the index file that it was seen, on the clock that is never set.
         known_ids: Ids that parts had, beside those of the description that stands.
+        is_denied: Whether any of its announcements says that something of it cannot be reached.
         echoes: What happened lately, and by how many routes that was told.
     """
 
@@ -69,6 +71,7 @@ class Entry:
     told_conflicts: tuple[str, ...] = ()
     rival: str = ""
     known_ids: PartIds = field(default_factory=lambda: NO_IDS)
+    is_denied: bool = False
     echoes: Echoes = field(default_factory=Echoes)
     _description: _Description | None = None
     _device: Device | None = None
@@ -133,6 +136,7 @@ class Entry:
                 parts=described.merged.parts,
                 facts=described.facts,
                 reachable=self.reachability(),
+                offline_parts=self.offline_parts(described.merged),
                 states=tuple(self._newest(described.merged, lambda claim: claim.told)),
                 events=tuple(self._newest(described.merged, lambda claim: claim.events)),
                 evidence=self.evidence,
@@ -141,20 +145,14 @@ class Entry:
         return self._device
 
     def reachability(self) -> Reachability:
-        """Return whether it can be reached: yes where one announcement says so, no where others deny it."""
-        said = [claim for claim in self.claims.values() if claim.reachable_since is not None]
-        if not said:
-            return _NOT_SAID
-        answers = {claim.reachable for claim in said}
-        answer = True if True in answers else False if False in answers else None
-        claim = max((one for one in said if one.reachable is answer), key=lambda one: _moment(one.reachable_since))
-        kept = "" if claim.reachable_live else ", in a message that the broker had kept"
-        if answer is None:
-            why = f"{claim.label} was said to be offline, but it speaks"
-        else:
-            why = f"{claim.label} is {'online' if answer else 'offline'}, as it or its last will says{kept}"
-        since = claim.reachable_since or claim.first_seen
-        return Reachability(state="unknown" if answer is None else "yes" if answer else "no", since=since, why=why)
+        """Return whether it can be reached, as its parts are together."""
+        return reachability(self.claims.values())
+
+    def offline_parts(self, merged: MergedParts) -> tuple[str, ...]:
+        """Return the ids of its parts that cannot be reached."""
+        if not self.is_denied:
+            return ()
+        return offline_parts(self.claims, merged.places, {number: one.id for number, one in enumerate(merged.parts)})
 
     def _described(self, disputed: Disputed) -> _Description:
         if self._description is None:
@@ -183,9 +181,6 @@ class Entry:
                 told_at=told.told_at,
                 live=told.live,
             )
-
-
-_NOT_SAID = Reachability()
 
 
 @dataclass(frozen=True, slots=True)

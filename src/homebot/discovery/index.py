@@ -30,7 +30,7 @@ from homebot.discovery.parts import MergedParts
 from homebot.discovery.postings import Postings
 from homebot.discovery.regroup import Regrouped, regroup
 from homebot.discovery.strays import Strays
-from homebot.discovery.values import can_tell, reach, state_of, tell
+from homebot.discovery.values import can_tell, is_denied, reach, state_of, tell
 from homebot.messages import Time
 
 __all__ = ["MAX_CLAIMS", "MAX_DEVICES", "DeviceIndex", "IndexCounters"]
@@ -166,11 +166,14 @@ class DeviceIndex:
             return
         entry, live, stamp = self._owner[key], not report.retained, report.received_at
         is_life = live and bool(report.address)
+        concerns_reach = entry.is_denied or any(one.capability == REACHABLE for one in report.readings)
+        before = self._reach(entry) if concerns_reach else None
         for reading in report.readings:
-            if reading.capability == REACHABLE and not reading.part:
-                change = reach(entry, claim, reading, stamp, live=live)
-                if change:
-                    self._note("changed", entry, change)
+            if reading.capability == REACHABLE:
+                if report.address:
+                    reach(entry, claim, reading, stamp, self._now, live=live)
+                else:
+                    claim.reach.pop(reading.part, None)  # it tells that no more
                 is_life = is_life and reading.value.flag
             elif reading.capability in EVENTS:
                 if live:
@@ -180,6 +183,12 @@ class DeviceIndex:
         entry.told_anew()
         if is_life:
             self._hear(entry, claim, stamp, "it spoke itself")
+        if before is not None and self._reach(entry) != before:
+            self._note("changed", entry, entry.reachability().why)
+
+    def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...]]:
+        """Whether it can be reached, and which of its parts cannot."""
+        return entry.reachability().state, entry.offline_parts(entry.parts(self._disputed))
 
     def expire(self, now: float, at_most: int | None = None) -> int:
         """Let become stale what is silent for too long at *now*, and forget what is stale for too long.
@@ -504,6 +513,7 @@ class DeviceIndex:
         if new is None:
             entry.evidence = tuple(self._evidence(entry)) if len(entry.claims) > 1 else ()
             entry.lasts = max(claim.lasts for claim in claims)
+            entry.is_denied = is_denied(claims)
             self._settle(self._disputes.put(entry.id, writes, bridge))
         else:
             entry.lasts = max(entry.lasts, new.lasts)
@@ -556,7 +566,7 @@ class DeviceIndex:
         entry.rhythm.heard(now)
         entry.told_anew()
         usual = max(entry.lasts, entry.rhythm.patience())
-        if claim.reachable and claim.reachable_live:
+        if claim.is_online:
             usual = max(usual, _ONLINE_FOR)
         before, entry.freshness = entry.freshness, "fresh"
         entry.deadline, entry.expires = now + usual, _stamp(stamp.to_seconds() + usual)

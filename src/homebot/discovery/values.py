@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from homebot.devices import State
 from homebot.devices.report import Reading
-from homebot.discovery.claim import Claim, Told
+from homebot.discovery.claim import Claim, Reach, Told
 from homebot.discovery.entry import Entry
 from homebot.messages import Time
 
-__all__ = ["can_tell", "reach", "state_of", "tell"]
+__all__ = ["can_tell", "is_denied", "reach", "state_of", "tell"]
 
 
 def can_tell(claim: Claim, part_id: str, capability: str) -> bool:
@@ -46,17 +48,23 @@ def tell(claim: Claim, reading: Reading, stamp: Time, now: float, *, live: bool)
     return known
 
 
-def reach(entry: Entry, claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> str:
-    """Note whether a device can be reached; return why that is different now, empty where it is not."""
+def reach(entry: Entry, claim: Claim, reading: Reading, stamp: Time, now: float, *, live: bool) -> None:
+    """Note whether a device, or one of its parts, can be reached."""
+    if reading.part and all(one.id != reading.part for one in claim.sighting.parts):
+        return
     value = reading.value.plain()
     answer = value if isinstance(value, bool) else None
-    claim.reachable_live = live
-    if answer is claim.reachable and claim.reachable_since is not None:
-        return ""
-    before = entry.reachability().state
-    claim.reachable, claim.reachable_since = answer, stamp
-    after = entry.reachability()
-    return after.why if after.state != before else ""
+    known = claim.reach.get(reading.part)
+    if known is not None and known.value is answer:
+        known.live = live
+        return
+    claim.reach[reading.part] = Reach(answer, stamp, now, live)
+    entry.is_denied = is_denied(entry.claims.values())
+
+
+def is_denied(claims: Iterable[Claim]) -> bool:
+    """Whether any of *claims* says that something cannot be reached."""
+    return any(one.value is False for claim in claims for one in claim.reach.values())
 
 
 def state_of(part_id: str, reading: Reading, told: Told) -> State:

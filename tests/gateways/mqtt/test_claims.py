@@ -110,15 +110,13 @@ def test_who_reads_a_topic_that_is_read_already_is_told_once() -> None:
 def test_what_is_known_of_a_device_outlives_a_new_description() -> None:
     claims, _ = empty()
     first = claims.describe(described("one", ("s/a",), online=("s/b",))).claim
-    assert first.reachability is not None
-    first.reachability.hear(0, True, retained=False)
+    first.reachability[""].hear(0, True, retained=False)
     first.is_confirmed = True
     second = claims.describe(described("one", ("s/c",), online=("s/b",))).claim
-    assert second.reachability is first.reachability
+    assert second.reachability[""] is first.reachability[""]
     assert second.is_confirmed
     third = claims.describe(described("one", ("s/c",), online=("s/d",))).claim
-    assert third.reachability is not None
-    assert third.reachability.value is None
+    assert third.reachability[""].value is None
 
 
 def test_too_many_parts_are_refused_and_what_stood_stays() -> None:

@@ -12,7 +12,7 @@ from homebot.cli.moments import ago
 from homebot.cli.table import to_table, without_empty
 from homebot.cli.thing_files import write_things
 from homebot.cli.through_door import through_door
-from homebot.cli.values import main_parts, says, types
+from homebot.cli.values import life, main_parts, says, types
 from homebot.devices import Device
 from homebot.devices.words import read_words_address
 
@@ -46,7 +46,6 @@ def list_devices(options: argparse.Namespace) -> int:
 
 def _row(device: Device, now: float) -> tuple[str, ...]:
     first = device.endpoints[0] if device.endpoints else None
-    state = device.freshness if device.reachable.state != "no" else "unreachable"
     return (
         device.id,
         types(device),
@@ -54,7 +53,7 @@ def _row(device: Device, now: float) -> tuple[str, ...]:
         says(device),
         first.gateway if first else "",
         _address(device),
-        state,
+        life(device),
         ago(device.last_seen, now),
     )
 

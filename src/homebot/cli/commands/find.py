@@ -10,7 +10,7 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import find_devices
 from homebot.cli.table import to_table, without_empty
 from homebot.cli.through_door import through_door
-from homebot.cli.values import says, types
+from homebot.cli.values import life, says, types
 from homebot.devices.services import QueryDevicesResponse
 
 __all__ = ["find"]
@@ -40,7 +40,7 @@ def find(options: argparse.Namespace) -> int:
 
 def _show(found: QueryDevicesResponse, *, why: bool) -> None:
     rows = [
-        (one.device.id, one.device.name, types(one.device), one.device.area, says(one.device), one.device.freshness)
+        (one.device.id, one.device.name, types(one.device), one.device.area, says(one.device), life(one.device))
         for one in found.results
     ]
     head, *lines = to_table(*without_empty({"AREA", "SAYS"}, _HEAD, rows)).splitlines()

@@ -13,7 +13,7 @@ from homebot.cli.moments import ago
 from homebot.cli.table import to_lines
 from homebot.cli.thing_files import thing_text
 from homebot.cli.through_door import through_door
-from homebot.cli.values import in_words, span
+from homebot.cli.values import in_words, life, span
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Capability
@@ -53,7 +53,8 @@ def describe(device: Device, reasons: tuple[str, ...], now: float) -> Iterator[s
     yield from _section("", _overview(device, now))
     values = {(one.part, one.capability): one for one in (*device.states, *device.events)}
     for part in device.parts:
-        yield from _section(_title(part), _part(part, values, now))
+        title = _title(part) + (": cannot be reached" if part.id in device.offline_parts else "")
+        yield from _section(title, _part(part, values, now))
     words = [one for one in device.endpoints if one.address or one.command_address]
     rows = [(one.gateway, "speaks on", one.address) for one in words if _is_topic(one.address)]
     rows += [(one.gateway, "listens on", one.command_address) for one in words if _is_topic(one.command_address)]
@@ -78,7 +79,7 @@ def _overview(device: Device, now: float) -> Iterator[tuple[str, ...]]:
     if others:
         yield "is also called", ", ".join(others)
     seen = f"last seen {ago(device.last_seen, now)}, first {ago(device.first_seen, now)}"
-    yield "is", f"{device.freshness}; {seen}"
+    yield "is", f"{life(device)}; {seen}"
     reach = {"yes": "yes", "no": "no", "unknown": "unknown"}[device.reachable.state]
     since = f", since {ago(device.reachable.since, now)}" if device.reachable.since.sec else ""
     yield "can be reached", f"{reach}: {device.reachable.why}{since}"

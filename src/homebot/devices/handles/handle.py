@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import ClassVar, Literal, Self, Unpack
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -84,8 +85,9 @@ class Handle:
 
     @property
     def reachable(self) -> bool | None:
-        """Whether the device can be reached; None where it does not say."""
-        return {"yes": True, "no": False, "unknown": None}[self._known.device.reachable.state]
+        """Whether it can be reached: the part, where that says so itself, else the device; None where none does."""
+        device = self._known.device
+        return False if self._part_id in device.offline_parts else _REACHABLE[device.reachable.state]
 
     @property
     def freshness(self) -> Freshness:
@@ -169,6 +171,9 @@ class Handle:
         """The term that it can be told *capability*, or cannot; none where nothing is asked."""
         can = CanDo(capability, settable=True)
         return None if wanted is None else can if wanted else Not(can)
+
+
+_REACHABLE: Mapping[str, bool | None] = {"yes": True, "no": False, "unknown": None}
 
 
 def plain_value(value: PlainValue) -> PlainValue:

@@ -79,7 +79,7 @@ class Wanted(Generic[HandleT]):
         values = {(one.part, one.capability): one.value.plain() for one in device.states}
         for one in _parts_in(device, self.place.get("category", "")):
             is_wanted = self._wants_type(one.part.service_type) and self._wants_name(device, one.part.name)
-            if is_wanted and all(_fits(term, one, values) for term in self.terms):
+            if is_wanted and self._wants_reach(device, one.id) and all(_fits(term, one, values) for term in self.terms):
                 yield one.id
 
     def query(self) -> str:
@@ -98,11 +98,15 @@ class Wanted(Generic[HandleT]):
 
     def _wants_device(self, device: Device) -> bool:
         place = self.place
-        return (
-            ("area" not in place or fold(device.area) == fold(place["area"]))
-            and ("reachable" not in place or device.reachable.state == ("yes" if place["reachable"] else "no"))
-            and ("fresh" not in place or (device.freshness == "fresh") == place["fresh"])
+        return ("area" not in place or fold(device.area) == fold(place["area"])) and (
+            "fresh" not in place or (device.freshness == "fresh") == place["fresh"]
         )
+
+    def _wants_reach(self, device: Device, part: str) -> bool:
+        if "reachable" not in self.place:
+            return True
+        state = "no" if part in device.offline_parts else device.reachable.state
+        return state == ("yes" if self.place["reachable"] else "no")
 
     def _wants_name(self, device: Device, part: str) -> bool:
         if "name" not in self.place:

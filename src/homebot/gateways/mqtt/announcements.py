@@ -103,6 +103,9 @@ class Announcements:
             self._board.sight(claim, "updated", "it is described anew", confirmed=is_live)
         elif not message.retain and self._board.now >= claim.refresh_at:
             self._board.sight(claim, "updated", "it was announced again", confirmed=is_live)
+        if before is not None:
+            for part in before.reachable.keys() - claim.reachability.keys():
+                self._board.report_reachable(claim, part, "", reachable=None, retained=False)
         self._on_change(change)
 
     def _withdraw(self, convention: Convention, withdrawn: Withdrawn) -> None:

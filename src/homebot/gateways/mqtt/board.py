@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from homebot.devices.report import Reading, Report
+from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.devices.services import NEVER
+from homebot.devices.value import Value
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.claim import Claim, SightingKind
 from homebot.graph import DurabilityPolicy, QoSProfile
@@ -78,6 +79,14 @@ class Board:
                 heard_at=self.now,
             )
         )
+
+    def report_reachable(
+        self, claim: Claim, part: str, address: str, *, reachable: bool | None, retained: bool
+    ) -> None:
+        """Tell whether a device, or one of its parts, can be reached, as was said on *address*; empty for no more."""
+        reading = Reading(part=part, capability=REACHABLE, value=Value.of(reachable))
+        stream = claim.stream(f"{REACHABLE} {part}" if part else REACHABLE)
+        self.report(claim.key, (reading,), address, stream, retained=retained)
 
     def report_events(self, key: str, readings: tuple[Reading, ...], address: str) -> None:
         """Tell what happened to the device *key*: nothing takes its place, and no late joiner hears it."""

@@ -65,14 +65,16 @@ class Voice:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Witness:
-    """One topic that tells whether a described device can be reached.
+    """One topic that tells whether a described device, or one of its parts, can be reached.
 
     Attributes:
         claim: Whose availability.
+        part: Which part; empty for the whole.
         index: Which of its sources.
     """
 
     claim: Claim
+    part: str
     index: int
 
 
@@ -85,8 +87,8 @@ class Claim:
         key: What that gateway calls it: the convention's name and key.
         described: What it says.
         voices: Its parts by id.
-        reachability: What is known of whether the device can be reached; None where it never tells.
-        reachable: What of that the graph was told last.
+        reachability: What is known of whether the device (``""``) and its parts can be reached, as far as they tell.
+        reachable: What of that the graph was told last, likewise.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
         streams: The streams of reports that late joiners get.
@@ -97,8 +99,8 @@ class Claim:
     key: str
     described: Described
     voices: dict[str, Voice] = field(init=False)
-    reachability: Reachability | None = field(init=False)
-    reachable: bool | None = None
+    reachability: dict[str, Reachability] = field(init=False)
+    reachable: dict[str, bool | None] = field(default_factory=dict)
     is_confirmed: bool = False
     refresh_at: float = 0.0
     streams: set[str] = field(default_factory=set)
@@ -109,8 +111,8 @@ class Claim:
         self.voices = {
             one.part.id: Voice(self, one, words_address(self.key, one.part.id)) for one in self.described.parts
         }
-        availability = self.described.availability
-        self.reachability = Reachability(availability) if availability is not None and availability.sources else None
+        told = [("", self.described.availability), *((one.part.id, one.availability) for one in self.described.parts)]
+        self.reachability = {part: Reachability(one) for part, one in told if one is not None and one.sources}
         self._face = self._looks()
 
     def has_same_face(self, other: Claim) -> bool:
@@ -122,9 +124,11 @@ class Claim:
         self.is_confirmed = before.is_confirmed
         self.refresh_at = before.refresh_at
         self.streams = before.streams
-        self.reachable = before.reachable
-        if before.reachability is not None and before.described.availability == self.described.availability:
-            self.reachability = before.reachability
+        self.reachable = {part: told for part, told in before.reachable.items() if part in self.reachability}
+        for part, reachability in self.reachability.items():
+            old_one = before.reachability.get(part)
+            if old_one is not None and old_one.availability == reachability.availability:
+                self.reachability[part] = old_one
         for part_id, voice in self.voices.items():
             if (old := before.voices.get(part_id)) is not None:
                 voice.kept = old.kept

@@ -229,8 +229,11 @@ def _who_missed_something(claim: Claim, before: Claim, readers: _Readers) -> _Re
         return tuple(
             (topic, reader) for topic, reader in readers if isinstance(reader, Voice) and reader.described.remembers
         )
-    is_known = claim.reachability is before.reachability
-    return tuple((topic, reader) for topic, reader in readers if isinstance(reader, Voice) or not is_known)
+    return tuple((topic, reader) for topic, reader in readers if isinstance(reader, Voice) or _is_new(reader, before))
+
+
+def _is_new(witness: Witness, before: Claim) -> bool:
+    return witness.claim.reachability[witness.part] is not before.reachability.get(witness.part)
 
 
 def _readings(claim: Claim) -> Iterator[tuple[str, Voice | Witness]]:
@@ -238,6 +241,6 @@ def _readings(claim: Claim) -> Iterator[tuple[str, Voice | Witness]]:
     for voice in claim.voices.values():
         for topic_filter in dict.fromkeys(voice.described.codec.topics()):
             yield topic_filter, voice
-    if claim.reachability is not None:
-        for index, source in enumerate(claim.reachability.availability.sources):
-            yield source.topic, Witness(claim, index)
+    for part, reachability in claim.reachability.items():
+        for index, source in enumerate(reachability.availability.sources):
+            yield source.topic, Witness(claim, part, index)

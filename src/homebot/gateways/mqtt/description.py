@@ -95,6 +95,7 @@ class DescribedPart:
         fades: Values that end by themselves.
         remembers: Whether the codec makes commands or readings out of what the part said before. One that takes its
             place, because the device is described anew, is given the last messages again.
+        availability: How it tells by itself whether it can be reached; None where it does not, or as the device does.
     """
 
     part: Part
@@ -102,6 +103,7 @@ class DescribedPart:
     asks: tuple[Publication, ...] = ()
     fades: tuple[Fade, ...] = ()
     remembers: bool = False
+    availability: Availability | None = None
 
 
 class AvailabilitySource(Protocol):
@@ -144,7 +146,7 @@ class Described:
         topic: Where it was announced.
         area: The room it was said to be in.
         facts: Further facts, such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
-        availability: How it tells whether it can be reached; None when it does not.
+        availability: How it tells whether it can be reached, as a whole; None when it does not.
         is_sighting: Whether the announcement is a sign of life of the device itself when it comes live.
     """
 

@@ -9,7 +9,7 @@ import anyio.lowlevel
 
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.report import REACHABLE, Reading
+from homebot.devices.report import Reading
 from homebot.devices.value import PlainValue, Value
 from homebot.devices.words import word
 from homebot.gateways.listeners import Listeners
@@ -63,7 +63,7 @@ class States:
         for number, witness in enumerate(witnesses, 1):
             if number % _TURN == 0:
                 await anyio.lowlevel.checkpoint()
-            reachability = witness.claim.reachability
+            reachability = witness.claim.reachability.get(witness.part)
             if reachability is None or self._claims.get(witness.claim.key) is not witness.claim:
                 continue
             source = reachability.availability.sources[witness.index]
@@ -72,7 +72,7 @@ class States:
             said = read[id(source)]
             if said is not None:
                 reachability.hear(witness.index, said, retained=message.retain)
-                self._tell_reachable(witness.claim, message.topic, retained=message.retain)
+                self._tell_reachable(witness.claim, witness.part, message.topic, retained=message.retain)
 
     async def read(self, message: MqttMessage, voices: tuple[Voice, ...]) -> None:
         """Take *message* as one in which parts tell their state; one that is too long is only counted."""
@@ -122,9 +122,8 @@ class States:
             # First: to a directory that has forgotten the device, a report alone is of nobody.
             self._board.sight(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
         self._tell(claim, readings, message)
-        if not message.retain and claim.reachable is False and claim.reachability is not None:
-            claim.reachability.doubt()
-            self._tell_reachable(claim, message.topic, retained=False)
+        if not message.retain and False in claim.reachable.values():
+            self._doubt(claim, {"", *(one.part for one in readings)}, message.topic)
 
     def _tell(self, claim: Claim, readings: list[Reading], message: MqttMessage) -> None:
         """Tell what lasts, and what happened; that the broker had kept an event says that it happened before."""
@@ -136,13 +135,21 @@ class States:
         if events and not message.retain:
             self._board.report_events(claim.key, events, message.topic)
 
-    def _tell_reachable(self, claim: Claim, topic: str, *, retained: bool) -> None:
-        reachable = None if claim.reachability is None else claim.reachability.value
-        if reachable is claim.reachable:
+    def _doubt(self, claim: Claim, parts: set[str], topic: str) -> None:
+        """The *parts* spoke: an "offline" of theirs that the broker had kept was of before."""
+        for part in parts:
+            if claim.reachable.get(part) is False:
+                claim.reachability[part].doubt()
+                self._tell_reachable(claim, part, topic, retained=False)
+
+    def _tell_reachable(self, claim: Claim, part: str, topic: str, *, retained: bool) -> None:
+        reachable = claim.reachability[part].value
+        if part in claim.reachable and reachable is claim.reachable[part]:
             return
-        claim.reachable = reachable
-        reading = Reading(part="", capability=REACHABLE, value=Value.of(reachable))
-        self._board.report(claim.key, (reading,), topic, claim.stream(REACHABLE), retained=retained)
+        if part not in claim.reachable and reachable is None:
+            return
+        claim.reachable[part] = reachable
+        self._board.report_reachable(claim, part, topic, reachable=reachable, retained=retained)
 
     async def _speak(self, voice: Voice, told: Mapping[str, PlainValue], message: MqttMessage) -> None:
         raw = self._word(voice, told, retained=message.retain)

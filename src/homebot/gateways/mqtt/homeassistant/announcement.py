@@ -48,7 +48,7 @@ class Announced:
         device: The device in full keys; empty where the message tells none.
         origin: Who announces, in full keys.
         components: What the device offers; those that the message takes back are left out.
-        common: The fields that tell the availability of all.
+        common: The fields that all share, and of a single component its own: they tell the availability of the whole.
     """
 
     is_migrating: bool
@@ -75,9 +75,7 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
     else:
         fields = _with_base(fields)
         components = (Component(topic.component, topic.key, fields),)
-    return Announced(
-        is_migrating=False, device=device, origin=origin, components=components, common=_common(fields, components)
-    )
+    return Announced(is_migrating=False, device=device, origin=origin, components=components, common=fields)
 
 
 _BASE = "~"
@@ -158,12 +156,6 @@ def _based(base: str, topic: object) -> object:
     if topic.endswith(_BASE):
         topic = topic[:-1] + base
     return topic
-
-
-def _common(fields: Fields, components: tuple[Component, ...]) -> Fields:
-    if not components or "availability" in fields or "availability_topic" in fields:
-        return fields
-    return components[0].fields
 
 
 def _components(topic: ConfigTopic, fields: Fields) -> list[Component]:

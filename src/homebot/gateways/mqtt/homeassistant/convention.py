@@ -124,8 +124,11 @@ class HomeAssistantDiscovery:
             builder = BUILDERS.get(component.platform)
             if builder is None:
                 continue
+            config = Config(component.platform, component.discovery_id, component.fields)
             try:
-                part = builder(Config(component.platform, component.discovery_id, component.fields))
+                part = builder(config)
+                if where.component == DEVICE:
+                    part = replace(part, availability=read_availability(config))
             except WireError as error:
                 if where.component != DEVICE:
                     raise
@@ -146,7 +149,11 @@ _MAX_MEMBERS = 100
 
 
 def _described(topic: str, where: ConfigTopic, announced: Announced, device: DeviceInfo, parts: _Parts) -> Described:
+    whole = read_availability(Config(where.component, where.object_id, announced.common))
     described = tuple(part for part, _ in parts.values())
+    if whole is None and described and all(one.availability == described[0].availability for one in described):
+        whole = described[0].availability
+    described = tuple(part if part.availability != whole else replace(part, availability=None) for part in described)
     return Described(
         key=where.key,
         convention=HomeAssistantDiscovery.name,
@@ -156,7 +163,7 @@ def _described(topic: str, where: ConfigTopic, announced: Announced, device: Dev
         topic=topic,
         area=device.area,
         facts={**device.facts, **_facts(parts)},
-        availability=read_availability(Config(where.component, where.object_id, announced.common)),
+        availability=whole,
     )
 
 

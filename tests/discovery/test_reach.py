@@ -1,0 +1,135 @@
+"""Whether a device can be reached: what its parts are together, and each part by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices import Device, Sighting
+from homebot.devices.part import Part
+from homebot.devices.query import parse_query
+from homebot.devices.report import REACHABLE, Reading, Report
+from homebot.devices.value import Value
+from homebot.discovery import DeviceIndex
+from homebot.messages import Time
+
+Announce = Callable[..., Sighting]
+MakePart = Callable[..., Part]
+Tell = Callable[..., Report]
+
+HOUR = 3600.0
+
+
+@pytest.fixture
+def index() -> DeviceIndex:
+    return DeviceIndex(forget_after=24 * HOUR)
+
+
+@pytest.fixture
+def lamp(announce: Announce, part: MakePart) -> Sighting:
+    return announce("lamp", part("light", "on_off", id="l", writes=("l/set",)), ids=("id:multi",), name="Multi")
+
+
+@pytest.fixture
+def meter(announce: Announce, part: MakePart) -> Sighting:
+    return announce("meter", part("electrical_meter", "power", id="m", reads=("m",)), ids=("id:multi",), name="Multi")
+
+
+def only(index: DeviceIndex) -> Device:
+    (device,) = index.devices()
+    return device
+
+
+def test_an_entity_that_is_offline_makes_itself_unreachable_while_another_speaks(
+    index: DeviceIndex, lamp: Sighting, meter: Sighting, tell: Tell
+) -> None:
+    for one in (lamp, meter):
+        index.observe(one)
+    index.report(tell(meter, "power", 5.0, part="m", at=1))
+    index.report(tell(lamp, REACHABLE, False, at=2))
+    assert (only(index).reachable.state, only(index).offline_parts) == ("no", ("l",))
+    index.take_changes()
+    index.report(tell(meter, "power", 6.0, part="m", at=3))
+    device = only(index)
+    assert (device.reachable.state, device.offline_parts) == ("unknown", ("l",))
+    assert device.reachable.why == "homeassistant:lamp is offline, but homeassistant:meter spoke since"
+    assert [one.kind for one in index.take_changes()] == ["changed"]
+    assert not index.find(parse_query("offline"))
+
+
+def test_one_part_that_can_be_reached_is_enough(
+    index: DeviceIndex, lamp: Sighting, meter: Sighting, tell: Tell
+) -> None:
+    for one in (lamp, meter):
+        index.observe(one)
+    index.report(tell(lamp, REACHABLE, False, at=2))
+    index.report(tell(meter, REACHABLE, True, at=1))
+    assert (only(index).reachable.state, only(index).offline_parts) == ("yes", ("l",))
+    index.report(tell(meter, REACHABLE, False, at=3))
+    assert (only(index).reachable.state, only(index).offline_parts) == ("no", ("l", "m"))
+    index.report(tell(lamp, REACHABLE, True, at=4))
+    assert (only(index).reachable.state, only(index).offline_parts) == ("yes", ("m",))
+
+
+def test_parts_of_one_announcement_each_have_their_own(
+    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
+) -> None:
+    both = announce("both", part("light", "on_off", id="l"), part("switch", "on_off", id="s"), ids=("id:both",))
+    index.observe(both)
+    index.report(tell(both, REACHABLE, False, part="l", at=1))
+    assert only(index).offline_parts == ("l",)
+    index.report(tell(both, "on_off", True, part="s", at=2))
+    assert (only(index).reachable.state, only(index).offline_parts) == ("unknown", ("l",))
+    index.report(tell(both, REACHABLE, True, part="l", at=3))
+    assert (only(index).reachable.state, only(index).offline_parts) == ("yes", ())
+
+
+def test_what_tells_it_no_more_is_nothing_to_go_by(index: DeviceIndex, lamp: Sighting, tell: Tell) -> None:
+    """As where the announcement that comes next names no availability."""
+    index.observe(lamp)
+    index.report(tell(lamp, REACHABLE, False, at=1))
+    index.report(tell(lamp, REACHABLE, None, at=2, address=""))
+    assert (only(index).reachable.why, only(index).offline_parts) == ("it does not say", ())
+
+
+@given(st.lists(st.tuples(st.integers(0, 3), st.booleans()), max_size=20))
+def test_a_device_of_which_each_part_tells_is_reachable_as_long_as_any_is(said: list[tuple[int, bool]]) -> None:
+    index = DeviceIndex(forget_after=HOUR)
+    names = "abcd"
+    last: dict[str, bool] = {}
+    for name in names:
+        index.observe(_sighting(name))
+    for number, (which, value) in enumerate(said):
+        last[names[which]] = value
+        reading = Reading(part="", capability=REACHABLE, value=Value.of(value))
+        at = Time.from_seconds(float(number))
+        index.report(
+            Report(gateway="g", key=names[which], readings=(reading,), address="x", retained=False, received_at=at)
+        )
+        device = only(index)
+        ids = {one.routes[0].key: one.id for one in device.parts}
+        assert set(device.offline_parts) == {ids[one] for one, is_online in last.items() if not is_online}
+        assert device.reachable.state == ("yes" if True in last.values() else "no")
+
+
+def _sighting(key: str) -> Sighting:
+    return Sighting(
+        gateway="g",
+        key=key,
+        kind="appeared",
+        why="",
+        name="Device",
+        service_type="light",
+        address="",
+        command_address="",
+        convention="homeassistant",
+        identifiers=("id:panel-4711",),
+        parts=(Part(id=key, service_type="light", tag=key, reads=(key,)),),
+        announced_on=key,
+        seen_at=Time.from_seconds(0),
+        expires_at=Time.from_seconds(HOUR),
+        confirmed=False,
+    )
