@@ -62,6 +62,10 @@ class EndpointIndex:
             and (node is None or info.node == node)
         )
 
+    def count_of(self, node: str) -> int:
+        """Return how many entities one *node* has."""
+        return len(self._by_node.get(node, {}))
+
     def types(self, kind: EntityKind) -> tuple[str, ...]:
         """Return the ROS types of the entities of one *kind*, each once."""
         return tuple(self._by_type[kind])

@@ -91,6 +91,10 @@ class Graph:
         """Return the entities of one *kind*, under one full *name*, and of one *node*; None means any."""
         return self._endpoints.find(kind, name, node)
 
+    def count_endpoints(self, node: str) -> int:
+        """Return how many entities the node with the full name *node* has, itself included."""
+        return self._endpoints.count_of(node)
+
     def get_message_types(self) -> tuple[type[Message], ...]:
         """Return what the topics carry, each type once; costs what there are of types, not of topics."""
         found: dict[type[Message], None] = {}

@@ -65,7 +65,7 @@ class Mailbox(Generic[T]):
         """Make an empty mailbox for *depth* items; with *key*, for *depth* items of each key; or with a *queue*."""
         self._losses = _Losses()
         keyed = None if key is None else KeyedQueue(depth, key, self._losses.add)
-        self._keyed: BoundedQueue[T] | None = queue or keyed
+        self._keyed: BoundedQueue[T] | None = keyed if queue is None else queue
         self.queue: Queue[T] = deque() if self._keyed is None else self._keyed
         self.depth = depth if self._keyed is None else sys.maxsize
         self.waiter: asyncio.Future[None] | None = None

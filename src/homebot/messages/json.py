@@ -76,7 +76,11 @@ def _value_to_json(value: object) -> JsonValue:
 
 def _fields_from_json(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
     known = {field.name: field for field in fields_of(message_type)}
-    return {name: _value_from_json(known[name], item) if name in known else item for name, item in value.items()}
+    fields = {name: _value_from_json(known[name], item) for name, item in value.items() if name in known}
+    if len(fields) < len(value):  # the first unknown one is enough to be refused; a flood of them costs a lot to tell
+        unknown = next(name for name in value if name not in known)
+        fields[unknown] = value[unknown]
+    return fields
 
 
 def _value_from_json(field: FieldDefinition, value: object) -> object:

@@ -23,6 +23,7 @@ from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock
 from homebot.config import Config
+from homebot.devices.quarantine import GetHealth
 from homebot.discovery import Directory
 from homebot.errors import ConfigError
 from homebot.gateways import Gateway
@@ -237,6 +238,7 @@ class Runtime:
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
             self.door = Door(node, self._plan.door)
+            node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
     def _house(self, world: World, url: str, home: str) -> Work:

@@ -116,6 +116,10 @@ BAD_FRAMES = [
     '{"op": "service_response", "service": "/s", "id": "1", "result": true}',
     '{"op": "set_level", "level": 9}',
     '{"op": "advertise_action", "action": "/a", "type": "x/action/Y"}',
+    '{"op": "subscribe", "topic": "/new", "type": "std_msgs/Strng"}',
+    '{"op": "fragment", "id": "1", "data": "{}", "num": 0, "total": 2}',
+    '{"op": "png", "data": "iVBOR"}',
+    '{"op": "subscribe", "topic": "/chatter", "compression": "cbor-raw"}',
 ]
 
 
@@ -125,7 +129,6 @@ async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(open_house:
         publisher = house.node("talker").create_publisher(String, "/chatter")
         await good.send("subscribe", topic="/chatter")
         await good.settle()
-        await bad.send("set_level", level="error")
         await bad.connection.send(frame)
         answer = await bad.receive()
         assert (answer["op"], answer["level"]) == ("status", "error")
@@ -136,14 +139,65 @@ async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(open_house:
         assert house.entities() == {("subscription", "/chatter")}
 
 
-async def test_status_is_never_sent_to_a_client_that_did_not_ask(open_house: Any) -> None:
-    """Roslibpy takes a status frame for an error of its own."""
+@pytest.mark.parametrize(
+    ("frame", "said"),
+    [
+        (
+            {"op": "subscribe", "topic": "/new", "type": "std_msgs/Strng"},
+            "'std_msgs/Strng' is not known here; similar: ",
+        ),
+        (
+            {"op": "subscribe", "topic": "/chatter", "type": "std_msgs/Int32"},
+            "/chatter carries std_msgs/msg/String, not",
+        ),
+        (
+            {"op": "publish", "topic": "/chatter", "msg": {"data": 5}},
+            "field 'data': input should be a valid string, got 5",
+        ),
+        (
+            {"op": "publish", "topic": "/nowhere", "msg": {}},
+            "there is no topic /nowhere yet, so its type must be given",
+        ),
+        ({"op": "unadvertise", "topic": "/chatter"}, "topic /chatter was not advertised by this client"),
+        ({"op": "fly"}, "asks for the unknown operation 'fly'; known are "),
+    ],
+)
+async def test_whoever_is_refused_is_told_why_and_what_without_asking_for_it(
+    open_house: Any, frame: dict[str, object], said: str
+) -> None:
+    """The protocol's default level is ``error``."""
     async with open_house() as house, house.peer() as peer:
+        house.node("talker").create_publisher(String, "/chatter")
+        await peer.connection.send(json.dumps(frame | {"id": "mine"}))
+        answer = await peer.receive()
+    assert (answer["op"], answer["level"], answer["id"]) == ("status", "error", "mine")
+    assert said in answer["msg"]
+
+
+async def test_status_is_not_sent_to_a_client_that_asked_for_none(open_house: Any) -> None:
+    async with open_house() as house, house.peer() as peer:
+        await peer.send("set_level", level="none")
         with capture_logs() as logs:
             for _ in range(20):
                 await peer.connection.send("not json")
-            assert (await peer.call("/rosapi/get_time"))["result"] is True
+            await peer.send("call_service", id="call", service="/rosapi/get_time")
+            assert (await peer.receive())["op"] == "service_response"
         assert [line["op"] for line in logs if line["event"] == "door.refused"] == ["frame"] * 20
+
+
+@pytest.mark.parametrize("extra", [{"compression": "cbor"}, {"compression": "png"}, {"fragment_size": 100}])
+async def test_what_the_door_does_not_speak_is_said_and_messages_come_as_json(
+    open_house: Any, extra: dict[str, object]
+) -> None:
+    async with open_house() as house, house.peer() as peer:
+        publisher = house.node("talker").create_publisher(String, "/chatter")
+        await peer.send("set_level", level="warning")
+        await peer.send("subscribe", id="s", topic="/chatter", **extra)
+        remark = await peer.receive()
+        assert (remark["op"], remark["level"], remark["id"]) == ("status", "warning", "s")
+        assert "this door " in remark["msg"]
+        publisher.publish(String(data="x" * 1000))
+        assert (await peer.receive())["msg"] == {"data": "x" * 1000}
 
 
 @pytest.mark.parametrize(
@@ -199,6 +253,49 @@ async def test_a_client_may_hold_only_so_much(open_house: Any) -> None:
             await peer.send("advertise", topic=f"/t{number}", type="std_msgs/String")
         assert "this client uses 2 topics and services already" in (await peer.receive())["msg"]
         assert len(house.entities()) == 2
+
+
+async def test_each_id_of_a_request_counts(open_house: Any) -> None:
+    async with open_house(DoorSettings(port=0, max_entities=3)) as house, house.peer() as peer:
+        house.node("talker").create_publisher(String, "/chatter")
+        for number in range(4):
+            await peer.send("subscribe", id=f"{number}", topic="/chatter")
+        assert "this client uses 3 topics and services already" in (await peer.receive())["msg"]
+        await peer.send("unsubscribe", id="0", topic="/chatter")
+        await peer.send("advertise", id="a", topic="/chatter", type="std_msgs/String")
+        await peer.send("advertise", id="b", topic="/chatter", type="std_msgs/String")
+        assert "this client uses 4 topics and services already" in (await peer.receive())["msg"]
+        await peer.send("unadvertise", topic="/chatter")
+        await peer.send("unsubscribe", topic="/chatter")
+        await peer.settle()
+        assert house.entities() == set()
+
+
+async def test_all_clients_together_may_hold_only_so_much(open_house: Any) -> None:
+    async with (
+        open_house(DoorSettings(port=0, max_entities_of_all=5)) as house,
+        house.peer() as one,
+        house.peer() as two,
+    ):
+        for number in range(3):
+            await one.send("advertise", topic=f"/t{number}", type="std_msgs/String")
+        await one.settle()
+        await two.send("advertise", topic="/mine", type="std_msgs/String")
+        assert "all clients together use 5 topics and services already" in (await two.receive())["msg"]
+
+
+async def test_a_client_that_sends_too_fast_is_read_more_slowly_and_loses_nothing(open_house: Any) -> None:
+    async with open_house(DoorSettings(port=0, max_frames_per_second=100)) as house, house.peer() as peer:
+        reader = house.node("reader").create_subscription(String, "/chatter", qos_profile=1000)
+        await peer.send("set_level", level="warning")
+        started = anyio.current_time()
+        for number in range(150):
+            await peer.send("publish", topic="/chatter", msg={"data": f"{number}"})
+        assert "more than 100 frames a second came from this client" in (await peer.receive())["msg"]
+        with anyio.fail_after(10):
+            got = [(await reader.receive()).data for _ in range(150)]
+    assert anyio.current_time() - started >= 0.5
+    assert got == [f"{number}" for number in range(150)]
 
 
 async def test_one_client_too_many_is_turned_away(open_house: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -9,8 +10,11 @@ import anyio
 import anyio.lowlevel
 import pytest
 
+from homebot.bridges.rosbridge.backlog import Backlog, DoorBacklog
 from homebot.bridges.rosbridge.feed import Feed
+from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import Subscribe
+from homebot.bridges.rosbridge.turns import Turns
 from homebot.errors import LinkError
 from homebot.graph import Graph, Node, Publisher
 from homebot.messages import Int32
@@ -26,10 +30,10 @@ class Client:
         self.frames: list[tuple[float, JsonObject]] = []
         self.is_gone = False
 
-    async def send(self, frame: JsonObject) -> None:
+    async def send(self, text: str) -> None:
         if self.is_gone:
             raise LinkError("gone")
-        self.frames.append((round(anyio.current_time() - self.started, 3), frame))
+        self.frames.append((round(anyio.current_time() - self.started, 3), json.loads(text)))
 
     def start(self) -> None:
         self.started = anyio.current_time()
@@ -42,15 +46,17 @@ class Client:
 @asynccontextmanager
 async def feeding(client: Client, *requests: Subscribe) -> AsyncIterator[Publisher[Int32]]:
     graph = Graph()
-    feed = Feed(Node(graph, "door"), "/n", Int32, 10, client.send)
+    outbox = Outbox(client.send, lambda: None, Turns(), 1000)
+    feed = Feed(Node(graph, "door"), "/n", Int32, 10, Backlog(10_000, DoorBacklog(10_000)), outbox)
     for request in requests:
         feed.add(request)
     publisher = Node(graph, "talker").create_publisher(Int32, "/n")
     async with anyio.create_task_group() as tasks:
-        tasks.start_soon(feed.run)
+        tasks.start_soon(outbox.run)
         client.start()
         yield publisher
         feed.close()
+        tasks.cancel_scope.cancel()
 
 
 def request(identifier: str, throttle_rate: float = 0, queue_length: int = 0) -> Subscribe:
@@ -95,10 +101,11 @@ async def test_what_was_lost_is_told_with_the_next_message() -> None:
     assert [frame.get("lost", 0) for _, frame in client.frames] == [3] + [0] * 9
 
 
-async def test_a_feed_ends_with_its_client() -> None:
+async def test_a_closed_feed_sends_nothing_more_also_while_it_was_throttled() -> None:
     client = Client()
-    client.is_gone = True
-    with anyio.fail_after(1):
-        async with feeding(client, request("a")) as publisher:
-            publisher.publish(Int32(data=1))
-    assert client.frames == []
+    async with feeding(client, request("a", throttle_rate=100, queue_length=2)) as publisher:
+        for number in range(3):
+            publisher.publish(Int32(data=number))
+        await anyio.sleep(0.05)
+    await anyio.sleep(1)
+    assert client.seen == [(0.0, 0)]

@@ -72,7 +72,23 @@ def test_a_number_may_be_an_identifier() -> None:
         ('{"op": "call_service", "service": "/s", "timeout": "soon"}', "'timeout': .*number, got 'soon'"),
         ('{"op": "publish", "topic": "/t", "msg": {"data": "\\ud800"}}', "half a surrogate pair"),
         ('{"op": "publish", "topic": "/t", "msg": ' + '{"a":' * 200 + "1" + "}" * 201, "nested more than 100 deep"),
-        ("[" * 100_000, "nested more than 100 deep"),
+        ("[" * 10_000, "nested more than 100 deep"),
+        ("[" * 100_000, "holds more than 20,000 values"),
+        (
+            '{"op": "publish", "topic": "/t", "msg": {"data": [' + "0," * 20_000 + "0]}}",
+            "holds more than 20,000 values",
+        ),
+        ('{"op": "subscribe", "topic": "/' + "t" * 600 + '"}', "field 'topic': .*at most 500 characters"),
+        ('{"op": "subscribe", "topic": "/t", "id": "' + "i" * 1001 + '"}', "field 'id.*at most 1000 characters"),
+        (
+            '{"op": "subscribe", "topic": "/t", "compression": "cbor-raw"}',
+            "'compression': .*'png' or 'cbor', got 'cbor-r",
+        ),
+        (
+            '{"op": "fragment", "id": "1", "data": "{}", "num": 0, "total": 1}',
+            "asks for fragment, .*send each message wh",
+        ),
+        ('{"op": "png", "data": "iVBOR"}', "asks for png, which this door does not speak"),
         ('{"op": "publish", "id": ' + "9" * 5000 + "}", "not JSON"),
     ],
 )

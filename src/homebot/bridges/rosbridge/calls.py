@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from typing import Any
 
 from homebot.bridges.rosbridge.protocol import CallService, service_failure, service_success
 from homebot.bridges.rosbridge.values import message_from_client
 from homebot.errors import HomebotError, ServiceFailedError, ServiceUnavailableError, TypeMismatchError
-from homebot.graph import Node
+from homebot.graph import EntityKind, Node
 from homebot.messages.definition import fields_of
 from homebot.messages.json import JsonObject, message_to_json
 from homebot.messages.message import Message
@@ -16,6 +17,7 @@ __all__ = ["call_service"]
 
 _DEFAULT_TIMEOUT = 5.0
 _MAX_TIMEOUT = 3600.0
+_MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a client may ask again and again
 
 
 async def call_service(node: Node, op: CallService) -> JsonObject:
@@ -24,6 +26,8 @@ async def call_service(node: Node, op: CallService) -> JsonObject:
         values = await _call(node, op)
     except ServiceFailedError as exc:
         return service_failure(op.service, op.id, exc.reason)
+    except ServiceUnavailableError as exc:
+        return service_failure(op.service, op.id, _unavailable(node, exc))
     except HomebotError as exc:
         return service_failure(op.service, op.id, str(exc))
     return service_success(op.service, op.id, values)
@@ -42,6 +46,16 @@ async def _call(node: Node, op: CallService) -> JsonObject:
         return message_to_json(await client.call(request, timeout))
     finally:
         client.close()
+
+
+def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
+    """Return the error for a program outside, which has no client object to wait with."""
+    if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=error.service):
+        return str(error)
+    known = [info.name for info in node.graph.get_endpoints(kind=EntityKind.SERVICE)]
+    similar = get_close_matches(error.service[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
+    hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services tells which there are"
+    return f"service {error.service} has no server now; {hint}"
 
 
 def _request(request_type: type[Message], args: dict[str, Any] | list[Any]) -> Message:

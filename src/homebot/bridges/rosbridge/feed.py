@@ -1,24 +1,22 @@
 """One topic on its way to one client.
 
-Messages wait in the subscription's own queue until the client can take them: a slow client loses its oldest messages,
-counted, and holds up nobody.
+Messages wait in a queue of the client's backlog until the client can take them: a slow client loses messages, counted,
+and holds up nobody.
 """
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+import asyncio
 
-import anyio
-
+from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
+from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import Identifier, Subscribe, publish_frame
-from homebot.errors import ClosedError, LinkError
 from homebot.graph import DurabilityPolicy, EntityKind, Graph, Node, QoSProfile, ReliabilityPolicy
+from homebot.graph.subscription import key_of
 from homebot.messages.json import JsonObject, message_to_json
 from homebot.messages.message import Message
 
 __all__ = ["Feed"]
-
-_TURN = 64  # messages sent before other tasks get their turn, should the client keep up
 
 
 class Feed:
@@ -29,33 +27,33 @@ class Feed:
         topic: The name that the client uses.
         message_type: What the topic carries.
         depth: Messages that may wait.
-        send: Takes a frame to the client, waiting until there is room for it.
+        backlog: All that waits for the client.
+        outbox: Takes frames to the client.
 
     Attributes:
         requests: The client's requests by their ids.
     """
 
     def __init__(
-        self,
-        node: Node,
-        topic: str,
-        message_type: type[Message],
-        depth: int,
-        send: Callable[[JsonObject], Awaitable[None]],
+        self, node: Node, topic: str, message_type: type[Message], depth: int, backlog: Backlog, outbox: Outbox
     ) -> None:
         self.requests: dict[Identifier, Subscribe] = {}
         self._node = node
         self._topic = topic
         self._message_type = message_type
-        self._send = send
+        self._outbox = outbox
+        self._told = 0
+        self._rest: asyncio.TimerHandle | None = None
         self._qos = _fitting_qos(node.graph, node.resolve_name(topic), depth)
-        self._subscription = node.create_subscription(message_type, topic, qos_profile=self._qos)
-        self._scope = anyio.CancelScope()
+        self._queue = FeedQueue(depth, key_of(message_type), backlog, self._note_arrival)
+        lost = backlog.everybody.lost
+        self._subscription = node.create_subscription(message_type, topic, qos_profile=self._qos, queue=self._queue)
+        self._queue.lost, backlog.everybody.lost = 0, lost  # to ask for less history than is kept is no loss
 
     @property
     def lost(self) -> int:
         """Messages dropped because the client was too slow."""
-        return self._subscription.lost
+        return self._queue.lost
 
     def add(self, op: Subscribe) -> None:
         """Take one more request of the client; it gets what the publishers keep for late joiners."""
@@ -65,39 +63,40 @@ class Feed:
             late = self._node.create_subscription(self._message_type, self._topic, qos_profile=self._qos)
             late.close()
             while (kept := late.take()) is not None:
-                self._subscription.mailbox.put(kept)
+                self._queue.append(kept)
 
-    async def run(self) -> None:
-        """Send until :meth:`close`, or until the client is gone."""
-        with self._scope:
-            try:
-                await self._run()
-            except (ClosedError, LinkError):
-                return
+    def take(self) -> JsonObject | None:
+        """Return the frame of the oldest waiting message, if there is one; the outbox asks again after others' turn."""
+        message = self._subscription.take()
+        if message is None or not self.requests:
+            return None
+        lost, self._told = self.lost - self._told, self.lost
+        if throttle := min(op.throttle_rate for op in self.requests.values()):
+            self._rest = asyncio.get_running_loop().call_later(throttle / 1000, self._end_rest)
+        elif len(self._queue):
+            self._outbox.ready(self)
+        return publish_frame(self._topic, message_to_json(message), lost)
 
     def close(self) -> None:
         """Leave the topic; nothing more is sent. Twice is fine."""
+        self.requests = {}
+        self._queue.close()
         self._subscription.close()
-        self._scope.cancel()
+        if self._rest is not None:
+            self._rest.cancel()
 
-    async def _run(self) -> None:
-        told, sent = 0, 0
-        while True:
-            message = await self._subscription.receive()
-            lost, told = self.lost - told, self.lost
-            await self._send(publish_frame(self._topic, message_to_json(message), lost))
-            sent += 1
-            if throttle := min(op.throttle_rate for op in self.requests.values()):
-                await anyio.sleep(throttle / 1000)
-                self._drop_throttled()
-            elif sent % _TURN == 0:
-                await anyio.lowlevel.checkpoint()
+    def _note_arrival(self) -> None:
+        if self._rest is None:
+            self._outbox.ready(self)
 
-    def _drop_throttled(self) -> None:
+    def _end_rest(self) -> None:
         """Drop what came while throttled, save the newest ``queue_length`` messages; that is no loss but a wish."""
+        self._rest = None
         keep = max(op.queue_length for op in self.requests.values())
-        while len(self._subscription.mailbox.queue) > keep:
-            self._subscription.mailbox.take()
+        while len(self._queue) > keep:
+            self._queue.popleft()
+        if len(self._queue):
+            self._outbox.ready(self)
 
 
 def _fitting_qos(graph: Graph, topic: str, depth: int) -> QoSProfile:

@@ -1,7 +1,7 @@
 """The frames of rosbridge v2: JSON text in, typed operations out, and the frames that go back. No I/O.
 
-As rosbridge clients expect, a sender hears of its failures (as ``status`` frames) only after it asked for them with
-``set_level``; calls and goals are answered in any case.
+A sender hears of its failures in ``status`` frames, unless it asked with ``set_level`` for none; calls and goals are
+answered in any case.
 
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 1 to 3.
 """
@@ -9,6 +9,7 @@ Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 1 to 3.
 from __future__ import annotations
 
 import json
+import re
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -47,11 +48,15 @@ __all__ = [
 Identifier: TypeAlias = "str | int | None"
 Level: TypeAlias = Literal["none", "error", "warning", "info"]
 
+MAX_VALUES = 20_000  # a megabyte of text is read in 3 ms, but one of empty lists in 250 ms
 MAX_NESTING = 100  # no message of a house is this deep, and code that walks a value may recurse
+_STRING = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"', re.DOTALL)
 _NAMES = ("service", "action", "topic")
 _ACTION_ABORTED = 6  # action_msgs/msg/GoalStatus STATUS_ABORTED
 
-Name = Annotated[str, Field(min_length=1)]
+_LONGEST_ID = 1000
+Name = Annotated[str, Field(min_length=1, max_length=500)]
+Id = Annotated[str, Field(max_length=_LONGEST_ID)]
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000, allow_inf_nan=False)]
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -87,7 +92,7 @@ class Operation(BaseModel):
     ops: ClassVar[tuple[str, ...]] = ()
 
     op: str
-    id: Identifier = None
+    id: Id | int | None = None
 
     @property
     def name(self) -> str:
@@ -129,6 +134,8 @@ class Subscribe(Operation):
     Attributes:
         throttle_rate: Least milliseconds between two messages.
         queue_length: Messages that wait while throttled, the oldest dropped first; 0 drops what comes meanwhile.
+        compression: How messages should come. This door sends JSON, which clients take as well.
+        fragment_size: Largest frame that the client wants; this door sends each message in one.
     """
 
     ops = ("subscribe",)
@@ -137,6 +144,8 @@ class Subscribe(Operation):
     type: str = ""
     throttle_rate: Milliseconds = 0
     queue_length: Annotated[int, Field(ge=0)] = 0
+    compression: Literal["none", "png", "cbor"] = "none"
+    fragment_size: int | None = None
 
 
 class Unsubscribe(Operation):
@@ -242,6 +251,8 @@ _CLASSES: dict[str, type[Operation]] = {
     for op in cls.ops
 }
 
+_WHOLE_FRAMES_ONLY = frozenset({"fragment", "png"})
+
 
 def parse_frame(text: str) -> Operation:
     """Return the operation that the frame *text* asks for; a field that is null counts as left out.
@@ -258,9 +269,14 @@ def parse_frame(text: str) -> Operation:
     if not isinstance(op, str):
         raise FrameError("has no field 'op'" if op is None else f"has no text as its field 'op' but {str(op)[:60]!r}")
     identifier = fields.get("id")
-    known_id = identifier if isinstance(identifier, str | int) else None
+    is_id = isinstance(identifier, int) or (isinstance(identifier, str) and len(identifier) <= _LONGEST_ID)
+    known_id = identifier if is_id else None
     target = next((item for key in _NAMES if isinstance(item := fields.get(key), str)), "")
     cls = _CLASSES.get(op)
+    if op in _WHOLE_FRAMES_ONLY:
+        raise FrameError(
+            f"asks for {op}, which this door does not speak; send each message whole, as JSON", "", known_id
+        )
     if cls is None:
         problem = f"asks for the unknown operation {op[:60]!r}; known are {', '.join(sorted(_CLASSES))}"
         raise FrameError(problem, "", known_id)
@@ -316,6 +332,7 @@ def _service_response(service: str, identifier: Identifier, values: JsonValue, *
 
 
 def _load(text: str) -> object:
+    _check_size(text)
     try:
         value: object = json.loads(text)
     except RecursionError:
@@ -327,6 +344,16 @@ def _load(text: str) -> object:
     if "\\ud" in text or "\\uD" in text:
         _check_unicode(value)
     return value
+
+
+def _check_size(text: str) -> None:
+    """Count what separates values before they are read: how long that takes depends on their number."""
+    if _separators(text) >= MAX_VALUES and _separators(_STRING.sub("", text)) >= MAX_VALUES:
+        raise FrameError(f"holds more than {MAX_VALUES:,} values; send bytes as base64 text")
+
+
+def _separators(text: str) -> int:
+    return text.count(",") + text.count("[") + text.count("{")
 
 
 def _check_nesting(value: object) -> None:

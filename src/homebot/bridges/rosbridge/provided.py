@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
 from typing import Any
 
+from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
     AdvertiseService,
     ServiceResponse,
@@ -16,7 +16,7 @@ from homebot.bridges.rosbridge.types import service_type_of
 from homebot.bridges.rosbridge.values import message_from_client
 from homebot.errors import PeerError, RefusedError
 from homebot.graph import Node, Service
-from homebot.messages.json import JsonObject, message_to_json
+from homebot.messages.json import message_to_json
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
@@ -29,13 +29,13 @@ class ProvidedServices:
     Args:
         node: The node that serves in the client's stead.
         limit: Calls that the client may owe an answer to; one more fails at once.
-        send: Takes a frame to the client, waiting until there is room for it.
+        outbox: Takes frames to the client.
     """
 
-    def __init__(self, node: Node, limit: int, send: Callable[[JsonObject], Awaitable[None]]) -> None:
+    def __init__(self, node: Node, limit: int, outbox: Outbox) -> None:
         self._node = node
         self._limit = limit
-        self._send = send
+        self._outbox = outbox
         self._services: dict[str, Service[Any, Any]] = {}
         self._pending: dict[str, asyncio.Future[ServiceResponse]] = {}
         self._calls = 0
@@ -83,19 +83,23 @@ class ProvidedServices:
             raise PeerError(f"no call of {op.service} with the id {op.id!r} waits for a response (any more)")
         pending.set_result(op)
 
-    def close(self) -> None:
-        """Withdraw everything; calls under way fail."""
-        while self._services:
-            self._services.popitem()[1].close()
+    def close_one(self) -> bool:
+        """Withdraw one service, whose calls under way fail; return whether there was one."""
+        if not self._services:
+            return False
+        self._services.popitem()[1].close()
+        return True
 
     async def _ask(self, name: str, service_type: ServiceType[Any, Any], request: Message) -> Message:
         if len(self._pending) >= self._limit:
             raise RefusedError(f"the call of {name}", f"its provider owes {self._limit} answers already")
+        if not self._outbox.has_room:
+            raise RefusedError(f"the call of {name}", "its provider does not read what it is sent")
         self._calls += 1
         identifier = f"service_request:{name}:{self._calls}"
         pending = self._pending[identifier] = asyncio.get_running_loop().create_future()
         try:
-            await self._send(service_request(name, identifier, message_to_json(request)))
+            self._outbox.answer(service_request(name, identifier, message_to_json(request)))
             response = await pending
         finally:
             del self._pending[identifier]

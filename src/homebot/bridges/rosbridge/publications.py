@@ -35,9 +35,11 @@ class Publications:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._topics: dict[str, _Publication] = {}
+        self._ids = 0
 
     def __len__(self) -> int:
-        return len(self._topics)
+        """How many topics and ids there are: each id of each topic counts."""
+        return len(self._topics) + self._ids
 
     def __contains__(self, topic: object) -> bool:
         return topic in self._topics
@@ -51,6 +53,7 @@ class Publications:
             PeerError: The type is unknown.
         """
         publication = self._open(op.topic, op.type, latched=op.latch)
+        self._ids += op.id is not None and op.id not in publication.ids
         publication.ids.add(op.id)
 
     def unadvertise(self, op: Unadvertise) -> None:
@@ -62,9 +65,10 @@ class Publications:
         publication = self._topics.get(op.topic)
         if publication is None:
             raise PeerError(f"topic {op.topic} was not advertised by this client")
+        self._ids -= op.id is not None and op.id in publication.ids
         publication.ids.discard(op.id)
         if op.id is None or not publication.ids:
-            self._topics.pop(op.topic).publisher.close()
+            self._close(op.topic)
 
     def publish(self, op: Publish) -> None:
         """Publish a message; a topic that exists need not be advertised.
@@ -81,10 +85,17 @@ class Publications:
         message = message_from_client(message_type, op.msg)
         self._open(op.topic, "", latched=op.latch).publisher.publish(message)
 
-    def close(self) -> None:
-        """Give everything up."""
-        while self._topics:
-            self._topics.popitem()[1].publisher.close()
+    def close_one(self) -> bool:
+        """Give one topic up; return whether there was one."""
+        if not self._topics:
+            return False
+        self._close(next(reversed(self._topics)))
+        return True
+
+    def _close(self, topic: str) -> None:
+        publication = self._topics.pop(topic)
+        self._ids -= len(publication.ids - {None})
+        publication.publisher.close()
 
     def _open(self, topic: str, ros_type: str, *, latched: bool) -> _Publication:
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(topic), ros_type)

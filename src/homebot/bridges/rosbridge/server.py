@@ -1,6 +1,6 @@
 """The door itself: listens, lets clients in, gives each a session, and closes them cleanly.
 
-The only file that imports the WebSocket server.
+With :mod:`homebot.bridges.rosbridge.connection` the only file that imports the WebSocket server.
 """
 
 from __future__ import annotations
@@ -8,8 +8,10 @@ from __future__ import annotations
 import errno
 import logging
 from collections.abc import AsyncIterator
+from dataclasses import asdict
+from functools import partial
 from http import HTTPStatus
-from typing import Final
+from typing import Final, cast
 
 import anyio
 from anyio.abc import TaskStatus
@@ -19,13 +21,19 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from homebot.bridges.rosbridge.admission import is_loopback, is_token, refusal, token_of
+from homebot.bridges.rosbridge.backlog import DoorBacklog
+from homebot.bridges.rosbridge.common import Common
 from homebot.bridges.rosbridge.complaints import Complaints
-from homebot.bridges.rosbridge.protocol import encode_frame
+from homebot.bridges.rosbridge.connection import Connection
+from homebot.bridges.rosbridge.counters import DoorCounters
+from homebot.bridges.rosbridge.expected_topics import ExpectedTopics
 from homebot.bridges.rosbridge.session import Session
 from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.token_guard import TokenGuard
+from homebot.bridges.rosbridge.turns import Turns
+from homebot.devices.quarantine import Count, HealthRequest, HealthResponse
 from homebot.errors import ConfigError, LinkError
 from homebot.graph import Node
-from homebot.messages.json import JsonObject
 
 __all__ = ["Door"]
 
@@ -59,7 +67,16 @@ class Door:
         self._node = node
         self._settings = settings
         self._complaints = Complaints(node)
+        self._counters = DoorCounters()
+        self._backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
+        self._turns = Turns()
+        self._expected = ExpectedTopics(node.graph)
+        self._guard = TokenGuard()
+        self._common = Common(
+            node, settings, self._turns, self._backlog, self._expected, self._counters, self._complaints
+        )
         self._sessions: dict[ServerConnection, Session] = {}
+        self._arriving: dict[Connection, None] = {}
         self._port = settings.port
 
     @property
@@ -72,6 +89,15 @@ class Door:
         """How many clients are connected."""
         return len(self._sessions)
 
+    def health(self, _request: HealthRequest) -> HealthResponse:
+        """Return what was counted, and who guesses tokens; the answer of the service ``health``."""
+        counts = {**asdict(self._counters), "messages_lost": self._backlog.lost, "clients_now": len(self._sessions)}
+        guessing = self._guard.guessing(self._node.graph.clock.monotonic())
+        troubles = (f"wrong tokens come from {', '.join(guessing[:5])}",) if guessing else ()
+        return HealthResponse(
+            counts=tuple(Count(name=name, count=count) for name, count in counts.items()), troubles=troubles
+        )
+
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Serve until cancelled; ``started()`` once it listens. Cancelling closes the clients' connections cleanly.
 
@@ -80,9 +106,11 @@ class Door:
         """
         server = await self._listen()
         self._port = next(iter(server.sockets)).getsockname()[1]
-        task_status.started()
         try:
-            await anyio.sleep_forever()
+            async with anyio.create_task_group() as tasks:
+                await tasks.start(self._expected.run)
+                task_status.started()
+                await anyio.sleep_forever()
         finally:
             with anyio.CancelScope(shield=True):
                 await self._stop(server)
@@ -111,28 +139,50 @@ class Door:
                 max_size=settings.max_frame_bytes,
                 open_timeout=_OPEN_TIMEOUT,
                 close_timeout=_CLOSE_TIMEOUT,
+                max_queue=1,  # frames; a frame may be large
+                create_connection=cast("type[ServerConnection]", partial(Connection, self._turns, self._arriving)),
                 logger=log,
             )
         except OSError as exc:
             raise ConfigError("door", "", _listening_problem(settings, exc)) from exc
 
-    def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
+    async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         settings, headers = self._settings, request.headers
         if len(self._sessions) >= settings.max_clients:
             return self._turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, "too many clients are connected")
         problem = refusal(settings, headers.get_all("Host"), headers.get_all("Origin"))
         if problem is not None:
             return self._turn_away(connection, HTTPStatus.FORBIDDEN, problem)
-        if not is_token(settings, token_of(request.path, headers.get_all("Authorization"))):
-            return self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a token is needed, and this is not it")
+        if settings.token is not None:
+            response = await self._check_token(connection, token_of(request.path, headers.get_all("Authorization")))
+            if response is not None:
+                return response
         if not any("websocket" in value.lower() for value in headers.get_all("Upgrade")):
             response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, _GREETING)
             response.headers["Upgrade"] = "websocket"
             return response
         return None
 
+    async def _check_token(self, connection: ServerConnection, token: str) -> Response | None:
+        address, now = _address_of(connection).rpartition(":")[0], self._node.graph.clock.monotonic
+        wait = self._guard.begin(address, now())
+        if wait is None:
+            problem = "too many wrong tokens come from this address; try again in a second"
+            return self._turn_away(connection, HTTPStatus.TOO_MANY_REQUESTS, problem)
+        is_wrong = False
+        try:
+            await anyio.sleep(wait)
+            is_wrong = not is_token(self._settings, token)
+        finally:
+            self._guard.end(address, now(), waited=wait > 0, was_wrong=is_wrong)
+        if not is_wrong:
+            return None
+        self._counters.wrong_tokens += 1
+        return self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a token is needed, and this is not it")
+
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)
+        self._counters.turned_away += 1
         self._complaints.say(
             f"turned away {client.rpartition(':')[0]}",
             "door.turned_away",
@@ -143,17 +193,28 @@ class Door:
         return connection.respond(status, f"{problem}\n")
 
     async def _serve(self, connection: ServerConnection) -> None:
-        async def send(frame: JsonObject) -> None:
+        if len(self._sessions) >= self._settings.max_clients:  # several were let in at the same time
+            await connection.close(CloseCode.TRY_AGAIN_LATER, "too many clients are connected")
+            return
+
+        async def send(text: str) -> None:
             with anyio.move_on_after(self._settings.stall_timeout) as limit:
                 try:
-                    await connection.send(encode_frame(frame))
+                    await connection.send(text)
                 except ConnectionClosed as exc:
                     raise LinkError("the client is gone") from exc
             if limit.cancelled_caught:
-                connection.transport.abort()
+                cut()
                 raise LinkError("the client takes no more bytes")
 
-        session = Session(self._node, self._settings, _address_of(connection), send, self._complaints)
+        def cut() -> None:
+            self._counters.clients_cut += 1
+            connection.transport.abort()
+
+        self._counters.clients += 1
+        if isinstance(connection, Connection):
+            connection.has_arrived()
+        session = Session(self._common, _address_of(connection), send, cut)
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))

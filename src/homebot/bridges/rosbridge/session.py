@@ -1,19 +1,23 @@
 """One client of the door: what it may do, what it holds, and that all of it goes when the client goes.
 
-Frames are handled in the order in which they come; service calls run side by side.
+Frames are handled in the order in which they come, each in a turn of its own; service calls run side by side.
 """
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 
 import anyio
 from anyio.abc import TaskGroup
 
+from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.calls import call_service
-from homebot.bridges.rosbridge.complaints import Complaints, deed
+from homebot.bridges.rosbridge.common import Common
+from homebot.bridges.rosbridge.complaints import deed
+from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
     ActionOperation,
     Advertise,
@@ -37,84 +41,102 @@ from homebot.bridges.rosbridge.protocol import (
 )
 from homebot.bridges.rosbridge.provided import ProvidedServices
 from homebot.bridges.rosbridge.publications import Publications
-from homebot.bridges.rosbridge.settings import DoorSettings
+from homebot.bridges.rosbridge.rate import FrameRate
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
+from homebot.bridges.rosbridge.turns import Turns
 from homebot.errors import HomebotError, LinkError, PeerError
-from homebot.graph import Node
-from homebot.messages.json import JsonObject
+from homebot.log import LogLimit
 
 __all__ = ["Session"]
 
 _SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 _NO_ACTIONS = "this homebot offers no actions"
+_ANSWERS = 1_048_576
+"""Bytes of answers that may wait for a client before it is listened to no more."""
 
 
 class Session:
     """What one client does through the door.
 
     Args:
-        node: The node that acts in the client's stead.
-        settings: The limits.
+        common: What it shares with other clients.
         client: What to call the client in the log.
-        send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
-        complaints: Where the log hears of what the client does wrong.
+        send: Takes text to the client, waiting until there is room for it; LinkError when the client is gone.
+        cut: Ends the connection at once.
 
     Attributes:
         refused: Frames and requests of the client that were refused.
     """
 
     def __init__(
-        self,
-        node: Node,
-        settings: DoorSettings,
-        client: str,
-        send: Callable[[JsonObject], Awaitable[None]],
-        complaints: Complaints,
+        self, common: Common, client: str, send: Callable[[str], Awaitable[None]], cut: Callable[[], None]
     ) -> None:
         self.refused = 0
-        self._node = node
-        self._settings = settings
+        self._common = common
+        self._node = common.node
+        self._settings = common.settings
+        self._turns = common.turns
         self._client = client
-        self._send = send
-        self._complaints = complaints
-        self._level: Level = "none"
+        self._outbox = Outbox(send, cut, common.turns, _ANSWERS)
+        self._level: Level = "error"
         self._calls = 0
+        self._slowness = LogLimit(common.node.graph.clock)
 
     async def run(self, frames: AsyncIterator[str]) -> None:
         """Do what *frames* ask for until they end; then take back everything the client holds."""
+        backlog = Backlog(self._settings.max_waiting_bytes, self._common.backlog)
+        node, settings = self._node, self._settings
         async with anyio.create_task_group() as tasks:
             holdings = _Holdings(
-                Publications(self._node),
-                Subscriptions(self._node, self._settings.queue_depth, self._send, tasks),
-                ProvidedServices(self._node, self._settings.max_calls, self._send),
+                Publications(node),
+                Subscriptions(
+                    node, settings.queue_depth, backlog, self._outbox, self._common.expected, self._say_unfit
+                ),
+                ProvidedServices(node, settings.max_calls, self._outbox),
                 tasks,
             )
             try:
-                async for frame in frames:
-                    await self._handle(frame, holdings)
-            except LinkError:
-                pass  # the client went while it was being answered
+                tasks.start_soon(self._send, tasks)
+                await self._read(frames, holdings)
             finally:
-                holdings.close()
+                backlog.close()
                 tasks.cancel_scope.cancel()
+                with anyio.CancelScope(shield=True):
+                    await holdings.close(self._turns)
 
-    async def _handle(self, frame: str, holdings: _Holdings) -> None:
+    async def _send(self, tasks: TaskGroup) -> None:
+        with suppress(LinkError):  # the client is gone, and so is the session
+            await self._outbox.run()
+        tasks.cancel_scope.cancel()
+
+    async def _read(self, frames: AsyncIterator[str], holdings: _Holdings) -> None:
+        """Handle one frame after the other, no faster than the client may send and takes its answers."""
+        now = self._node.graph.clock.monotonic
+        rate = FrameRate(self._settings.max_frames_per_second, now())
+        async for frame in frames:
+            if wait := rate.take(now()):
+                self._say_slow()
+                await anyio.sleep(wait)
+            await self._outbox.room()
+            await self._turns.turn()
+            self._handle(frame, holdings)
+
+    def _handle(self, frame: str, holdings: _Holdings) -> None:
+        self._common.counters.frames += 1
         try:
             op = parse_frame(frame)
         except FrameError as exc:
             said = f": {_refusal(exc.op, exc.target, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
             self._complain(said, exc.op or "frame", exc.problem)
-            await self._answer(exc.op, exc.id, exc.target, str(exc))
+            self._answer(exc.op, exc.id, exc.target, str(exc))
             return
         try:
-            await self._do(op, holdings)
+            self._do(op, holdings)
         except HomebotError as exc:
-            if isinstance(exc, LinkError):
-                raise
             self._complain(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
-            await self._answer(op.op, op.id, op.name, str(exc))
+            self._answer(op.op, op.id, op.name, str(exc))
 
-    async def _do(self, op: Operation, holdings: _Holdings) -> None:
+    def _do(self, op: Operation, holdings: _Holdings) -> None:
         match op:
             case Publish():
                 if op.topic not in holdings.publications:
@@ -127,13 +149,13 @@ class Session:
             case SetLevel():
                 self._level = op.level
             case ActionOperation(op="send_action_goal"):
-                await self._send(action_refusal(op.action, op.id, _NO_ACTIONS))
+                self._outbox.answer(action_refusal(op.action, op.id, _NO_ACTIONS))
             case ActionOperation():
                 raise PeerError(f"{op.action}: {_NO_ACTIONS}")
             case _:
-                await self._register(op, holdings)
+                self._register(op, holdings)
 
-    async def _register(self, op: Operation, holdings: _Holdings) -> None:
+    def _register(self, op: Operation, holdings: _Holdings) -> None:
         match op:
             case Advertise():
                 self._check_room(holdings)
@@ -142,8 +164,7 @@ class Session:
                 holdings.publications.unadvertise(op)
             case Subscribe():
                 self._check_room(holdings)
-                if (remark := await holdings.subscriptions.subscribe(op)) is not None:
-                    await self._remark("warning", remark, op.id)
+                self._subscribe(op, holdings)
             case Unsubscribe():
                 holdings.subscriptions.unsubscribe(op)
             case AdvertiseService():
@@ -151,6 +172,15 @@ class Session:
                 holdings.services.advertise(op)
             case UnadvertiseService():
                 holdings.services.unadvertise(op)
+
+    def _subscribe(self, op: Subscribe, holdings: _Holdings) -> None:
+        if (remark := holdings.subscriptions.subscribe(op)) is not None:
+            self._remark(*remark, op.id)
+        if op.compression != "none":
+            text = f"this door does not speak {op.compression}: messages of {op.topic} come as JSON"
+            self._remark("warning", text, op.id)
+        if op.fragment_size is not None:
+            self._remark("warning", f"this door sends no fragments: each message of {op.topic} comes whole", op.id)
 
     def _start_call(self, op: CallService, tasks: TaskGroup) -> None:
         if self._calls >= self._settings.max_calls:
@@ -160,21 +190,42 @@ class Session:
 
     async def _call(self, op: CallService) -> None:
         try:
-            await self._send(await call_service(self._node, op))
-        except LinkError:
-            pass  # nobody is left to answer; the session ends by itself
+            await self._outbox.room()
+            await self._turns.turn()
+            self._outbox.answer(await call_service(self._node, op))
         finally:
             self._calls -= 1
 
     def _check_room(self, holdings: _Holdings) -> None:
         if len(holdings) >= self._settings.max_entities:
             raise PeerError(f"this client uses {len(holdings)} topics and services already, and may use no more")
+        if (held := self._common.held_by_all()) >= self._settings.max_entities_of_all:
+            raise PeerError(f"all clients together use {held} topics and services already, and may use no more")
 
-    def _complain(self, said: str, op: str, problem: str) -> None:
+    def _say_slow(self) -> None:
+        self._common.counters.slowed_down += 1
+        if self._slowness.allows("") is not None:
+            limit = f"more than {self._settings.max_frames_per_second} frames a second"
+            self._remark("warning", f"{limit} came from this client: it is read no faster than that", None)
+            self._common.complaints.say(
+                f"slowed down {self._client.rpartition(':')[0]}",
+                "door.slowed_down",
+                f"{self._client} sends {limit}: it is read no faster than that",
+                client=self._client,
+            )
+
+    def _say_unfit(self, op: Subscribe, problem: str) -> None:
+        """Tell that a topic came which the client waited for, and that it is another than expected."""
+        said = f": {_refusal(op.op, op.name, problem)}, now that it is there"
+        self._complain(said, op.op, problem, event="door.late_topic_unfit")
+        self._remark("error", problem, op.id)
+
+    def _complain(self, said: str, op: str, problem: str, *, event: str = "door.refused") -> None:
         self.refused += 1
-        self._complaints.say(
+        self._common.counters.requests_refused += 1
+        self._common.complaints.say(
             f"refused {self._client.rpartition(':')[0]}",
-            "door.refused",
+            event,
             f"{self._client}{said}",
             client=self._client,
             op=op,
@@ -182,18 +233,18 @@ class Session:
             refused=self.refused,
         )
 
-    async def _answer(self, op: str, identifier: Identifier, target: str, problem: str) -> None:
+    def _answer(self, op: str, identifier: Identifier, target: str, problem: str) -> None:
         if op == "call_service":
-            await self._send(service_failure(target, identifier, problem))
+            self._outbox.answer(service_failure(target, identifier, problem))
         elif op == "send_action_goal":
-            await self._send(action_refusal(target, identifier, problem))
+            self._outbox.answer(action_refusal(target, identifier, problem))
         else:
-            await self._remark("error", problem, identifier)
+            self._remark("error", problem, identifier)
 
-    async def _remark(self, level: Level, text: str, identifier: Identifier) -> None:
+    def _remark(self, level: Level, text: str, identifier: Identifier) -> None:
         """Tell the client something, if it wants to hear things of this *level*."""
         if _SEVERITY[self._level] >= _SEVERITY[level]:
-            await self._send(status_frame(level, text, identifier))
+            self._outbox.answer(status_frame(level, text, identifier))
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,10 +259,11 @@ class _Holdings:
     def __len__(self) -> int:
         return len(self.publications) + len(self.subscriptions) + len(self.services)
 
-    def close(self) -> None:
-        self.publications.close()
-        self.subscriptions.close()
-        self.services.close()
+    async def close(self, turns: Turns) -> None:
+        """Give everything back, a little each time the event loop goes round."""
+        for kind in (self.services, self.publications, self.subscriptions):
+            while kind.close_one():
+                await turns.turn()
 
 
 def _refusal(op: str, name: str, problem: str) -> str:

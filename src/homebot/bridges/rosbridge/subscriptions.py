@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
+from typing import Literal
 
-import anyio
-from anyio.abc import TaskGroup, TaskStatus
-
+from homebot.bridges.rosbridge.backlog import Backlog
+from homebot.bridges.rosbridge.expected_topics import ExpectedTopics
 from homebot.bridges.rosbridge.feed import Feed
+from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import Identifier, Subscribe, Unsubscribe
 from homebot.bridges.rosbridge.types import message_type_of_topic
 from homebot.errors import HomebotError, PeerError
-from homebot.graph import EntityKind, Node
-from homebot.messages.json import JsonObject
+from homebot.graph import Node
 
 __all__ = ["Subscriptions"]
 
@@ -25,29 +25,46 @@ class Subscriptions:
     Args:
         node: The node that subscribes in the client's stead.
         depth: Messages of a topic that may wait for the client.
-        send: Takes a frame to the client, waiting until there is room for it.
-        tasks: Where the feeds run.
+        backlog: All that waits for the client.
+        outbox: Takes frames to the client.
+        expected: Says when a topic appears.
+        on_unfit: Called with the request and the reason where a remembered one cannot be served after all.
     """
 
-    def __init__(self, node: Node, depth: int, send: Callable[[JsonObject], Awaitable[None]], tasks: TaskGroup) -> None:
+    def __init__(
+        self,
+        node: Node,
+        depth: int,
+        backlog: Backlog,
+        outbox: Outbox,
+        expected: ExpectedTopics,
+        on_unfit: Callable[[Subscribe, str], None],
+    ) -> None:
         self._node = node
         self._depth = depth
-        self._send = send
-        self._tasks = tasks
+        self._backlog = backlog
+        self._outbox = outbox
+        self._expected = expected
+        self._on_unfit = on_unfit
         self._feeds: dict[str, Feed] = {}
         self._early: dict[str, dict[Identifier, Subscribe]] = {}
-        self._watches = False
+        self._spellings: dict[str, dict[str, None]] = {}
+        self._requests = 0
 
     def __len__(self) -> int:
-        return len(self._feeds) + len(self._early)
+        """How many requests there are: each id of each topic counts."""
+        return self._requests
 
     @property
     def lost(self) -> int:
         """Messages dropped because the client was too slow, on the topics it reads now."""
         return sum(feed.lost for feed in self._feeds.values())
 
-    async def subscribe(self, op: Subscribe) -> str | None:
-        """Begin to send a topic; where its type cannot be told yet, return that in words and begin once it can.
+    def subscribe(self, op: Subscribe) -> tuple[Literal["warning", "error"], str] | None:
+        """Begin to send a topic; where its type cannot be told yet, return how bad that is and why.
+
+        It is an error that the type is unknown, and a warning that it was not given; either way messages come once
+        somebody uses the topic.
 
         Raises:
             InvalidNameError: The name is illegal.
@@ -60,11 +77,12 @@ class Subscriptions:
         except PeerError as exc:
             if not is_absent:
                 raise
-            self._early.setdefault(op.topic, {})[op.id] = op
-            if not self._watches:
-                self._watches = True
-                await self._tasks.start(self._watch)
-            return f"{exc}; messages will come once somebody publishes on it"
+            early = self._early.setdefault(op.topic, {})
+            self._requests += op.id not in early
+            early[op.id] = op
+            self._spellings.setdefault(full_name, {})[op.topic] = None
+            self._expected.expect(full_name, self._topic_came)
+            return "error" if op.type else "warning", f"{exc}; messages will come once somebody uses {full_name}"
         return None
 
     def unsubscribe(self, op: Unsubscribe) -> None:
@@ -77,48 +95,53 @@ class Subscriptions:
         if early is None and feed is None:
             raise PeerError(f"topic {op.topic} was not subscribed to by this client")
         if early is not None:
-            early.pop(op.id, None)
+            self._requests -= early.pop(op.id, None) is not None
             if op.id is None or not early:
-                del self._early[op.topic]
+                self._forget_early(op.topic)
         if feed is not None:
-            remaining = {key: request for key, request in feed.requests.items() if key != op.id and op.id is not None}
-            if remaining:
-                feed.requests = remaining
-            else:
-                self._feeds.pop(op.topic).close()
+            self._requests -= feed.requests.pop(op.id, None) is not None
+            if op.id is None or not feed.requests:
+                self._close_feed(op.topic)
 
-    def close(self) -> None:
-        """Stop sending anything."""
-        self._early.clear()
-        while self._feeds:
-            self._feeds.popitem()[1].close()
+    def close_one(self) -> bool:
+        """Stop sending one topic; return whether there was one."""
+        if self._early:
+            self._forget_early(next(iter(self._early)))
+            return True
+        if self._feeds:
+            self._close_feed(next(reversed(self._feeds)))
+            return True
+        return False
 
     def _serve(self, op: Subscribe) -> None:
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), op.type)
         feed = self._feeds.get(op.topic)
-        if feed is not None:
-            feed.add(op)
-            return
-        feed = self._feeds[op.topic] = Feed(self._node, op.topic, message_type, self._depth, self._send)
+        if feed is None:
+            feed = Feed(self._node, op.topic, message_type, self._depth, self._backlog, self._outbox)
+            self._feeds[op.topic] = feed
+        self._requests += op.id not in feed.requests
         feed.add(op)
-        self._tasks.start_soon(feed.run)
 
-    async def _watch(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        with self._node.graph.watch() as changes:
-            task_status.started()
-            async for change in changes:
-                if change.change == "added" and change.entity.kind in {EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION}:
-                    self._serve_early(change.entity.name)
+    def _close_feed(self, topic: str) -> None:
+        feed = self._feeds.pop(topic)
+        self._requests -= len(feed.requests)
+        feed.close()
 
-    def _serve_early(self, full_name: str) -> None:
-        for topic in [topic for topic in self._early if self._node.resolve_name(topic) == full_name]:
-            for op in self._early.pop(topic).values():
+    def _forget_early(self, topic: str) -> None:
+        self._requests -= len(self._early.pop(topic))
+        full_name = self._node.resolve_name(topic)
+        spellings = self._spellings[full_name]
+        spellings.pop(topic, None)
+        if not spellings:
+            del self._spellings[full_name]
+            self._expected.forget(full_name, self._topic_came)
+
+    def _topic_came(self, full_name: str) -> None:
+        for topic in self._spellings.pop(full_name, {}):
+            requests = self._early.pop(topic, {})
+            self._requests -= len(requests)
+            for op in requests.values():
                 try:
                     self._serve(op)
                 except HomebotError as exc:
-                    self._node.log.warning(
-                        "door.late_topic_unfit",
-                        message=f"nobody outside hears {full_name}: {exc}",
-                        topic=full_name,
-                        problem=str(exc),
-                    )
+                    self._on_unfit(op, str(exc))

@@ -1,0 +1,200 @@
+"""What waits for the clients of the door: bounded in messages for each topic, in bytes for each client and for all.
+
+A topic that has too much waiting loses its own oldest message first, on a keyed topic the oldest of the same key. Where
+a client has too much waiting, the topic that brings more gives up its own oldest message; where it has no other, the
+oldest message of all is dropped. So a flood on one topic costs that topic, and the newest message of each topic stays
+for as long as there is room. Each loss is counted. Nothing here does input or output.
+"""
+
+from __future__ import annotations
+
+import sys
+import weakref
+from collections import OrderedDict, deque
+from collections.abc import Callable, Hashable
+from typing import TypeAlias, final
+
+from homebot.graph.mailbox import KeyedQueue, Queue
+from homebot.graph.subscription import Expiring
+from homebot.messages.message import Message
+
+__all__ = ["Backlog", "DoorBacklog", "FeedQueue"]
+
+Item: TypeAlias = Message | Expiring[Message]
+
+_OBJECT = 64
+"""Bytes that a value costs besides its text."""
+
+
+@final
+class DoorBacklog:
+    """What waits for all clients together.
+
+    Args:
+        limit: Bytes that may wait for all clients; above it none may have more than its equal part.
+
+    Attributes:
+        waiting: Bytes that wait. A message that waits for several clients counts for each.
+        lost: Messages dropped since the start.
+    """
+
+    def __init__(self, limit: int) -> None:
+        self.waiting = 0
+        self.lost = 0
+        self._limit = limit
+        self._clients = 0
+        self._last: tuple[weakref.ref[Message] | None, int] = (None, 0)
+
+    def client_came(self) -> None:
+        """Count one client more."""
+        self._clients += 1
+
+    def client_left(self) -> None:
+        """Count one client less."""
+        self._clients -= 1
+
+    def is_too_much(self, waiting: int) -> bool:
+        """Whether a client for which *waiting* bytes wait has to give up some, because there is too much for all."""
+        return self.waiting > self._limit and waiting * max(self._clients, 1) > self._limit
+
+    def weigh(self, message: Message) -> int:
+        """Return the bytes of *message*; the same once more, for the next client, costs nothing."""
+        last, weight = self._last
+        if last is None or last() is not message:
+            weight = _weight(message)
+            self._last = (weakref.ref(message), weight)
+        return weight
+
+
+@final
+class Backlog:
+    """What waits for one client.
+
+    Args:
+        limit: Bytes that may wait; one message may, whatever its size.
+        everybody: What waits for all clients.
+    """
+
+    def __init__(self, limit: int, everybody: DoorBacklog) -> None:
+        self.waiting = 0
+        self.everybody = everybody
+        self._limit = limit
+        self._order: OrderedDict[_Waiting, FeedQueue] = OrderedDict()
+        everybody.client_came()
+
+    def add(self, waiting: _Waiting, queue: FeedQueue) -> None:
+        """Note that *waiting* lies in *queue*; drop what is too much."""
+        self._order[waiting] = queue
+        self.waiting += waiting.weight
+        self.everybody.waiting += waiting.weight
+        while self.waiting > self._limit or self.everybody.is_too_much(self.waiting):
+            if len(queue) > 1:
+                queue.drop_oldest()
+                continue
+            oldest, its_queue = next(iter(self._order.items()))
+            if oldest is waiting:
+                return
+            its_queue.drop_oldest()
+
+    def remove(self, waiting: _Waiting) -> None:
+        """Note that *waiting* waits no longer."""
+        if self._order.pop(waiting, None) is not None:
+            self.waiting -= waiting.weight
+            self.everybody.waiting -= waiting.weight
+
+    def close(self) -> None:
+        """Let go of everything; the client has left."""
+        for queue in set(self._order.values()):
+            queue.close()
+        self.everybody.client_left()
+
+
+class _Waiting:
+    """One message and its weight; compared by identity."""
+
+    __slots__ = ("item", "weight")
+
+    def __init__(self, item: Item, weight: int) -> None:
+        self.item = item
+        self.weight = weight
+
+
+@final
+class FeedQueue:
+    """The waiting messages of one topic for one client.
+
+    Args:
+        depth: Messages that may wait, on a keyed topic of each key.
+        key: Reads the key of a message; None where the topic is not keyed.
+        backlog: All that waits for the client.
+        on_arrival: Called for each message that comes.
+
+    Attributes:
+        lost: Messages dropped.
+    """
+
+    def __init__(
+        self,
+        depth: int,
+        key: Callable[[Item], Hashable] | None,
+        backlog: Backlog,
+        on_arrival: Callable[[], None],
+    ) -> None:
+        self.lost = 0
+        self._depth = depth if key is None else sys.maxsize
+        self._backlog = backlog
+        self._on_arrival: Callable[[], None] | None = on_arrival
+        self._queue: Queue[_Waiting] = deque()
+        if key is not None:
+            self._queue = KeyedQueue(depth, lambda waiting: key(waiting.item), self._note_loss)
+
+    def append(self, item: Item) -> None:
+        """Add *item* at the end; what is too much is dropped and counted. After :meth:`close` nothing happens."""
+        if self._on_arrival is None:
+            return
+        message = item.message if isinstance(item, Expiring) else item
+        waiting = _Waiting(item, self._backlog.everybody.weigh(message))
+        if len(self._queue) >= self._depth:
+            self.drop_oldest()
+        self._queue.append(waiting)
+        self._backlog.add(waiting, self)
+        self._on_arrival()
+
+    def popleft(self) -> Item:
+        """Remove and return the oldest message."""
+        waiting = self._queue.popleft()
+        self._backlog.remove(waiting)
+        return waiting.item
+
+    def drop_oldest(self) -> None:
+        """Drop the oldest message and count it."""
+        self._note_loss(self._queue.popleft())
+
+    def has_room_for(self, _item: object) -> bool:
+        """Always: nobody ever waits for a client of the door."""
+        return True
+
+    def close(self) -> None:
+        """Let go of everything, and take nothing more."""
+        self._on_arrival = None
+        while self._queue:
+            self._backlog.remove(self._queue.popleft())
+        self._queue = deque()  # a keyed one holds us
+
+    def __len__(self) -> int:
+        return len(self._queue)
+
+    def _note_loss(self, waiting: _Waiting) -> None:
+        self._backlog.remove(waiting)
+        self._backlog.everybody.lost += 1
+        self.lost += 1
+
+
+def _weight(value: object) -> int:
+    if isinstance(value, Message):
+        return _OBJECT + sum(_weight(item) for item in value.__dict__.values())
+    if isinstance(value, str | bytes):
+        return sys.getsizeof(value)
+    if isinstance(value, tuple):
+        return sys.getsizeof(value) + sum(_weight(item) for item in value)
+    return _OBJECT

@@ -1,0 +1,97 @@
+"""A WebSocket connection of the door: reads little at a time, when the door has time, and only what is answered.
+
+A flood of frames reaches the session, which knows the limits; pings and what is no frame at all the library answers by
+itself, so here is where they are slowed down. What a client does not read it is not read for either: else its pings
+would pile up as answers.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from websockets.asyncio.server import ServerConnection
+
+from homebot.bridges.rosbridge.turns import Turns
+
+__all__ = ["Connection"]
+
+_READ = 2048
+"""Bytes read at once: of the smallest frames 340, which take the library about 5 ms."""
+
+_MOST_ARRIVING = 64
+"""Connections that have not said yet what they want; one more ends the oldest, which had the most time to say it."""
+
+
+class Connection(ServerConnection):
+    """A connection that does not hold up the event loop.
+
+    Args:
+        turns: When work may be done.
+        arriving: The connections without a session, oldest first; this one adds itself.
+        arguments: As the library makes connections.
+    """
+
+    def __init__(self, turns: Turns, arriving: dict[Connection, None], *arguments: Any, **settings: Any) -> None:
+        super().__init__(*arguments, **settings)
+        self._turns = turns
+        self._arriving = arriving
+        self._holds: set[str] = set()
+        self._is_lost = False
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Begin to listen."""
+        super().connection_made(transport)
+        if hasattr(transport, "max_size"):  # asyncio has no other way to say it
+            transport.max_size = _READ
+        # The library pauses reading for reasons of its own, so there is one place that knows them all.
+        self.recv_messages.pause = lambda: self._hold("queue")
+        self.recv_messages.resume = lambda: self._release("queue")
+        self._arriving[self] = None
+        if len(self._arriving) > _MOST_ARRIVING:
+            oldest = next(iter(self._arriving))
+            del self._arriving[oldest]
+            oldest.transport.abort()
+
+    def data_received(self, data: bytes) -> None:
+        """Take *data*, now or when it is our turn; until then nothing more is read."""
+        if self._turns.has_time():
+            super().data_received(data)
+            return
+        self._hold("turn")
+        self._turns.defer(lambda: self._take(data))
+
+    def pause_writing(self) -> None:
+        """The client does not take what it is sent: do not read what it sends either."""
+        super().pause_writing()
+        self._hold("writing")
+
+    def resume_writing(self) -> None:
+        """The client takes bytes again."""
+        super().resume_writing()
+        self._release("writing")
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget what was not taken yet."""
+        self._is_lost = True
+        self._arriving.pop(self, None)
+        super().connection_lost(exc)
+
+    def has_arrived(self) -> None:
+        """Note that the connection has a session now."""
+        self._arriving.pop(self, None)
+
+    def _take(self, data: bytes) -> None:
+        if not self._is_lost:
+            super().data_received(data)
+            self._release("turn")
+
+    def _hold(self, why: str) -> None:
+        if not self._holds and not self._is_lost:
+            self.transport.pause_reading()
+        self._holds.add(why)
+
+    def _release(self, why: str) -> None:
+        self._holds.discard(why)
+        if not self._holds and not self._is_lost:
+            self.transport.resume_reading()

@@ -1,0 +1,127 @@
+"""All that goes out to one client: answers, in the order in which they were given, and the messages of its topics.
+
+One task encodes and sends, an answer and a message by turns, a message of each topic after the other. Answers are never
+dropped: a client that does not take them is not listened to until it does, and one for which too many wait all the same
+is cut off.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Awaitable, Callable
+from typing import Protocol, final
+
+from homebot.bridges.rosbridge.protocol import encode_frame
+from homebot.bridges.rosbridge.turns import Turns
+from homebot.messages.json import JsonObject
+
+__all__ = ["Outbox", "Source"]
+
+_PATIENCE = 4
+
+
+class Source(Protocol):
+    """A topic that has messages for the client."""
+
+    def take(self) -> JsonObject | None:
+        """Return the next frame; None where there is none (any more)."""
+        ...
+
+
+@final
+class Outbox:
+    """What goes out to one client.
+
+    Args:
+        send: Takes text to the client, waiting until there is room for it; LinkError when the client is gone.
+        cut: Ends the connection at once.
+        turns: When work may be done.
+        limit: Bytes of answers that may wait; with more the client is not listened to, with four times as much it is
+            cut off.
+    """
+
+    def __init__(
+        self, send: Callable[[str], Awaitable[None]], cut: Callable[[], None], turns: Turns, limit: int
+    ) -> None:
+        self._send = send
+        self._cut = cut
+        self._turns = turns
+        self._limit = limit
+        self._answers: deque[str] = deque()
+        self._waiting = 0
+        self._sources: dict[Source, None] = {}
+        self._arrival: asyncio.Future[None] | None = None
+        self._rooms: deque[asyncio.Future[None]] = deque()
+
+    @property
+    def has_room(self) -> bool:
+        """Whether the client may be given something more to answer."""
+        return self._waiting < self._limit
+
+    def answer(self, frame: JsonObject) -> None:
+        """Send *frame* as soon as possible."""
+        text = encode_frame(frame)
+        if self._answers and self._waiting + len(text) > _PATIENCE * self._limit:
+            self._cut()
+            return
+        self._answers.append(text)
+        self._waiting += len(text)
+        self._wake()
+
+    def ready(self, source: Source) -> None:
+        """Note that *source* has something to send."""
+        if source not in self._sources:
+            self._sources[source] = None
+            self._wake()
+
+    async def room(self) -> None:
+        """Wait until the client has taken enough of its answers."""
+        while not self.has_room:
+            waiter: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            self._rooms.append(waiter)
+            await waiter
+
+    async def run(self) -> None:
+        """Send until cancelled.
+
+        Raises:
+            LinkError: The client is gone.
+        """
+        while True:
+            while not self._answers and not self._sources:
+                await self._something()
+            await self._turns.turn()
+            if self._answers:
+                await self._send_answer()
+            source = next(iter(self._sources), None)
+            if source is not None:
+                del self._sources[source]
+                await self._send_message(source)
+
+    async def _send_message(self, source: Source) -> None:
+        frame = source.take()
+        if frame is not None:
+            await self._send(encode_frame(frame))
+
+    async def _send_answer(self) -> None:
+        text = self._answers.popleft()
+        try:
+            await self._send(text)
+        finally:
+            self._waiting -= len(text)
+        while self._rooms and self.has_room:
+            waiter = self._rooms.popleft()
+            if not waiter.done():
+                waiter.set_result(None)
+
+    async def _something(self) -> None:
+        self._arrival = arrival = asyncio.get_running_loop().create_future()
+        try:
+            await arrival
+        finally:
+            self._arrival = None
+
+    def _wake(self) -> None:
+        if self._arrival is not None and not self._arrival.done():
+            self._arrival.set_result(None)

@@ -1,0 +1,106 @@
+"""How long a token has to wait before it is looked at: a brake for guessing. No I/O.
+
+The right token and wrong ones wait alike, else whoever guesses would only have to hang up early. An address may be
+wrong a few times for nothing. After that each of its tokens waits, longer with each wrong one, and only a few may wait
+at a time; so an address tries four tokens a second at most, and its honest client comes in after a second.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import final
+
+__all__ = ["TokenGuard"]
+
+_FREE = 5
+_FIRST_DELAY, _LONGEST_DELAY = 0.1, 1.0
+_FORGIVEN_EVERY = 10.0
+"""Seconds after which one wrong token is forgotten."""
+
+_MOST_WRONG = 20
+_MOST_WAITING = 4
+_MOST_ADDRESSES = 1000
+_IPV6_PREFIX = 64
+"""Bits of an IPv6 address that belong to one customer; the rest anybody may choose."""
+
+
+@dataclass(slots=True)
+class _Attempts:
+    wrong: float
+    since: float
+    waiting: int = 0
+
+
+@final
+class TokenGuard:
+    """Remembers the wrong tokens of each address; of the 1,000 that were wrong last."""
+
+    def __init__(self) -> None:
+        self._attempts: OrderedDict[str, _Attempts] = OrderedDict()
+
+    def __len__(self) -> int:
+        """How many addresses are remembered."""
+        return len(self._attempts)
+
+    def begin(self, address: str, now: float) -> float | None:
+        """Return the seconds that a token from *address* has to wait, or None where too many wait already.
+
+        Whoever is given a number calls :meth:`end` in any case.
+        """
+        attempts = self._of(address, now)
+        if attempts is None:
+            return 0.0
+        wrong = attempts.wrong - _FREE
+        if wrong < 0:
+            return 0.0
+        if attempts.waiting >= _MOST_WAITING:
+            return None
+        attempts.waiting += 1
+        return float(min(_LONGEST_DELAY, _FIRST_DELAY * 2**wrong))
+
+    def end(self, address: str, now: float, *, waited: bool, was_wrong: bool) -> None:
+        """Note how the attempt ended; one that was given up is not wrong."""
+        key = _network(address)
+        attempts = self._of(address, now)
+        if attempts is not None and waited:
+            attempts.waiting = max(0, attempts.waiting - 1)
+        if not was_wrong:
+            return
+        if attempts is None:
+            attempts = self._attempts[key] = _Attempts(0.0, now)
+            if len(self._attempts) > _MOST_ADDRESSES:
+                self._attempts.popitem(last=False)
+        attempts.wrong = min(_MOST_WRONG, attempts.wrong + 1)
+        self._attempts.move_to_end(key)
+
+    def guessing(self, now: float) -> tuple[str, ...]:
+        """Return the addresses (IPv6: networks) whose tokens have to wait."""
+        known = [(address, self._of(address, now)) for address in tuple(self._attempts)]
+        return tuple(address for address, attempts in known if attempts is not None and attempts.wrong >= _FREE)
+
+    def _of(self, address: str, now: float) -> _Attempts | None:
+        key = _network(address)
+        attempts = self._attempts.get(key)
+        if attempts is None:
+            return None
+        attempts.wrong -= (now - attempts.since) / _FORGIVEN_EVERY
+        attempts.since = now
+        if attempts.wrong <= 0 and not attempts.waiting:
+            del self._attempts[key]
+            return None
+        attempts.wrong = max(0.0, attempts.wrong)
+        return attempts
+
+
+def _network(address: str) -> str:
+    try:
+        known = ipaddress.ip_address(address.partition("%")[0])
+    except ValueError:
+        return address
+    if isinstance(known, ipaddress.IPv6Address):
+        if known.ipv4_mapped is not None:
+            return str(known.ipv4_mapped)
+        return str(ipaddress.ip_network((known, _IPV6_PREFIX), strict=False))
+    return str(known)

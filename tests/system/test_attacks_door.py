@@ -1,0 +1,293 @@
+"""What hostile clients of the door do to a homebot, for real over sockets: nobody else waits, and nothing is left.
+
+What an attack costs is printed (``pytest -s``). Asserted are limits that hold on any machine: generous ones for time
+and memory, exact ones for what stays open.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.system.attack_probe import Attacked, Toll, attacked
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+pytestmark = [pytest.mark.system, pytest.mark.timeout(120)]
+
+CLIENTS = 8
+WORST_LAG = 0.5
+"""Seconds; ten times the aim, for a machine on which much else runs."""
+
+MOST_MEMORY = 150
+"""MiB above what it was before, at any time."""
+
+
+@pytest.fixture(scope="module")
+def homebot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
+    with attacked(tmp_path_factory.mktemp("door")) as running:
+        running.toll()
+        yield running
+
+
+def client(homebot: Attacked) -> ClientConnection:
+    return connect(homebot.url, proxy=None, compression=None, open_timeout=20, ping_interval=None, close_timeout=1)
+
+
+@contextmanager
+def clients(homebot: Attacked, count: int = CLIENTS) -> Iterator[list[ClientConnection]]:
+    with ExitStack() as stack:
+        yield [stack.enter_context(client(homebot)) for _ in range(count)]
+
+
+def send(peer: ClientConnection, **frame: object) -> None:
+    peer.send(json.dumps(frame))
+
+
+def settle(peer: ClientConnection) -> list[dict[str, Any]]:
+    """Return what came until everything sent before was dealt with."""
+    send(peer, op="call_service", id="settle", service="/rosapi/get_time", timeout=60)
+    frames = []
+    while (frame := json.loads(peer.recv(timeout=60))).get("id") != "settle":
+        frames.append(frame)
+    return frames
+
+
+def leave(peer: ClientConnection) -> None:
+    """Hang up without a word."""
+    peer.socket.shutdown(socket.SHUT_RDWR)
+
+
+def check(name: str, homebot: Attacked, before: Toll, attack: Callable[[], object]) -> Toll:
+    """Run *attack*, print what it cost, and make sure that it cost little and left nothing."""
+    started = time.monotonic()
+    result = attack()
+    during = homebot.toll()
+    after = homebot.settled(before)
+    print(f"\n{name} ({time.monotonic() - started:.1f} s{f', {result}' if result else ''})")
+    print(f"  before {before}\n  during {during}\n  after  {after}")
+    assert during.lag < WORST_LAG
+    assert max(during.rss, after.rss) < before.rss + MOST_MEMORY
+    assert after.left_open == before.left_open
+    return after
+
+
+def test_a_thousand_subscriptions_of_each_of_eight_clients(homebot: Attacked) -> None:
+    def attack() -> None:
+        with clients(homebot) as peers:
+            for number in range(1000):
+                for place, peer in enumerate(peers):
+                    send(peer, op="subscribe", topic=f"/flood/t{place}_{number}", type="std_msgs/String")
+            for peer in peers:
+                assert settle(peer) == []
+            print(f"\n  held: {homebot.toll()}")
+            for peer in peers:
+                leave(peer)
+
+    check("8 clients, 1,000 subscriptions each", homebot, homebot.toll(), attack)
+
+
+def test_a_thousand_subscriptions_to_topics_that_nobody_knows(homebot: Attacked) -> None:
+    def attack() -> None:
+        with clients(homebot) as peers:
+            for number in range(1000):
+                for peer in peers:
+                    send(peer, op="subscribe", id=f"{number}", topic=f"/flood/unknown{number % 100}")
+            for peer in peers:
+                assert settle(peer) == []
+            send(peers[0], op="advertise", topic="/flood/unknown7", type="std_msgs/String")
+            settle(peers[0])
+
+    check("8 clients wait for topics that nobody knows", homebot, homebot.toll(), attack)
+
+
+def test_a_flood_of_calls(homebot: Attacked) -> None:
+    def attack() -> str:
+        services = ["/rosapi/topics", "/rosapi/nodes", "/nobody", "/rosapi/topics_and_raw_types"]
+        with clients(homebot) as peers:
+            for number in range(500):
+                for peer in peers:
+                    send(peer, op="call_service", id=f"{number}", service=services[number % len(services)])
+            answers = [frame for peer in peers for frame in settle(peer)]
+        refused = sum("calls of this client are under way" in str(frame["values"]) for frame in answers)
+        return f"{len(answers)} answers, {refused} refused"
+
+    check("8 clients, 500 calls each", homebot, homebot.toll(), attack)
+
+
+def test_advertising_and_unadvertising_all_the_time(homebot: Attacked) -> None:
+    def attack() -> None:
+        with client(homebot) as peer:
+            for number in range(2000):
+                send(peer, op="advertise", topic=f"/flood/a{number}", type="std_msgs/String")
+                send(peer, op="unadvertise", topic=f"/flood/a{number}")
+            assert settle(peer) == []
+
+    check("advertise and unadvertise 2,000 times", homebot, homebot.toll(), attack)
+
+
+def test_readers_that_read_nothing_and_leave_three_times(homebot: Attacked) -> None:
+    before = homebot.toll()
+    frame = json.dumps({"op": "publish", "topic": "/flood/big", "msg": {"data": "x" * 500_000}})
+
+    def attack() -> None:
+        with clients(homebot) as readers, client(homebot) as writer:
+            send(writer, op="advertise", topic="/flood/big", type="std_msgs/String")
+            settle(writer)
+            for reader in readers:
+                send(reader, op="subscribe", topic="/flood/big")
+            for _ in range(150):
+                writer.send(frame)
+            settle(writer)
+            print(f"\n  held: {homebot.toll()}")
+            for reader in readers:
+                leave(reader)
+
+    for round_ in range(3):
+        check(f"8 readers that read nothing, round {round_ + 1}", homebot, before, attack)
+
+
+def test_calls_whose_answers_nobody_reads(homebot: Attacked) -> None:
+    def attack() -> str:
+        sent = 0
+        with clients(homebot) as peers:
+            call = json.dumps({"op": "call_service", "service": "/rosapi/topics_and_raw_types"}).encode()
+            for peer in peers:
+                peer.socket.setblocking(False)
+            deadline = time.monotonic() + 2
+            while time.monotonic() < deadline:
+                for peer in peers:
+                    sent += _send_raw(peer, call)
+            print(f"\n  held: {homebot.toll()}")
+            for peer in peers:
+                leave(peer)
+        return f"{sent} calls"
+
+    check("calls whose answers nobody reads", homebot, homebot.toll(), attack)
+
+
+def _send_raw(peer: ClientConnection, text: bytes) -> int:
+    """Send a masked text frame past the library, which would wait; return how many were taken whole."""
+    try:
+        frame = bytes([0x81, 0x80 | len(text)]) + bytes(4) + text
+        taken = peer.socket.send(frame)
+    except OSError:
+        return 0
+    while taken < len(frame):  # a frame that was begun is finished, else it is another attack
+        try:
+            taken += peer.socket.send(frame[taken:])
+        except BlockingIOError:
+            time.sleep(0.01)
+        except OSError:
+            return 0
+    return 1
+
+
+def test_pings_that_nobody_asked_for(homebot: Attacked) -> None:
+    def attack() -> str:
+        pings = (bytes([0x89, 0x80]) + bytes(4)) * 2000
+        sent = 0
+        with clients(homebot) as peers:
+            for peer in peers:
+                peer.socket.setblocking(False)
+            deadline = time.monotonic() + 2
+            while time.monotonic() < deadline:
+                for peer in peers:
+                    try:
+                        sent += peer.socket.send(pings)
+                    except OSError:
+                        time.sleep(0.001)
+            for peer in peers:
+                leave(peer)
+        return f"{sent / 6:.0f} pings"
+
+    check("pings whose answers nobody reads", homebot, homebot.toll(), attack)
+
+
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ("empty lists", '{"d":[' + "[]," * 300_000 + "[]]}"),
+        ("unknown fields", "{" + ",".join(f'"{number}":1' for number in range(19_000)) + "}"),
+        ("a long text", '{"data":"' + "x" * 1_000_000 + '"}'),
+        ("wrong bytes", '{"data":[' + '"",' * 19_000 + '""]}'),
+        ("deep nesting", '{"data":' + "[" * 90 + "]" * 90 + "}"),
+    ],
+)
+def test_frames_that_take_long_to_read(homebot: Attacked, what: str, message: str) -> None:
+    def attack() -> str:
+        with client(homebot) as peer:
+            send(peer, op="advertise", topic="/flood/odd", type="std_msgs/String")
+            for _ in range(20):
+                peer.send(f'{{"op":"publish","topic":"/flood/odd","msg":{message}}}')
+            refused = [frame for frame in settle(peer) if frame["op"] == "status"]
+        return f"{len(refused)} refused"
+
+    check(f"20 frames of {what}", homebot, homebot.toll(), attack)
+
+
+def test_connections_that_say_nothing(homebot: Attacked) -> None:
+    def attack() -> None:
+        with ExitStack() as stack:
+            for _ in range(300):
+                stack.enter_context(socket.create_connection(("127.0.0.1", homebot.door), timeout=20))
+            started = time.monotonic()
+            with client(homebot) as honest:
+                settle(honest)
+            assert time.monotonic() - started < 10
+
+    check("300 connections that say nothing", homebot, homebot.toll(), attack)
+
+
+def test_frames_that_never_end(homebot: Attacked) -> None:
+    def attack() -> None:
+        half = bytes([0x81, 0xFF]) + (1_000_000).to_bytes(8, "big") + bytes(4) + b"x" * 900_000
+        with clients(homebot, 40) as peers:
+            for peer in peers:
+                peer.socket.sendall(half)
+            print(f"\n  held: {homebot.toll()}")
+            for peer in peers:
+                leave(peer)
+
+    check("40 frames that never end", homebot, homebot.toll(), attack)
+
+
+def test_a_message_of_the_door_reaches_an_honest_client_in_the_middle_of_it(homebot: Attacked) -> None:
+    """And the answer to a call takes no longer than the share of the loop that others have."""
+    waits = []
+    with clients(homebot) as peers, client(homebot) as honest:
+        settle(honest)
+        for number in range(400):
+            for peer in peers:
+                send(peer, op="subscribe", topic=f"/flood/h{number}", type="std_msgs/String")
+            if number % 20 == 0:
+                started = time.monotonic()
+                settle(honest)
+                waits.append(time.monotonic() - started)
+    print(f"\nanswers amid a flood: worst {max(waits) * 1000:.0f} ms of {len(waits)}")
+    assert max(waits) < 5
+
+
+def test_guessed_tokens_wait_longer_and_longer(tmp_path: Path) -> None:
+    with attacked(tmp_path, token="hunter2") as locked:
+        started = time.monotonic()
+        answers: list[int] = []
+        while time.monotonic() - started < 2.5:
+            try:
+                connect(f"{locked.url}?token={len(answers)}", proxy=None, open_timeout=5).close()
+            except InvalidStatus as exc:
+                answers.append(exc.response.status_code)
+        took = time.monotonic() - started
+        print(f"\n{len(answers)} guesses in {took:.1f} s")
+        assert set(answers) == {401}
+        assert len(answers) < 20
+        before = time.monotonic()
+        locked.toll()
+        assert time.monotonic() - before < 5
+        assert "wrong token" in locked.text() or "a token is needed, and this is not it" in locked.text()
