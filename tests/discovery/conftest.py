@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import islice
 from typing import Literal
 
 import pytest
@@ -32,6 +33,8 @@ def announce() -> Announce:
         at: float = 0.0,
         confirmed: bool = False,
         kind: Literal["appeared", "updated", "removed"] = "updated",
+        owns: tuple[str, ...] = (),
+        on: str | None = None,
     ) -> Sighting:
         return Sighting(
             gateway=gateway,
@@ -47,13 +50,20 @@ def announce() -> Announce:
             identifiers=ids,
             area=area,
             parts=parts,
-            announced_on=f"{convention}/{key}/config",
+            announced_on=f"{convention}/{key}{_named_by(ids)}/config" if on is None else on,
+            owns=owns,
             seen_at=Time.from_seconds(at),
             expires_at=Time.from_seconds(at + 3600),
             confirmed=confirmed,
         )
 
     return make
+
+
+def _named_by(ids: tuple[str, ...]) -> str:
+    """Bridges announce a device at a place that has its hardware address."""
+    found = (one.partition(":")[2] for one in ids if not one.startswith("id:"))
+    return "".join(f"/{one}" for one in islice(found, 1))
 
 
 @pytest.fixture

@@ -1,79 +1,204 @@
-"""Who may be told something on a topic that several devices name."""
+"""Who may be told something on a topic that several announcements name, whatever the order in which they come."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable
+from itertools import permutations
 
-from homebot.devices import Sighting
-from homebot.devices.part import Part
-from homebot.discovery import DeviceIndex
-from homebot.discovery.disputes import MAX_CONCERNED, Disputes
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-TOPIC = ("mqtt", "all/set")
+from homebot.discovery.disputes import MAX_TOPICS, MAX_USERS, NOBODY, Disputes, TopicUse
+
+GATEWAY = "mqtt"
 
 
-def users(*devices: str, bridge: str = "") -> Disputes:
+def use(
+    device: str,
+    *writes: str,
+    on: str = "",
+    owns: tuple[str, ...] = (),
+    key: str = "",
+    bridge: str = "",
+    reads: tuple[str, ...] = (),
+    is_anonymous: bool = False,
+    is_native: bool = False,
+) -> TopicUse:
+    return TopicUse(
+        key=(GATEWAY, key or f"{device} {on}"),
+        device=device,
+        announced_on=f"homeassistant/light/{on}/config" if on else "",
+        writes=writes,
+        reads=reads,
+        owns=owns,
+        bridge=bridge,
+        is_anonymous=is_anonymous,
+        is_native=is_native,
+    )
+
+
+def verdicts(*uses: TopicUse) -> dict[str, bool]:
+    """Whether each may use all that it wants; the same for every order of arrival."""
+    found: list[dict[str, bool]] = []
+    for order in permutations(uses):
+        disputes = Disputes()
+        for one in order:
+            disputes.put(one)
+        found.append({one.key[1]: not any(disputes.owner(one.key, topic) for topic in one.writes) for one in uses})
+    assert all(one == found[0] for one in found)
+    return found[0]
+
+
+@pytest.mark.parametrize(
+    "topic",
+    ["z/0x17", "z/0x17/set", "z/0x17/set/state", "z/door/set", "z/door/1/set/lock", "z/door"],
+)
+def test_below_a_devices_own_topics_nobody_else_is_told_anything(topic: str) -> None:
+    door = use("door", "z/door/set", owns=("z/door", "z/0x17"))
+    assert verdicts(door, use("evil", topic, on="evil")) == {"door ": True, "evil evil": False}
+    assert verdicts(door, use("evil", topic, on="evil", bridge="b")) == {"door ": True, "evil evil": False}
+    assert verdicts(door, use("door", topic, on="evil")) == {"door ": True, "door evil": False}
+    assert verdicts(door, use("door", topic, on="0x17/lock")) == {"door ": True, "door 0x17/lock": True}
+
+
+def test_a_topic_beside_a_devices_own_is_free() -> None:
+    door = use("door", "z/door/set", owns=("z/door",))
+    assert all(verdicts(door, use("lamp", "z/doors/set", on="lamp")).values())
+
+
+def test_a_topic_belongs_to_who_was_announced_where_that_names_it_best() -> None:
+    kitchen = use("kitchen", "kitchen_lamp/set", on="kitchen_lamp")
+    assert verdicts(kitchen, use("evil", "kitchen_lamp/set", on="evil")) == {
+        "kitchen kitchen_lamp": True,
+        "evil evil": False,
+    }
+    assert verdicts(kitchen, use("other", "kitchen_lamp/set", on="kitchen_plug")) == {
+        "kitchen kitchen_lamp": True,
+        "other kitchen_plug": False,
+    }
+
+
+@pytest.mark.parametrize("word", ["light", "set", "plug", "homeassistant", "config", "1"])
+def test_a_word_that_many_have_names_nobody(word: str) -> None:
+    topic = f"house/{word}/set"
+    assert verdicts(use("lock", topic, on="x17"), use("evil", topic, on=word)) == {
+        "lock x17": False,
+        f"evil {word}": False,
+    }
+
+
+def test_what_two_devices_have_equal_right_to_neither_may_use() -> None:
+    assert not any(verdicts(use("a", "t", on="x1"), use("b", "t", on="x2")).values())
+    assert not any(verdicts(use("a", "t", on="x1"), use("b", "t", on="x2", is_anonymous=True)).values())
+    assert not any(verdicts(use("a", "t", on="x1", bridge="h"), use("b", "t", on="x2", bridge="h")).values())
+
+
+def test_two_announcements_of_one_device_share_its_topic_where_their_places_have_a_name_in_common() -> None:
+    assert all(verdicts(use("a", "t", on="0x17/light"), use("a", "t", on="0x17/effect")).values())
+    assert all(verdicts(use("a", "t", on="desk_light"), use("a", "t", on="desk_effect")).values())
+    assert not any(verdicts(use("a", "t", on="desk"), use("a", "t", on="evil")).values())
+
+
+def test_the_device_itself_counts_more_than_what_another_says_of_it() -> None:
+    own = use("a", "t", on="x", is_native=True)
+    assert verdicts(own, use("a", "t", on="evil")) == {"a x": True, "a evil": False}
+
+
+def test_devices_behind_one_bridge_and_those_that_do_not_say_who_they_are_share_its_topic() -> None:
+    """Three are evidently meant so; two where the places of both name the bridge."""
+    crowd = [use(f"d{number}", "ir/send", on=f"x{number}", bridge="ir") for number in range(3)]
+    assert all(verdicts(*crowd).values())
+    nameless = [use(f"d{number}", "ir/send", on=f"x{number}", is_anonymous=True) for number in range(3)]
+    assert all(verdicts(*nameless).values())
+    pair = [use(f"d{number}", "ir/send", on=f"blaster_{number}", bridge="ir") for number in range(2)]
+    assert all(verdicts(*pair).values())
+
+
+def test_what_another_device_speaks_on_is_not_told_anything() -> None:
+    door = use("door", reads=("front_door/state",), on="front_door")
+    assert verdicts(door, use("evil", "front_door/state", on="evil"))["evil evil"] is False
+    lamp = use("lamp", "desk_lamp/state", reads=("desk_lamp/state",), on="desk_lamp")
+    assert all(verdicts(lamp).values())
+
+
+def test_who_reads_the_topics_of_all_others_keeps_nothing_from_them() -> None:
+    lamp = use("lamp", "a/b/set", on="x17")
+    assert verdicts(lamp, use("evil", on="evil", reads=("a/b/set",)))["lamp x17"] is True
+
+
+def test_who_wants_a_topic_above_those_of_all_others_keeps_nothing_from_them() -> None:
+    lamp = use("lamp", "house/b/set", on="x17")
+    assert verdicts(lamp, use("evil", "house", on="evil"))["lamp x17"] is True
+
+
+def test_a_further_topic_and_a_further_device_than_are_watched_are_told_nothing() -> None:
+    many = use("many", *(f"t/{number}" for number in range(MAX_TOPICS + 1)), on="x17")
     disputes = Disputes()
-    for device in devices:
-        disputes.put(device, [TOPIC], bridge)
-    return disputes
+    disputes.put(many)
+    assert disputes.owner(many.key, f"t/{MAX_TOPICS - 1}") == ""
+    assert disputes.owner(many.key, f"t/{MAX_TOPICS}") == NOBODY
+    crowd = [use(f"d{number}", "ir", on=f"x{number}", bridge="ir") for number in range(MAX_USERS + 1)]
+    for one in crowd:
+        disputes.put(one)
+    assert disputes.owner(crowd[-2].key, "ir") == ""
+    assert disputes.owner(crowd[-1].key, "ir") == NOBODY
 
 
-def test_a_newcomer_concerns_nobody_who_is_there_already() -> None:
-    disputes = users("first", "second")
-
-    assert disputes.put("third", [TOPIC], "") == frozenset()
-    assert disputes.add("fourth", [TOPIC], "") == frozenset()
-    assert [disputes.owner(TOPIC, one) for one in ("first", "second", "third", "fourth")] == ["", *["first"] * 3]
-
-
-def test_a_topic_passes_to_the_next_where_the_first_goes_and_that_concerns_the_others() -> None:
-    disputes = users("first", "second", "third")
-
-    assert disputes.discard("third") == frozenset()
-    assert disputes.put("third", [TOPIC], "") == frozenset()
-    assert disputes.discard("first") == {"second", "third"}
-    assert [disputes.owner(TOPIC, one) for one in ("second", "third")] == ["", "second"]
+def test_whom_it_concerns_is_told_as_somebody_comes_and_goes() -> None:
+    disputes = Disputes()
+    first, second = use("first", "t", on="x1"), use("second", "t", on="x2")
+    assert disputes.put(first) == frozenset()
+    assert disputes.put(second) == {"first"}
+    assert disputes.put(second) == frozenset()
+    assert disputes.owner(first.key, "t") == "second"
+    assert disputes.discard(second.key) == {"first"}
+    assert disputes.owner(first.key, "t") == ""
+    owner = use("bridge", owns=("t",))
+    assert disputes.put(owner) == {"first"}
+    assert disputes.owner(first.key, "t") == "bridge"
+    assert disputes.discard(owner.key) == {"first"}
 
 
-def test_a_silent_device_keeps_nothing_from_others_until_it_speaks_again() -> None:
-    disputes = users("first", "second", "third")
-
-    assert disputes.set_idle("second", idle=True) == frozenset()
-    assert disputes.set_idle("first", idle=True) == {"second", "third"}
-    assert disputes.owner(TOPIC, "third") == ""
-    assert disputes.set_idle("third", idle=True) == {"first", "second"}
-    assert disputes.add("fourth", [TOPIC], "") == {"first", "second", "third"}
-    assert disputes.set_idle("first", idle=False) == {"second", "third", "fourth"}
-
-
-def test_devices_of_one_bridge_are_looked_at_anew_where_the_first_is_behind_another_now() -> None:
-    disputes = users("first", "second", bridge="hub")
-
-    assert disputes.owner(TOPIC, "second") == ""
-    assert disputes.put("first", [TOPIC, ("mqtt", "more")], "another") == {"second"}
-    assert disputes.owner(TOPIC, "second") == "first"
+topics = st.sampled_from(["h", "h/a", "h/a/set", "h/a/set/x", "h/b/set", "ir", "z/lamp/set"])
+uses = st.builds(
+    use,
+    st.sampled_from(["d1", "d2", "d3", "d4"]),
+    topics,
+    on=st.sampled_from(["x1", "a", "b", "a/b", "lamp_a", "zz", ""]),
+    owns=st.sampled_from([(), (), (), ("h/a",), ("z",), ("h",)]),
+    key=st.sampled_from(["k1", "k2", "k3", "k4", "k5", "k6"]),
+    bridge=st.sampled_from(["", "ir"]),
+    reads=st.sampled_from([(), ("h/a/set",), ("h/b/set", "ir")]),
+    is_anonymous=st.booleans(),
+    is_native=st.booleans(),
+)
 
 
-def test_of_a_crowd_at_one_topic_a_part_is_looked_at_anew_and_none_may_use_it() -> None:
-    crowd = [f"device{number}" for number in range(3 * MAX_CONCERNED)]
-    disputes = users("first", *crowd)
-
-    concerned = disputes.discard("first")
-
-    assert "device0" in concerned
-    assert len(concerned) <= MAX_CONCERNED + 1
-    assert {disputes.owner(TOPIC, one) for one in crowd[1:]} == {"device0"}
+def told(disputes: Disputes, known: Iterable[TopicUse]) -> dict[str, bool]:
+    return {one.key[1]: any(disputes.owner(one.key, topic) for topic in one.writes) for one in known}
 
 
-def test_of_a_newcomer_to_a_crowd_only_it_and_the_first_are_told(
-    announce: Callable[..., Sighting], part: Callable[..., Part]
+@given(st.lists(st.tuples(uses, st.booleans()), max_size=14))
+def test_the_answer_is_that_of_those_who_are_there_and_everyone_whose_answer_changes_is_told(
+    steps: list[tuple[TopicUse, bool]],
 ) -> None:
-    index = DeviceIndex(forget_after=1e6)
-    told = []
-    for number in range(20):
-        lamp = part("light", "on_off", writes=("all/set",))
-        index.observe(announce(f"l{number}", lamp, ids=(f"id:lamp-{number}",), name=f"Lamp {number}"))
-        told.append({change.device.id for change in index.take_changes()})
-
-    assert told == [{"lamp_0"}, *({"lamp_0", f"lamp_{number}"} for number in range(1, 20))]
+    """Whoever came and went before, and in whatever order."""
+    disputes = Disputes()
+    known: dict[str, TopicUse] = {}
+    for one, goes in steps:
+        before = told(disputes, known.values())
+        concerned = disputes.discard(one.key) if goes else disputes.put(one)
+        itself = {one.device, known.pop(one.key[1], one).device}
+        if not goes:
+            known[one.key[1]] = one
+        after = told(disputes, known.values())
+        changed = {known[key].device for key in before.keys() & after.keys() if before[key] != after[key]}
+        assert changed <= concerned | itself
+        anew = Disputes()
+        for other in reversed(known.values()):
+            anew.put(other)
+        assert told(anew, known.values()) == after
+    for one in list(known.values()):
+        disputes.discard(one.key)
+    assert not any(root.children for root in disputes._roots.values())

@@ -163,7 +163,7 @@ def test_a_device_that_somebody_wants_forgotten_is_gone_until_it_speaks(
 ) -> None:
     lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
     after(index, lamp)
-    assert index.forget("lamp", 5.0) == (("mqtt", "homeassistant/l/config"),)
+    assert index.forget("lamp", 5.0) == (("mqtt", "homeassistant/l/aabbccddeeff/config"),)
     assert [one.kind for one in index.take_changes()] == ["removed"]
     assert after(index, lamp) == []
     assert after(index, lamp.model_copy(update={"confirmed": True})) == ["appeared"]

@@ -246,6 +246,7 @@ def test_a_setting_that_one_convention_calls_a_switch_is_not_the_load(
 
 
 def test_the_same_entity_announced_twice_is_one_part(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+    """Where both places name the device."""
     lamp = part("light", "on_off", id="l", writes=("a/set",))
     after(index, announce("light/old", lamp, ids=(MAC,)), announce("light/new", lamp, ids=(MAC,)))
     (device,) = index.devices()
@@ -290,6 +291,39 @@ def test_a_lamp_that_names_another_devices_command_topic_is_told_nothing_there_u
     evil = index.get("evil")
     assert evil is not None
     assert len(evil.parts[0].routes) == 1
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_an_announcement_in_the_name_of_another_device_is_told_nothing_there(
+    index: DeviceIndex, announce: Announce, part: MakePart, order: tuple[int, int]
+) -> None:
+    """A lock that says who it is may be said to have a lamp as well, whose word for off opens the door."""
+    ids = ("id:lock-17",)
+    topic = "front_door/set"
+    lock = announce(
+        "k", part("door_lock", "lock", id="k", writes=(topic,)), ids=ids, on="homeassistant/front_door/config"
+    )
+    lamp = announce("l", part("light", "on_off", id="l", writes=(topic,)), ids=ids, on="homeassistant/evil/config")
+    after(index, *((lock, lamp)[number] for number in order))
+
+    (device,) = index.devices()
+    assert {one.part.service_type: len(one.routes) for one in device.parts} == {"door_lock": 1, "light": 0}
+    (told,) = device.conflicts
+    assert "another announcement of the device is told something else" in told
+
+
+def test_of_two_that_want_one_topic_with_equal_right_neither_is_told_anything_there(
+    index: DeviceIndex, announce: Announce, part: MakePart
+) -> None:
+    """And both say so; who came first says nothing, for it may be either."""
+    lock = announce("lock/x1", part("door_lock", "lock", id="k", writes=("t/set",)), ids=("id:one",), name="Door")
+    lamp = announce("light/x2", part(id="l", writes=("t/set",)), ids=("id:two",), name="Evil")
+    after(index, lamp, lock)
+    door, evil = index.devices()
+    assert not door.parts[0].routes
+    assert not evil.parts[0].routes
+    assert door.conflicts == ("homeassistant:lock/x1 wants to be told things on t/set, where evil listens",)
+    assert evil.conflicts == ("homeassistant:light/x2 wants to be told things on t/set, where door listens",)
 
 
 def test_devices_behind_one_bridge_may_share_its_topic(index: DeviceIndex, announce: Announce, part: MakePart) -> None:

@@ -34,6 +34,8 @@ class Sighting(Message):
         identifiers: Who the device is; see :func:`homebot.devices.identity.identifiers`.
         area: The room it was said to be in.
         parts: What it offers in the words of the vocabulary; empty where only its service type is known.
+        owns: Topics that the device has for itself with all that is below them, as its own place or the bridge that
+            speaks for it says, rather than its announcement; nobody else may send commands there.
         announced_on: Where it was announced (MQTT: the topic); empty where it only spoke.
         seen_at: When.
         expires_at: When it becomes stale unless it is seen again; the gateway alone knows its protocol's habits.
@@ -56,6 +58,7 @@ class Sighting(Message):
     identifiers: tuple[str, ...] = ()
     area: str = ""
     parts: tuple[Part, ...] = ()
+    owns: tuple[str, ...] = ()
     announced_on: str = ""
     seen_at: Time
     expires_at: Time

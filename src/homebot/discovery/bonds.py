@@ -17,7 +17,7 @@ from typing import TypeAlias, final
 from homebot.devices import Sighting
 from homebot.discovery.claim import WHOLE, ClaimKey
 
-__all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "Bonds"]
+__all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "Bonds", "is_generic"]
 
 MAX_IDENTIFIERS = 16
 """Identifiers of one announcement that count; the first ones, hardware addresses before others."""
@@ -34,6 +34,11 @@ rpi wled openmqttgateway rtl_433 rtl433 system server controller thermostat uniq
 0123456789 1234567890 12345678 123456
 """
 _GENERIC = frozenset(_WORDS.split())
+
+
+def is_generic(word: str) -> bool:
+    """Whether many devices are called *word*, so that it names none of them."""
+    return word in _GENERIC
 
 
 _Sign: TypeAlias = tuple[str, str, tuple[str, ...], str]

@@ -142,6 +142,7 @@ def is_described_anew(before: Sighting, now: Sighting) -> bool:
         or before.identifiers != now.identifiers
         or before.area != now.area
         or before.parts != now.parts
+        or before.owns != now.owns
         or before.convention != now.convention
     )
 

@@ -1,118 +1,364 @@
-"""Who sends commands where: a topic that belongs to one device is not another one's to use. Pure."""
+"""Who sends commands where: a topic that belongs to one device is not another one's to use. Pure.
+
+Anybody may announce anything, also a lamp whose command topic is a lock's. So it never counts who came first:
+
+- What is below a topic that is a device's own, as the bridge that speaks for it says, is that device's alone. Another
+  announcement may name such a topic where it is about the same device and was made at a place that names it.
+- Any other topic belongs to who was announced at the place that names it best; see :mod:`homebot.discovery.places`. The
+  same goes for topics that a device speaks on, and for what is below its command topics.
+- Where that is a tie, the topic is nobody's, unless it is evidently there for several: they are behind one bridge, or
+  do not say who they are, and they are three or more, or their places have a name in common.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from itertools import islice
-from typing import TypeAlias, final
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias, final
 
-__all__ = ["MAX_CONCERNED", "MAX_TOPICS", "Address", "Disputes"]
+from homebot.discovery.claim import NATIVE, Claim, ClaimKey
+from homebot.discovery.places import aliases_of, is_called, names, place_of, score
 
-Address: TypeAlias = tuple[str, str]
-"""Gateway and topic."""
+__all__ = ["MAX_BELOW", "MAX_TOPICS", "MAX_USERS", "NOBODY", "Disputes", "TopicUse", "topic_use"]
 
-MAX_TOPICS = 256
-"""Command topics of one device that are watched; further ones are free for all."""
+MAX_TOPICS = 1000
+"""Topics that one announcement is watched on; a further one that it names is not its to use."""
 
-MAX_CONCERNED = 64
-"""Devices that are looked at anew when a topic passes to another one, the oldest first.
+MAX_USERS = 256
+"""Announcements that may name one topic; a further one may not use it."""
 
-Of further ones the words may name the one that had it before; none of them may use it, before or after.
-"""
+MAX_BELOW = 1000
+"""Topics below a command topic that are looked at anew when that comes or goes."""
+
+_COMMON = 3
+
+NOBODY = "*"
+"""Stands for the owner of a topic that too many want; no device is called so."""
+
+
+class TopicUse(NamedTuple):
+    """What one announcement does with topics.
+
+    Attributes:
+        key: The announcement.
+        device: Whose it is.
+        announced_on: Where it was made.
+        writes: Topics that it wants to be told things on.
+        reads: Topics that the device speaks on.
+        owns: Topics that the device has for itself, with all that is below them.
+        identifiers: Who the device is, where it has such topics.
+        bridge: The bridge that the device is behind.
+        is_anonymous: Whether it does not say who the device is.
+        is_native: Whether it is in a convention of devices themselves.
+    """
+
+    key: ClaimKey
+    device: str
+    announced_on: str = ""
+    writes: tuple[str, ...] = ()
+    reads: tuple[str, ...] = ()
+    owns: tuple[str, ...] = ()
+    identifiers: tuple[str, ...] = ()
+    bridge: str = ""
+    is_anonymous: bool = False
+    is_native: bool = False
+
+    def has(self, topic: str) -> bool:
+        """Whether *topic* is the device's own."""
+        return any(topic == prefix or topic.startswith(f"{prefix}/") for prefix in self.owns)
+
+    def rank(self, topic: str) -> int:
+        """How well the place of the announcement names *topic*."""
+        return score(place_of(self.announced_on), topic)
+
+    def names(self) -> frozenset[str]:
+        """By which names announcements at other places may be the same device's."""
+        return names(place_of(self.announced_on))
+
+
+def topic_use(claim: Claim, device: str) -> TopicUse:
+    """Return what the announcement *claim* of *device* does with topics."""
+    sighting = claim.sighting
+    writes: dict[str, None] = {}
+    reads: dict[str, None] = {}
+    for part in sighting.parts:
+        writes.update(dict.fromkeys(part.writes))
+        reads.update(dict.fromkeys(part.reads))
+    if sighting.command_address and sighting.speaks_plainly:
+        writes[sighting.command_address] = None
+    return TopicUse(
+        claim.key,
+        device,
+        sighting.announced_on,
+        tuple(writes),
+        tuple(reads),
+        sighting.owns,
+        sighting.identifiers if sighting.owns else (),
+        next((one.value for one in sighting.metadata if one.key == "via_device"), ""),
+        not sighting.identifiers,
+        sighting.convention in NATIVE,
+    )
+
+
+def _is_filter(topic: str) -> bool:
+    return "+" in topic or "#" in topic
+
+
+_Uses: TypeAlias = dict[ClaimKey, TopicUse]
+
+
+@dataclass(slots=True, eq=False)
+class _Node:
+    """One topic: what is below, who wants to be told things there, who speaks there, and whose own it is.
+
+    Attributes:
+        verdicts: Of those who may not use it: who has it.
+    """
+
+    parent: _Node | None = None
+    topic: str = ""
+    children: dict[str, _Node] | None = None
+    users: _Uses | None = None
+    speakers: _Uses | None = None
+    owners: _Uses | None = None
+    verdicts: dict[ClaimKey, str] | None = None
+
+    @property
+    def is_unused(self) -> bool:
+        return not (self.children or self.users or self.speakers or self.owners)
 
 
 @final
 class Disputes:
-    """Keeps which device was the first to be told something on a topic.
+    """Keeps who may be told things where.
 
-    Devices behind one bridge may share the bridge's topic; a device that fell silent keeps nothing from others.
+    What it answers follows from the announcements that are known, whatever the order in which they came.
     """
 
     def __init__(self) -> None:
-        self._users: dict[Address, dict[str, str]] = {}
-        self._addresses: dict[str, tuple[Address, ...]] = {}
-        self._idle: set[str] = set()
+        self._roots: dict[str, _Node] = {}
+        self._uses: dict[ClaimKey, TopicUse] = {}
 
-    def put(self, device: str, addresses: Iterable[Address], bridge: str) -> frozenset[str]:
-        """Note the *addresses* that *device* is told something on, and its *bridge*; return whom that concerns."""
-        wanted = tuple(dict.fromkeys(addresses))[:MAX_TOPICS]
-        if self._addresses.get(device, ()) == wanted:
+    def put(self, use: TopicUse) -> frozenset[str]:
+        """Note what an announcement does with topics, in place of what it did; return whom that concerns."""
+        before = self._uses.get(use.key)
+        if before == use:
             return frozenset()
-        concerned = self._leave(device, keep=frozenset(wanted))
-        if wanted:
-            self._addresses[device] = wanted
-        return (concerned | self._enter(device, wanted, bridge)) - {device}
+        touched: dict[_Node, None] = {}
+        if before is not None:
+            self._leave(before, touched)
+        if use.writes or use.reads or use.owns:
+            self._uses[use.key] = use
+            self._enter(use, touched)
+        return self._judge(touched) - {use.device}
 
-    def add(self, device: str, addresses: Iterable[Address], bridge: str) -> frozenset[str]:
-        """As :meth:`put`, for further addresses."""
-        known = self._addresses.get(device, ())
-        new = tuple(one for one in dict.fromkeys(addresses) if one not in known)[: max(0, MAX_TOPICS - len(known))]
-        if not new:
+    def discard(self, key: ClaimKey) -> frozenset[str]:
+        """Forget an announcement; return whom that concerns."""
+        use = self._uses.get(key)
+        if use is None:
             return frozenset()
-        self._addresses[device] = known + new
-        return self._enter(device, new, bridge) - {device}
+        touched: dict[_Node, None] = {}
+        self._leave(use, touched)
+        return self._judge(touched) - {use.device}
 
-    def discard(self, device: str) -> frozenset[str]:
-        """Forget *device*; return whom that concerns."""
-        concerned = self._leave(device, keep=frozenset())
-        self._idle.discard(device)
-        return concerned - {device}
+    def owner(self, key: ClaimKey, topic: str) -> str:
+        """Return who has *topic*, where that is not for the announcement *key* to use; else empty.
 
-    def set_idle(self, device: str, *, idle: bool) -> frozenset[str]:
-        """Note whether *device* fell silent; return whom that concerns."""
-        if idle == (device in self._idle) or device not in self._addresses:
-            return frozenset()
-        shared = [users for one in self._addresses[device] if len(users := self._users[one]) > 1]
-        before = [self._first(users) for users in shared]
-        if idle:
-            self._idle.add(device)
-        else:
-            self._idle.discard(device)
-        concerned: set[str] = set()
-        for users, first in zip(shared, before, strict=True):
-            concerned |= self._heirs(users, first)
-        return frozenset(concerned - {device})
+        It is the announcement's own device where another announcement of it has the topic, and :data:`NOBODY` where
+        too many want it.
+        """
+        use = self._uses.get(key)
+        if use is None:
+            return NOBODY
+        node = self._find(key[0], topic)
+        if node is not None and node.users and key in node.users:
+            return node.verdicts.get(key, "") if node.verdicts else ""
+        return "" if use.has(topic) else NOBODY
 
-    def owner(self, address: Address, device: str) -> str:
-        """Return the device that has *address*, where that is not *device* and keeps it from it; else empty."""
-        users = self._users.get(address)
-        if users is None or len(users) == 1 or device not in users:
-            return ""
-        first = self._first(users) or device
-        bridge = users[device]
-        return "" if first == device or (bridge and users[first] == bridge) else first
-
-    def _enter(self, device: str, addresses: Iterable[Address], bridge: str) -> frozenset[str]:
-        concerned: set[str] = set()
-        for address in addresses:
-            users = self._users.setdefault(address, {})
-            before = self._first(users)
-            is_other = users.get(device, bridge) != bridge
-            users[device] = bridge
-            if len(users) > 1:
-                concerned |= self._heirs(users, "" if is_other else before)
-        return frozenset(concerned)
-
-    def _leave(self, device: str, keep: frozenset[Address]) -> frozenset[str]:
-        concerned: set[str] = set()
-        for address in self._addresses.pop(device, ()):
-            if address in keep:
+    def _enter(self, use: TopicUse, touched: dict[_Node, None]) -> None:
+        for prefix in use.owns:
+            node = self._at(use, prefix)
+            node.owners = _with(node.owners, use)
+            touched.update(dict.fromkeys(_below(node)))
+        for topic in use.writes[:MAX_TOPICS]:
+            if use.owns and use.has(topic):
                 continue
-            users = self._users[address]
-            before = self._first(users)
-            del users[device]
-            concerned |= self._heirs(users, before)
-            if not users:
-                del self._users[address]
+            node = self._at(use, topic)
+            if node.users and len(node.users) >= MAX_USERS:
+                continue
+            node.users = _with(node.users, use)
+            touched[node] = None
+            if node.children and use.rank(topic):
+                touched.update(dict.fromkeys(_below(node, MAX_BELOW)))
+        for topic in use.reads[:MAX_TOPICS]:
+            if (use.owns and use.has(topic)) or _is_filter(topic):
+                continue
+            node = self._at(use, topic)
+            node.speakers = _with(node.speakers, use)
+            if node.users:
+                touched[node] = None
+
+    def _leave(self, use: TopicUse, touched: dict[_Node, None]) -> None:
+        del self._uses[use.key]
+        for topic in dict.fromkeys((*use.owns, *use.writes, *use.reads)):
+            node = self._find(use.key[0], topic)
+            if node is None:
+                continue
+            is_owner = bool(node.owners) and use.key in (node.owners or ())
+            is_user = bool(node.users) and use.key in (node.users or ())
+            node.owners = _without(node.owners, use.key)
+            node.users = _without(node.users, use.key)
+            node.speakers = _without(node.speakers, use.key)
+            touched[node] = None
+            if node.children and (is_owner or (is_user and use.rank(topic))):
+                touched.update(dict.fromkeys(_below(node, None if is_owner else MAX_BELOW)))
+
+    def _judge(self, touched: Iterable[_Node]) -> frozenset[str]:
+        """Decide anew on the topics *touched*; return the devices for which that makes a difference."""
+        concerned: set[str] = set()
+        for node in touched:
+            before, node.verdicts = node.verdicts, _verdicts(node) or None
+            if before or node.verdicts:
+                known, now = before or {}, node.verdicts or {}
+                users = (node.users or {}).items()
+                concerned.update(use.device for key, use in users if known.get(key) != now.get(key))
+            if node.is_unused:
+                self._tidy(node)
         return frozenset(concerned)
 
-    def _first(self, users: dict[str, str]) -> str:
-        """Who keeps the topic from the others; empty where all of them are silent."""
-        return next((one for one in users if one not in self._idle), "")
+    def _at(self, use: TopicUse, topic: str) -> _Node:
+        node = self._roots.get(use.key[0])
+        if node is None:
+            node = self._roots[use.key[0]] = _Node()
+        for level in topic.split("/"):
+            if node.children is None:
+                node.children = {}
+            child = node.children.get(level)
+            if child is None:
+                child = node.children[level] = _Node(node, f"{node.topic}/{level}" if node.parent else level)
+            node = child
+        return node
 
-    def _heirs(self, users: dict[str, str], before: str) -> set[str]:
-        """Whom it concerns that somebody came or went: nobody, where the one who was *before* the first still is."""
-        first = self._first(users)
-        if first == before:
-            return set()
-        return {*islice(users, MAX_CONCERNED), *((first,) if first else ())}
+    def _find(self, gateway: str, topic: str) -> _Node | None:
+        node = self._roots.get(gateway)
+        for level in topic.split("/"):
+            if node is None or node.children is None:
+                return None
+            node = node.children.get(level)
+        return node
+
+    def _tidy(self, node: _Node) -> None:
+        while node.parent is not None and node.is_unused:
+            parent = node.parent
+            if parent.children is not None:
+                parent.children.pop(node.topic.rpartition("/")[2], None)
+            node = parent
+
+
+def _with(uses: _Uses | None, use: TopicUse) -> _Uses:
+    if uses is None:
+        return {use.key: use}
+    uses[use.key] = use
+    return uses
+
+
+def _without(uses: _Uses | None, key: ClaimKey) -> _Uses | None:
+    if uses is not None:
+        uses.pop(key, None)
+    return uses or None
+
+
+def _below(node: _Node, most: int | None = None) -> Iterator[_Node]:
+    """The topic and all below it that somebody wants to be told things on."""
+    waiting = [node]
+    count = 0
+    while waiting and (most is None or count < most):
+        one = waiting.pop()
+        count += 1
+        if one.users:
+            yield one
+        if one.children:
+            waiting.extend(one.children.values())
+
+
+def _verdicts(node: _Node) -> dict[ClaimKey, str]:
+    """Who may not use a topic, each with who has it."""
+    users = tuple((node.users or {}).values())
+    if not users:
+        return {}
+    owners = _owners(node)
+    if owners:
+        return _not_of(owners, users)
+    holders = _holders(node)
+    if len(users) == 1 and all(one.device == users[0].device for one, _ in holders):
+        return {}
+    return _by_place(node.topic, users, [(one, one.rank(where)) for one, where in holders])
+
+
+def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[TopicUse, int]]) -> dict[ClaimKey, str]:
+    holders.sort(key=lambda held: -held[1])
+    ranks = [(one, one.rank(topic)) for one in users]
+    top = max(rank for _, rank in ranks)
+    best = [one for one, rank in ranks if rank == top]
+    winners = {one.key for one in _winners(best)}
+    found: dict[ClaimKey, str] = {}
+    for use, rank in ranks:
+        stronger = next((one.device for one, held in holders if held > rank and one.device != use.device), "")
+        if stronger:
+            found[use.key] = stronger
+        elif rank < top:
+            if not _has_a_name_of(use, (one for one in best if one.device == use.device)):
+                found[use.key] = best[0].device
+        elif use.key not in winners:
+            found[use.key] = next((one.device for one in best if one.device != use.device), use.device)
+    return found
+
+
+def _owners(node: _Node | None) -> tuple[TopicUse, ...]:
+    """Whose own the topic is; of those that are above each other the nearest."""
+    while node is not None:
+        if node.owners:
+            return tuple(node.owners.values())
+        node = node.parent
+    return ()
+
+
+def _holders(node: _Node) -> list[tuple[TopicUse, str]]:
+    """Who speaks on the topic, and who wants to be told things on one above it, with that topic."""
+    found = [(one, node.topic) for one in (node.speakers or {}).values()]
+    above = node.parent
+    while above is not None:
+        if above.users:
+            found += [(one, above.topic) for one in above.users.values()]
+        above = above.parent
+    return found
+
+
+def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[ClaimKey, str]:
+    """Those of *users* that are not the owners' device, or were announced at a place that does not name it."""
+    found: dict[ClaimKey, str] = {}
+    for use in users:
+        own = [one for one in owners if one.device == use.device]
+        place = place_of(use.announced_on)
+        if not any(is_called(place, aliases_of(one.owns, one.identifiers)) for one in own):
+            found[use.key] = (own or owners)[0].device
+    return found
+
+
+def _winners(best: list[TopicUse]) -> list[TopicUse]:
+    """Of those that are named equally well, the ones that may use the topic: all, or none, or the device's own."""
+    if len(best) == 1:
+        return best
+    devices = {one.device for one in best}
+    is_one_sender = bool(frozenset.intersection(*(one.names() for one in best)))
+    if len(devices) == 1:
+        return best if is_one_sender else [one for one in best if one.is_native]
+    bridges = {one.bridge for one in best}
+    has_one_bridge = len(bridges) == 1 and "" not in bridges
+    is_shared = has_one_bridge or all(one.is_anonymous for one in best)
+    return best if is_shared and (is_one_sender or len(devices) >= _COMMON) else []
+
+
+def _has_a_name_of(use: TopicUse, others: Iterable[TopicUse]) -> bool:
+    own = use.names()
+    return any(not own.isdisjoint(one.names()) for one in others)

@@ -22,7 +22,7 @@ from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.discovery.bonds import Bonds
 from homebot.discovery.claim import Claim, ClaimKey, Told, is_described_anew, note_description
 from homebot.discovery.deadlines import Deadlines
-from homebot.discovery.disputes import Disputes
+from homebot.discovery.disputes import NOBODY, Disputes, topic_use
 from homebot.discovery.entry import Entry
 from homebot.discovery.happenings import Happenings
 from homebot.discovery.ids import Tombstone, Tombstones, new_id
@@ -211,7 +211,6 @@ class DeviceIndex:
             entry.freshness = "stale"
             self._deadlines.set(due, entry.deadline + self._forget_after)
             self._note("stale", entry, "it has been silent for too long")
-            self._settle(self._disputes.set_idle(due, idle=True))
         return made
 
     def next_deadline(self) -> float | None:
@@ -401,6 +400,7 @@ class DeviceIndex:
             return
         affected = self._bonds.discard(key)
         del self._claims[key], self._owner[key], entry.claims[key]
+        self._settle(self._disputes.discard(key))
         self._regroup(affected, why)
         self._describe(entry)
         self._note("changed", entry, f"it announces less: {why}")
@@ -446,6 +446,7 @@ class DeviceIndex:
                 self._strays.bury(key, claim.sighting)
             affected |= self._bonds.discard(key)
             del self._claims[key], self._owner[key]
+            self._settle(self._disputes.discard(key))
         forgotten = self.tombstones.put(stone)
         if forgotten is not None:
             self._mark(forgotten.id)
@@ -458,7 +459,6 @@ class DeviceIndex:
         self._postings.discard(entry.id)
         self._deadlines.discard(entry.id)
         self._mark(entry.id)
-        self._settle(self._disputes.discard(entry.id))
 
     def _regroup(self, affected: Iterable[ClaimKey], why: str) -> None:
         """Make the devices those that the announcements *affected* are about now."""
@@ -508,23 +508,23 @@ class DeviceIndex:
         """What the announcements of *entry* say changed, maybe by *new* alone: look anew at what follows from it."""
         entry.described_anew()
         claims = entry.claims.values() if new is None else (new,)
-        writes = [one for claim in claims for one in _writes(claim)]
-        bridge = next((found for claim in claims if (found := _bridge(claim))), "")
         if new is None:
             entry.evidence = tuple(self._evidence(entry)) if len(entry.claims) > 1 else ()
             entry.lasts = max(claim.lasts for claim in claims)
             entry.is_denied = is_denied(claims)
-            self._settle(self._disputes.put(entry.id, writes, bridge))
         else:
             entry.lasts = max(entry.lasts, new.lasts)
-            self._settle(self._disputes.add(entry.id, writes, bridge))
+        concerned: set[str] = set()
+        for claim in claims:
+            concerned |= self._disputes.put(topic_use(claim, entry.id))
+        self._settle(concerned)
         self._unsorted[entry.id] = None
         self._mark(entry.id)
-        owner = next((found for one in writes if (found := self._disputes.owner(one, entry.id))), "")
+        owner = next((found for claim in claims if (found := self._rival(entry, claim))), "")
         if new is not None and not owner:
             return
         before, entry.rival = entry.rival, owner
-        if owner != before and owner in self._entries:
+        if owner and owner != before:
             why = f"{entry.id} wants to be told things where it listens"
             self._note("conflict", self._entries[owner], why, entry.id)
 
@@ -545,16 +545,26 @@ class DeviceIndex:
             if entry.told_conflicts != entry.parts(self._disputed).conflicts:
                 self._note("changed", entry, "what is disputed about it changed")
 
+    def _rival(self, entry: Entry, claim: Claim) -> str:
+        """The device that keeps a topic from *claim*; empty where none does."""
+        topics = (topic for part in claim.sighting.parts for topic in part.writes)
+        found = (self._disputes.owner(claim.key, topic) for topic in topics)
+        return next((one for one in found if one in self._entries and one != entry.id), "")
+
     def _disputed(self, claim: Claim, part: Part) -> str:
-        gateway, key = claim.key
-        if not part.writes or not claim.sighting.identifiers:
-            return ""
-        entry = self._owner[gateway, key]
         for topic in part.writes:
-            owner = self._disputes.owner((gateway, topic), entry.id)
+            owner = self._disputes.owner(claim.key, topic)
             if owner:
-                return f"{claim.label} wants to be told things on {topic}, where {owner} listens"
+                return self._dispute_in_words(claim, topic, owner)
         return ""
+
+    def _dispute_in_words(self, claim: Claim, topic: str, owner: str) -> str:
+        wants = f"{claim.label} wants to be told things on {topic}, where"
+        if owner == NOBODY:
+            return f"{wants} too many others do"
+        if owner == self._owner[claim.key].id:
+            return f"{wants} another announcement of the device is told something else"
+        return f"{wants} {owner} listens"
 
     def _hear(self, entry: Entry, claim: Claim, stamp: Time, why: str) -> None:
         now = self._now
@@ -576,7 +586,6 @@ class DeviceIndex:
         self._unsorted[entry.id] = None
         if before == "stale":
             self._note("returned", entry, "it spoke again")
-            self._settle(self._disputes.set_idle(entry.id, idle=False))
         else:
             self._note("changed", entry, why)
 
@@ -658,16 +667,3 @@ class DeviceIndex:
 def _stamp(seconds: float) -> Time:
     """Devices that are announced together expire together."""
     return Time.from_seconds(seconds)
-
-
-def _writes(claim: Claim) -> Iterator[tuple[str, str]]:
-    """Where a device that says who it is is told things."""
-    sighting = claim.sighting
-    if sighting.identifiers:
-        for part in sighting.parts:
-            for topic in part.writes:
-                yield sighting.gateway, topic
-
-
-def _bridge(claim: Claim) -> str:
-    return next((one.value for one in claim.sighting.metadata if one.key == "via_device"), "")

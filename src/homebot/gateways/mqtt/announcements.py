@@ -12,6 +12,7 @@ from homebot.gateways.mqtt.claims import Change, Claims
 from homebot.gateways.mqtt.convention import Convention
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.description import Described, Question, Withdrawn
+from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.timekeeper import Timekeeper
 from homebot.gateways.mqtt.tribunal import Tribunal
 from homebot.mqtt.message import MqttMessage
@@ -20,6 +21,7 @@ __all__ = ["Announcements"]
 
 REJECTED = "gateway.announcement_rejected"
 NOT_READ = "gateway.state_topic_refused"
+RESERVED = "gateway.command_topic_refused"
 
 GRACE = 10.0
 """Seconds for which a device that is taken back may be announced anew before it counts as gone.
@@ -33,6 +35,7 @@ class Announcements:
 
     Args:
         claims: What stands.
+        reserved: The topics on which no device is told anything.
         board: Where it is told.
         timekeeper: Ends the grace of what was taken back.
         tribunal: Judges those who break the rules.
@@ -45,6 +48,7 @@ class Announcements:
     def __init__(
         self,
         claims: Claims,
+        reserved: ReservedTopics,
         board: Board,
         timekeeper: Timekeeper,
         tribunal: Tribunal,
@@ -54,6 +58,7 @@ class Announcements:
         on_question: Callable[[Question], None],
     ) -> None:
         self._claims = claims
+        self._reserved = reserved
         self._board = board
         self._timekeeper = timekeeper
         self._tribunal = tribunal
@@ -85,6 +90,10 @@ class Announcements:
                 self._tribunal.failed(message.topic, convention.name, exc)
 
     def _describe(self, described: Described, message: MqttMessage) -> None:
+        described, reserved = self._reserved.without(described)
+        for told in reserved:
+            self._counters.topics_reserved += 1
+            self._tribunal.warn(RESERVED, f"{described.key} is told nothing on {told}", topic=message.topic)
         try:
             change = self._claims.describe(described)
         except WireError:

@@ -169,6 +169,7 @@ class Claim:
             identifiers=described.identifiers,
             area=described.area,
             parts=parts,
+            owns=described.owns,
             announced_on=described.topic,
             seen_at=_NEVER,
             expires_at=_NEVER,

@@ -13,6 +13,7 @@ from homebot.gateways.mqtt.claims import Claims
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.plain_voices import PlainVoices
+from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.tribunal import Tribunal
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.topics import validate_topic
@@ -30,6 +31,7 @@ class Commands:
         connection: Where it is published.
         tribunal: Judges conventions that fail.
         counters: Of the gateway.
+        reserved: The topics on which no device is told anything.
         acts: Whether anything is sent at all.
     """
 
@@ -41,6 +43,7 @@ class Commands:
         connection: MqttConnection,
         tribunal: Tribunal,
         counters: GatewayCounters,
+        reserved: ReservedTopics,
         *,
         acts: bool,
     ) -> None:
@@ -50,6 +53,7 @@ class Commands:
         self._connection = connection
         self._tribunal = tribunal
         self._counters = counters
+        self._reserved = reserved
         self._acts = acts
 
     async def serve(self, command: Command) -> SendCommandResponse:
@@ -132,5 +136,13 @@ class Commands:
             self._tribunal.failed(voice.claim.described.topic, voice.claim.described.convention, exc)
             raise RefusedError(f"{capability} of {voice.claim.key[:100]}", "its convention failed") from exc
         for one in publications:
-            validate_topic(one.topic)
+            self._check_topic(voice, one.topic)
         return publications
+
+    def _check_topic(self, voice: Voice, topic: str) -> None:
+        """Refuse what the announcement did not name, because that alone was held against other devices."""
+        validate_topic(topic)
+        if topic not in voice.described.part.writes:
+            raise RefusedError(f"a command to {voice.claim.key[:100]}", f"it was not announced to listen on {topic}")
+        if why := self._reserved.why(topic, voice.claim.described.convention):
+            raise RefusedError(f"a command to {voice.claim.key[:100]}", f"{topic} is not for devices: {why}")

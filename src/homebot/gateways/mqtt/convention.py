@@ -15,7 +15,15 @@ from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Heard, Publication
 
-__all__ = ["Announcement", "Convention", "Publisher", "PublishingConvention", "TopicLayout", "TroubledConvention"]
+__all__ = [
+    "Announcement",
+    "Convention",
+    "Publisher",
+    "PublishingConvention",
+    "ReservingConvention",
+    "TopicLayout",
+    "TroubledConvention",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +125,15 @@ class Publisher(Protocol):
 
     def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
         """Return the commands that a message on one of the filters is, in this order; none where it is none."""
+        ...
+
+
+@runtime_checkable
+class ReservingConvention(Protocol):
+    """A convention with topics that move more than one device."""
+
+    def reserved(self) -> tuple[str, ...]:
+        """Return the filters of the topics on which no announcement may have its device told anything."""
         ...
 
 

@@ -24,6 +24,7 @@ class GatewayCounters:
         announcements_ignored: Those of the quarantined.
         devices_refused: Descriptions that were one too many, or had too many parts.
         topics_refused: State topics that were not subscribed to.
+        topics_reserved: Command topics that were announced and belong to no device.
         reports: Reports of what devices told.
         oversize: Messages that were too long to be looked at.
         failures: Times that a convention raised what it must not.
@@ -43,6 +44,7 @@ class GatewayCounters:
     announcements_ignored: int = 0
     devices_refused: int = 0
     topics_refused: int = 0
+    topics_reserved: int = 0
     reports: int = 0
     oversize: int = 0
     failures: int = 0

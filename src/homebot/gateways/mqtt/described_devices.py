@@ -22,12 +22,19 @@ from homebot.gateways.mqtt.channels import Channels
 from homebot.gateways.mqtt.claim import Voice, Witness
 from homebot.gateways.mqtt.claims import Change, Claims, Route
 from homebot.gateways.mqtt.commands import Commands
-from homebot.gateways.mqtt.convention import Convention, Publisher, PublishingConvention, TroubledConvention
+from homebot.gateways.mqtt.convention import (
+    Convention,
+    Publisher,
+    PublishingConvention,
+    TopicLayout,
+    TroubledConvention,
+)
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.filter_tree import FilterTree
 from homebot.gateways.mqtt.last_words import LastWord, LastWords
 from homebot.gateways.mqtt.offers import Offers
 from homebot.gateways.mqtt.plain_voices import PlainVoices
+from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.gateways.mqtt.states import States
 from homebot.gateways.mqtt.subscriber import Subscriber
@@ -46,6 +53,7 @@ class DescribedDevices:
     Args:
         gateway: The gateway.
         conventions: Its conventions.
+        layouts: Its layouts.
         other_filters: What it subscribes to beside their announcements.
         channels: The devices that a layout knows, which commands go to as well.
         listeners: Who wants what its devices say.
@@ -64,6 +72,7 @@ class DescribedDevices:
         self,
         gateway: Gateway,
         conventions: tuple[Convention, ...],
+        layouts: tuple[TopicLayout, ...],
         other_filters: tuple[str, ...],
         channels: Channels,
         listeners: Listeners,
@@ -86,8 +95,10 @@ class DescribedDevices:
         self._missed: list[tuple[str, Voice | Witness]] = []
         self._states = States(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
         self._subscriber = Subscriber(self._topics, self._claims, conventions, self.tribunal, counters)
+        reserved = ReservedTopics(conventions, layouts)
         self._announcements = Announcements(
             self._claims,
+            reserved,
             self._board,
             self._timekeeper,
             self.tribunal,
@@ -97,7 +108,7 @@ class DescribedDevices:
             on_question=self._subscriber.question,
         )
         self.commands = Commands(
-            self._claims, channels, self.plain, connection, self.tribunal, counters, acts=gateway.acts
+            self._claims, channels, self.plain, connection, self.tribunal, counters, reserved, acts=gateway.acts
         )
         self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.tribunal)
         gateway.node.create_service(SendCommand, gateway.names.send_command, self.commands.serve, concurrent=True)

@@ -59,7 +59,7 @@ class Codec(Protocol):
         ...
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
-        """Return what to publish so that *capability* becomes *value*.
+        """Return what to publish so that *capability* becomes *value*, on topics that the part names in ``writes``.
 
         Raises:
             RefusedError: The part cannot do that, or the value is out of its bounds; says which it takes.
@@ -147,6 +147,8 @@ class Described:
         area: The room it was said to be in.
         facts: Further facts, such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
         availability: How it tells whether it can be reached, as a whole; None when it does not.
+        owns: Topics that the device has for itself with all that is below them, because it was announced there or the
+            bridge that speaks for it names its devices so; never because the announcement says so.
         is_sighting: Whether the announcement is a sign of life of the device itself when it comes live.
     """
 
@@ -159,6 +161,7 @@ class Described:
     area: str = ""
     facts: Mapping[str, str] = field(default_factory=dict)
     availability: Availability | None = None
+    owns: tuple[str, ...] = ()
     is_sighting: bool = False
 
 

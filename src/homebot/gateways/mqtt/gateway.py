@@ -112,6 +112,7 @@ class MqttGateway(Gateway):
         self._described = DescribedDevices(
             self,
             understood.conventions,
+            understood.layouts,
             self._layout_filters(),
             self._channels,
             self._listeners,
@@ -308,6 +309,7 @@ class MqttGateway(Gateway):
             command_address=device.command_address,
             metadata=device.metadata,
             parts=() if device.part is None else (device.part,),
+            owns=_own_topics(device),
             seen_at=at,
             expires_at=until,
             confirmed=confirmed,
@@ -360,6 +362,14 @@ class MqttGateway(Gateway):
         self._plain.told(command.address, command.payload)
         await self._connection.publish(command.address, payload, qos=command.qos, retain=command.retain)
         await self._described.overhear(MqttMessage(command.address, payload, command.qos, retain=False))
+
+
+def _own_topics(device: Announcement) -> tuple[str, ...]:
+    """In a layout the topic alone says whose it is, and so are those beside it."""
+    place = device.address.rpartition("/")[0]
+    if place and device.command_address.rpartition("/")[0] == place:
+        return (place,)
+    return (device.address, device.command_address) if device.command_address else (device.address,)
 
 
 def _topic_level(text: str) -> str:

@@ -74,6 +74,10 @@ class HomeAssistantDiscovery:
             for component in (*BUILDERS, DEVICE)
         )
 
+    def reserved(self) -> tuple[str, ...]:
+        """Return where Home Assistant says that it is there, on which many devices act."""
+        return tuple(f"{prefix}/status" for prefix in self._settings.prefixes)
+
     def births(self) -> tuple[Publication, ...]:
         """Return Home Assistant's birth message per prefix, where the settings want it."""
         if not self._settings.announce_please:

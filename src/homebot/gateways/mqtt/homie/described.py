@@ -29,5 +29,6 @@ def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> Described |
         topic=f"{device.topic}/$state",
         facts={**device.facts, **({"type": device.type} if device.type else {})},
         availability=availability_of(device.topic, device.root),
+        owns=(device.topic,),
         is_sighting=is_alive,
     )

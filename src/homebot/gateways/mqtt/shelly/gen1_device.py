@@ -93,6 +93,7 @@ class Gen1Device:
             topic=self.topic or topic,
             facts=self._facts(),
             availability=None if sleeps else Availability((OnlineTopic(place.at("online")),)),
+            owns=(place.topic,),
             is_sighting=True,
         )
 

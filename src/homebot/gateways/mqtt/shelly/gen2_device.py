@@ -103,6 +103,7 @@ class Gen2Device:
             topic=topic if self.described is None else self.described.topic,
             facts=self._facts(),
             availability=None if sleeps(self.status) else Availability((OnlineTopic(f"{self.prefix}/online"),)),
+            owns=(self.prefix,),
             is_sighting=True,
         )
 

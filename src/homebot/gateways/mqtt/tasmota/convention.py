@@ -94,6 +94,10 @@ class TasmotaDiscovery:
         """Return the filters of both messages."""
         return f"{self._prefix}/+/config", f"{self._prefix}/+/sensors"
 
+    def reserved(self) -> tuple[str, ...]:
+        """Return what is below the announcements, and the topics that all devices of a fresh firmware listen on."""
+        return f"{self._prefix}/#", "cmnd/tasmotas/#", "tasmotas/cmnd/#"
+
     def births(self) -> tuple[Publication, ...]:
         """Return nothing: announcements are retained."""
         return ()

@@ -73,6 +73,10 @@ class Zigbee2Mqtt:
         """Return the topics of the lists, after those of what says how to read them."""
         return tuple(f"{base}/bridge/{topic}" for base in self._devices for topic in ("info", "devices"))
 
+    def reserved(self) -> tuple[str, ...]:
+        """Return what the bridges themselves are told and tell."""
+        return tuple(f"{base}/bridge/#" for base in self._devices)
+
     def births(self) -> tuple[Publication, ...]:
         """Return nothing: the lists are retained."""
         return ()
@@ -154,6 +158,7 @@ class Zigbee2Mqtt:
             topic=topic,
             facts={**device.facts, **({"via_device": via} if via else {})},
             availability=self._rules[base].availability(base, device.ieee, device.topic),
+            owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
         )
 
     def _take_info(self, base: str, payload: bytes) -> tuple[Heard, ...]:

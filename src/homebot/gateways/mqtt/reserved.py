@@ -1,0 +1,93 @@
+"""Topics on which no device is told anything, whatever it announces: those of brokers, bridges and homebot. Pure.
+
+An app may publish there by itself, where it has reason to; a command to a device never ends there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from homebot.devices.part import Part
+from homebot.errors import WireError
+from homebot.gateways.mqtt.convention import Convention, ReservingConvention, TopicLayout
+from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.filter_tree import FilterTree
+
+__all__ = ["ReservedTopics"]
+
+OWN = "homebot"
+_BRIDGE_REQUEST = "/bridge/request/"
+
+
+@dataclass(frozen=True, slots=True)
+class _Rule:
+    """Why topics are reserved, and the convention for which they are not: it may want all that is below its prefix."""
+
+    why: str
+    free_for: str = ""
+
+
+class ReservedTopics:
+    """Knows the topics that are reserved at one gateway.
+
+    Args:
+        conventions: Its conventions: where devices announce themselves, nobody is told anything.
+        layouts: Its layouts: nor where their devices speak.
+    """
+
+    def __init__(self, conventions: Iterable[Convention], layouts: Iterable[TopicLayout]) -> None:
+        self._layouts = tuple(layouts)
+        self._rules: FilterTree[_Rule] = FilterTree()
+        for one in conventions:
+            narrow = _Rule(f"it is for announcements to {one.name}")
+            wide = replace(narrow, free_for=one.name)
+            for topic_filter in one.filters():
+                self._rules.add(topic_filter, wide if "#" in topic_filter else narrow)
+            if isinstance(one, ReservingConvention):
+                for topic_filter in one.reserved():
+                    self._rules.add(topic_filter, _Rule(f"it is {one.name}'s own"))
+
+    def why(self, topic: str, convention: str = "") -> str:
+        """Return why no device of *convention* may be told anything on *topic*; empty where that is not reserved."""
+        if topic.startswith("$"):
+            return "it is the broker's own"
+        if topic == OWN or topic.startswith(f"{OWN}/"):
+            return "it is homebot's own"
+        if _BRIDGE_REQUEST in topic:
+            return "it is for requests to a bridge"
+        for rule in self._rules.match(topic):
+            if not convention or rule.free_for != convention:
+                return rule.why
+        return "another device speaks there" if any(_speaks(one, topic) for one in self._layouts) else ""
+
+    def without(self, described: Described) -> tuple[Described, tuple[str, ...]]:
+        """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
+
+        Such a part stays, and can be read; it cannot be told anything.
+        """
+        refused: dict[str, str] = {}
+        parts = tuple(self._part(described.convention, part, refused) for part in described.parts)
+        if not refused:
+            return described, ()
+        return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
+
+    def _part(self, convention: str, described: DescribedPart, refused: dict[str, str]) -> DescribedPart:
+        found = {one: why for one in described.part.writes if (why := self.why(one, convention))}
+        asks = tuple(one for one in described.asks if not self.why(one.topic, convention))
+        if found:
+            refused.update(found)
+            return replace(described, part=_only_read(described.part), asks=asks)
+        return described if len(asks) == len(described.asks) else replace(described, asks=asks)
+
+
+def _only_read(part: Part) -> Part:
+    capabilities = tuple(one.model_copy(update={"settable": False}) for one in part.capabilities if one.readable)
+    return part.model_copy(update={"capabilities": capabilities, "writes": ()})
+
+
+def _speaks(layout: TopicLayout, topic: str) -> bool:
+    try:
+        return layout.announced(topic) is not None
+    except WireError:
+        return False
