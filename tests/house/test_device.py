@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import copy
+import random
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.house.device import number, spoken
+from homebot.house.device import Machine, number, spoken
+from homebot.house.faults import Deaf
 from homebot.house.lamp import Lamp
+from homebot.house.lock import DoorLock
 from homebot.house.motor import WindowMotor
+from homebot.house.robot import Robot
+from homebot.house.rooms import Room, Rooms
 from homebot.house.sensors import ContactSensor
+from homebot.house.thermostat import Thermostat
 
 
 def test_time_never_goes_back() -> None:
@@ -57,3 +65,43 @@ def test_most_devices_feel_nothing_and_draw_nothing() -> None:
     lamp, contact = Lamp("lamp"), ContactSensor("door")
     assert (lamp.sense(1.0, 5.0), lamp.now, lamp.state()) == ((), 5.0, "off")
     assert (contact.watts(), contact.restore()) == (0.0, "")
+
+
+DICE = random.Random(0)  # noqa: S311 - physics, no secrets
+DEVICES: tuple[Machine, ...] = (
+    Lamp("lamp"),
+    WindowMotor("motor"),
+    DoorLock("lock"),
+    Thermostat("thermostat"),
+    ContactSensor("contact"),
+    Robot("robot", Rooms({"hall": Room(), "bath": Room(1.0), "attic": Room(2.0)}, [("hall", "bath")]), "hall"),
+)
+COMMANDS = st.sampled_from(
+    [
+        "on",
+        "off",
+        "open",
+        "close",
+        "stop",
+        "lock",
+        "unlock",
+        "0.5",
+        "1.5",
+        "21",
+        "3000 K",
+        "9 K",
+        " K",
+        "go bath",
+        "go attic",
+        "go x",
+    ]
+) | st.text(max_size=6)
+
+
+@given(st.sampled_from(DEVICES), COMMANDS)
+def test_a_device_answers_what_it_knows_and_ignores_what_it_does_not(device: Machine, command: str) -> None:
+    fresh = copy.deepcopy(device)
+    before = fresh.state()
+    answer = fresh.obey(command, 1.0)
+    assert bool(answer) == device.knows(command) == Deaf(device, DICE).knows(command)
+    assert answer or fresh.state() == before

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from homebot.errors import UsageError
 from homebot.testing import TestHouse, house_of
 
 
@@ -31,3 +32,20 @@ async def test_what_does_not_come_is_told_with_what_came_instead() -> None:
 def test_pytest_does_not_take_the_house_for_a_test() -> None:
     """Its name begins with Test."""
     assert not TestHouse.__test__
+
+
+async def test_a_test_hears_wherever_it_listens_and_not_itself() -> None:
+    """Also what was said before it listens, and outside of the home; it used to say that nothing came."""
+    async with house_of(root="villa") as house, house.client("somebody") as somebody:
+        await somebody.wait_connected()
+        await house.says("attic/lamp/orders", "mine")
+        await somebody.publish("attic/lamp/orders", b"OFF", qos=1)
+        assert await house.hears("attic/lamp/orders") == "OFF"
+        with pytest.raises(TimeoutError, match="nothing came on attic/lamp/orders within"):
+            await house.hears("attic/lamp/orders", within=0.01)
+
+
+async def test_a_test_listens_on_one_topic() -> None:
+    async with house_of() as house:
+        with pytest.raises(UsageError, match="name one topic"):
+            await house.hears("attic/#")

@@ -17,6 +17,8 @@ import pytest
 from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
 from homebot.house import Lamp, WindowMotor, World, thesis_world
+from homebot.house.lock import DoorLock
+from homebot.house.sensors import LuxSensor
 from homebot.mqtt.broker import BrokerLimits
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
 from homebot.testing.event_log import MAX_EVENTS
@@ -111,8 +113,23 @@ async def test_hands_work_a_device_and_all_that_follows_at_once_has_happened() -
         await house.press("hall", "on")
         assert house.world.device("hall").state() == "off"
         assert said(log, "home425/lights/hall/out")[-2:] == ["on", "off"]
-        with pytest.raises(UsageError, match="there is no device 'door'"):
+        with pytest.raises(UsageError, match="there is no device 'door'; in the house are: hall"):
             await house.press("door", "open")
+
+
+@pytest.mark.virtual_time
+async def test_hands_cannot_do_what_the_device_does_not_know() -> None:
+    """A misspelt word used to be silence, and the test looked elsewhere for what was wrong."""
+    world = World.of(Lamp("hall"), DoorLock("door"), LuxSensor("lux"))
+    async with virtual_house_of(world=world) as house:
+        with pytest.raises(UsageError, match=r"hall knows no 'onn'; it takes: on, off, 0 to 1, \d+ K to \d+ K"):
+            await house.press("hall", "onn")
+        with pytest.raises(UsageError, match="door knows no 'open'; it takes: lock, unlock"):
+            await house.press("door", "open")
+        with pytest.raises(UsageError, match="lux knows no '5'; it takes: nothing by hand"):
+            await house.press("lux", "5")
+        for word in ("on", "0.5", "3000 K"):
+            await house.press("hall", word)
 
 
 @pytest.mark.virtual_time

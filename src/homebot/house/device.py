@@ -74,6 +74,14 @@ class Machine(ABC):
         """Let somebody work it with their hands, as *command* would; return what it says at once."""
         return self.obey(command, now)
 
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows, for people: each a word, or what stands for many, such as ``0 to 1``."""
+        return ()
+
+    def knows(self, command: str) -> bool:
+        """Whether it knows *command*; what it does not know it ignores."""
+        return command in self.commands()
+
     def watts(self) -> float:
         """Return the power it draws, in watts."""
         return 0.0

@@ -61,6 +61,14 @@ class Fault(Machine):
         """What the device says."""
         return self.device.state()
 
+    def commands(self) -> tuple[str, ...]:
+        """What the device knows."""
+        return self.device.commands()
+
+    def knows(self, command: str) -> bool:
+        """Whether the device knows *command*."""
+        return self.device.knows(command)
+
     def watts(self) -> float:
         """What the device draws."""
         return self.device.watts()

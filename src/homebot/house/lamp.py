@@ -51,6 +51,16 @@ class Lamp(Machine):
         """``on`` or ``off``."""
         return self.state()
 
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows."""
+        return ("on", "off", "0 to 1", f"{KELVIN[0]:g} K to {KELVIN[1]:g} K")
+
+    def knows(self, command: str) -> bool:
+        """Whether it knows *command*."""
+        if command.endswith(" K"):
+            return number(command.removesuffix(" K"), *KELVIN) is not None
+        return command in {"on", "off"} or number(command, 0.0, 1.0) is not None
+
     def _take(self, command: str) -> tuple[str, ...]:
         if command in {"on", "off"}:
             self.is_on = command == "on"

@@ -48,6 +48,10 @@ class DoorLock(Machine):
         """When the bolt arrives."""
         return self._arrives_at
 
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows."""
+        return ("lock", "unlock")
+
     def _take(self, command: str) -> tuple[str, ...]:
         if command not in {"lock", "unlock"}:
             return ()

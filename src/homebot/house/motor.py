@@ -62,6 +62,14 @@ class WindowMotor(Machine):
         """When it arrives."""
         return self._started_at + abs(self._target - self._start) * self.travel_time if self._moves else None
 
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows."""
+        return ("open", "close", "stop", "0 to 1")
+
+    def knows(self, command: str) -> bool:
+        """Whether it knows *command*."""
+        return command in {"open", "close", "stop"} or number(command, 0.0, 1.0) is not None
+
     def _take(self, command: str) -> tuple[str, ...]:
         position = self.position
         if command == "stop":

@@ -81,20 +81,32 @@ class Robot(Machine):
         """When it reaches the next room."""
         return self._left_at + self._leg() if self._ahead else None
 
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows."""
+        return ("stop", *(f"go {room}" for room in self.rooms.rooms if self._way_to(room)))
+
+    def knows(self, command: str) -> bool:
+        """Whether it knows *command*; a room that no doors lead to it does not."""
+        return command == "stop" or (command.startswith("go ") and bool(self._way_to(command.removeprefix("go "))))
+
     def _take(self, command: str) -> tuple[str, ...]:
         if command == "stop":
             self._at_rest, self._ahead = self.pose(), ()
             return (self.state(),)
-        if not command.startswith("go "):
-            return ()
-        try:
-            way = self.rooms.path(self.room, command.removeprefix("go "))
-        except UsageError:
+        way = self._way_to(command.removeprefix("go ")) if command.startswith("go ") else ()
+        if not way:
             return ()
         pose, here = self.pose(), self.rooms.rooms[self.room]
         is_there = (pose.x, pose.y) == (here.x, here.y)
         self._from, self._left_at, self._ahead = pose, self.now, way[1:] if is_there else way
         return (self.state(),)
+
+    def _way_to(self, room: str) -> tuple[str, ...]:
+        """The rooms on the way, with both ends; empty where there is none."""
+        try:
+            return self.rooms.path(self.room, room)
+        except UsageError:
+            return ()
 
     def _happen(self) -> tuple[str, ...]:
         heading = self.pose().heading

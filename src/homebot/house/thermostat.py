@@ -10,6 +10,9 @@ from homebot.house.device import Machine, number, spoken
 
 __all__ = ["Thermostat"]
 
+LEAST, MOST = 5.0, 30.0
+"""Targets that it takes, in degrees Celsius."""
+
 PERIOD = 300.0
 """Seconds between two looks at the thermometer; rooms are slow."""
 
@@ -70,8 +73,16 @@ class Thermostat(Machine):
         """When it looks at the thermometer."""
         return self._looks_at
 
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows."""
+        return (f"{LEAST:g} to {MOST:g}",)
+
+    def knows(self, command: str) -> bool:
+        """Whether it knows *command*."""
+        return number(command, LEAST, MOST) is not None
+
     def _take(self, command: str) -> tuple[str, ...]:
-        target = number(command, 5.0, 30.0)
+        target = number(command, LEAST, MOST)
         if target is None:
             return ()
         self.target = target

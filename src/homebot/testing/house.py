@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
+from collections import deque
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 import anyio
 
 from homebot.config import Config, parse_config
-from homebot.errors import ClosedError, UsageError
+from homebot.errors import ClosedError, InvalidNameError, UsageError
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttClient, Subscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.topics import validate_topic
 from homebot.runtime import Runtime
 from homebot.testing.background import in_background
 from homebot.testing.house_config import house_config, mqtt_gateway_of
@@ -30,8 +31,17 @@ __all__ = ["TestHouse", "house_of"]
 
 PATIENCE = 5.0
 
+EVERYTHING = Subscription("#", qos=1, no_local=True)
+"""What a test may hear: all but its own words."""
+
 KEPT = 1000
 """Payloads of one topic that wait to be asked for; the oldest goes."""
+
+MAX_TOPICS = 10_000
+"""Topics whose payloads wait; the one that was heard first goes."""
+
+
+_SHOWN = 10
 
 
 class TestHouse:
@@ -63,7 +73,7 @@ class TestHouse:
         self._make_client = make_client
         self._log: EventLog | None = None
         self._field = field
-        self._heard: defaultdict[str, deque[str]] = defaultdict(lambda: deque(maxlen=KEPT))
+        self._heard: dict[str, deque[str]] = {}
         self._came = anyio.Event()
 
     @property
@@ -102,21 +112,27 @@ class TestHouse:
         await self._field.publish(topic, payload.encode(), qos=1)
 
     async def hears(self, topic: str, within: float = PATIENCE) -> str:
-        """Return the next payload that homebot sends to *topic*.
+        """Return the next payload that homebot or a device sends to *topic*; what the test itself says is not heard.
 
         Args:
-            topic: The MQTT topic.
+            topic: The MQTT topic, wherever it is.
             within: Seconds to wait for it.
 
         Raises:
             TimeoutError: Nothing came; says what came elsewhere, and which apps crashed.
+            UsageError: It is no topic.
         """
+        try:
+            validate_topic(topic)
+        except InvalidNameError as exc:
+            raise UsageError(f"hears({topic!r}): {exc}; name one topic") from None
         with anyio.move_on_after(within):
-            while not self._heard[topic]:
+            while not self._heard.get(topic):
                 await self._came.wait()
-        if not self._heard[topic]:
+        heard = self._heard.get(topic)
+        if not heard:
             raise TimeoutError(self._silence(topic, within))
-        return self._heard[topic].popleft()
+        return heard.popleft()
 
     async def listen(self) -> None:
         """Take in what homebot sends, until cancelled."""
@@ -126,13 +142,23 @@ class TestHouse:
             except ClosedError:
                 return
             for message in messages:
-                self._heard[message.topic].append(message.payload.decode(errors="replace"))
+                self._keep(message.topic, message.payload.decode(errors="replace"))
             self._field.ack(messages)
             self._came.set()
             self._came = anyio.Event()
 
+    def _keep(self, topic: str, payload: str) -> None:
+        if topic not in self._heard:
+            if len(self._heard) >= MAX_TOPICS:
+                del self._heard[next(iter(self._heard))]
+            self._heard[topic] = deque(maxlen=KEPT)
+        self._heard[topic].append(payload)
+
     def _silence(self, topic: str, within: float) -> str:
-        elsewhere = {name: list(payloads) for name, payloads in self._heard.items() if payloads}
+        """What came elsewhere: first what homebot told devices, and not that it is there itself."""
+        heard = [name for name, payloads in self._heard.items() if payloads and not name.endswith("/mqtt/status")]
+        names = sorted(heard, key=lambda one: not one.endswith("/in"))
+        elsewhere = {name: list(self._heard[name])[-_SHOWN:] for name in names[:_SHOWN]}
         return (
             f"nothing came on {topic} within {within:g} s; "
             f"came elsewhere: {elsewhere or 'nothing'}; crashed: {', '.join(self.crashed) or 'nothing'}"
@@ -167,8 +193,7 @@ async def house_of(
                 Runtime(made) as runtime,
                 MqttConnection(options, AiomqttClient, status_topic=None) as field,
             ):
-                heard = root if gateway is None else gateway.root or "+"
-                await field.subscribe(Subscription(f"{heard}/+/+/in", qos=1))
+                await field.subscribe(EVERYTHING)
                 await field.wait_connected()
                 house = TestHouse(runtime, field, options, AiomqttClient)
                 async with in_background(house.listen):

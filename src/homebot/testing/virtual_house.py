@@ -16,13 +16,12 @@ from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
 from homebot.mqtt.broker import BrokerLimits
-from homebot.mqtt.client import Subscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 from homebot.testing.background import in_background
-from homebot.testing.house import TestHouse
+from homebot.testing.house import EVERYTHING, TestHouse
 from homebot.testing.house_config import house_config
 from homebot.testing.moment import as_moment, next_moment
 from homebot.testing.plain_logs import plain_logs
@@ -38,6 +37,7 @@ HEARTBEAT = 300.0
 """Seconds after which a simulated device says its last word again: as plugged-in devices do, and little work."""
 
 _KEEP_ALIVE = 3_600
+_SHOWN = 60
 
 
 class VirtualHouse(TestHouse):
@@ -103,8 +103,15 @@ class VirtualHouse(TestHouse):
         """Let hands work a simulated device, as *command* would; returns when all that follows at once has happened.
 
         Raises:
-            UsageError: There is no such device.
+            UsageError: There is no such device, or it knows no such command; names those that it knows.
         """
+        placed = self.world.devices.get(device_id)
+        if placed is None:
+            there = ", ".join(self.world.devices) or "none"
+            raise UsageError(f"there is no device {device_id!r}; in the house are: {there}")
+        if not placed.device.knows(command):
+            known = ", ".join(placed.device.commands()) or "nothing by hand"
+            raise UsageError(f"{device_id} knows no {command[:_SHOWN]!r}; it takes: {known}")
         self.simulated.press(device_id, command)
         await self.settle()
 
@@ -150,7 +157,7 @@ async def virtual_house_of(
         options = MqttOptions.from_url(broker.url, client_id="test", keep_alive=_KEEP_ALIVE)
         field = MqttConnection(options, broker.make_client, status_topic=None, clock=clock, random=random)
         await stack.enter_async_context(field)
-        await field.subscribe(Subscription(f"{root}/+/+/in", qos=1))
+        await field.subscribe(EVERYTHING)
         await field.wait_connected()
         simulated = SimulatedHouse(
             broker.url,
