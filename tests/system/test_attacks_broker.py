@@ -7,11 +7,12 @@ import socket
 import sys
 import time
 from collections.abc import Iterator
+from itertools import product
 
 import pytest
 from tests.system.broker_probe import AttackedBroker, Toll, attacked_broker, closing, is_closed
 
-from homebot.mqtt.packets import Connect, Pingreq, Pingresp, Publish, encode
+from homebot.mqtt.packets import Connect, FilterRequest, Pingreq, Pingresp, Publish, Suback, Subscribe, encode
 
 pytestmark = [
     pytest.mark.system,
@@ -117,4 +118,59 @@ def test_a_packet_in_single_bytes_takes_no_more_than_its_bytes(broker: AttackedB
         client.send(b"x")
     with closing([client]):
         withstood(broker, before, "50,000 bytes of a packet, one by one", memory=8)
+    recovered(broker, before)
+
+
+@pytest.mark.parametrize(
+    ("topics", "filters"),
+    [
+        pytest.param(
+            [f"a/{one}/b/{two}" for one in range(200) for two in range(50)],
+            [f"+/+/b/{number}" for number in range(460)],
+            id="13.9 kB of wildcards",
+        ),
+        pytest.param([f"t/{number}" for number in range(10_000)], [f"f/{number}" for number in range(5000)], id="many"),
+        pytest.param(
+            ["/".join(levels) for levels in product("abc", repeat=8)],
+            ["/".join(levels) for levels in product("a+", repeat=8)],
+            id="all ways to put a plus",
+        ),
+    ],
+)
+def test_no_subscribe_stops_the_others(broker: AttackedBroker, topics: list[str], filters: list[str]) -> None:
+    keeper = broker.client("keeper")
+    for start in range(0, len(topics), 1000):
+        keeper.send(*(Publish(topic, b"x", 0, retain=True) for topic in topics[start : start + 1000]))
+    keeper.send(Pingreq())
+    keeper.take()
+    keeper.close()
+    before = broker.toll()
+    client = broker.client("subscriber")
+    client.send(Subscribe(1, tuple(FilterRequest(each) for each in filters)))
+    withstood(
+        broker, before, f"a SUBSCRIBE with {len(filters)} filters over {len(topics)} retained messages", memory=32
+    )
+    received = 0
+    while not isinstance(client.take(), Suback):
+        pass
+    client.send(Pingreq())
+    while not isinstance(client.take(), Pingresp):
+        received += 1
+    client.close()
+    after = recovered(broker, before)
+    print(f"the subscriber got {received} of its retained messages before its ping was answered")
+    assert after.turn < LONGEST_TURN
+
+
+def test_a_flood_of_small_messages_to_many_stops_nobody(broker: AttackedBroker) -> None:
+    before = broker.toll()
+    listeners = [broker.client(f"l{number}") for number in range(200)]
+    for listener in listeners:
+        listener.send(Subscribe(1, (FilterRequest("t", 0),)))
+        listener.take()
+    publisher = broker.client("publisher")
+    with closing([each.socket for each in (*listeners, publisher)]):
+        for _ in range(4):
+            publisher.socket.sendall(encode(Publish("t")) * 2700)
+        withstood(broker, before, "10,800 messages to 200 clients that do not read")
     recovered(broker, before)

@@ -6,6 +6,7 @@ Pure functions. Source for all rules: MQTT 5.0 section 4.7 (names, filters, ``$`
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from homebot.errors import InvalidNameError
@@ -24,6 +25,7 @@ MAX_TOPIC_BYTES = 65_535
 
 _SHORT = MAX_TOPIC_BYTES // 4
 _SHARE_PREFIX = "$share/"
+_PLAIN_FILTER = re.compile(r"(?:(?:\+|[^/+#]*)/)*(?:\+|#|[^/+#]*)").fullmatch  # level by level takes far longer
 _TOPIC = "topic"
 _FILTER = "topic filter"
 
@@ -119,7 +121,7 @@ def _check_text(kind: str, name: str) -> None:
 
 
 def _check_levels(whole: str, shared: SharedFilter | None) -> None:
-    if "+" not in whole and "#" not in whole:
+    if _PLAIN_FILTER(whole if shared is None else shared.filter) is not None:
         return
     position = 0 if shared is None else len(whole) - len(shared.filter)
     levels = (whole if shared is None else shared.filter).split("/")

@@ -14,6 +14,11 @@ import pytest
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import Broker, BrokerLimits, Hub, Peer, Policy
 from homebot.mqtt.broker.authentication import Authentication
+from homebot.mqtt.broker.deadlines import Deadlines
+from homebot.mqtt.broker.replay import Owed, Replay
+from homebot.mqtt.broker.retained import RetainedMessages
+from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
     Connack,
@@ -35,6 +40,25 @@ from homebot.mqtt.packets import (
 )
 
 Kind = TypeVar("Kind")
+
+
+def owed(retained: RetainedMessages, *filters: str) -> list[Owed]:
+    """What new subscriptions to *filters* get, with pauses wherever the broker makes one."""
+    clock = ManualClock()
+    work = WorkBudget(clock, Deadlines())
+    replay = Replay(retained, lambda _: True)
+    for name in filters:
+        replay.add(Subscription(name, name, 0))
+    replay.complete = True
+    found = []
+    while not replay.is_over:
+        first = replay.first(work, 0.0)
+        if first is None:
+            clock.advance(1.0)
+        else:
+            replay.popleft()
+            found.append(first)
+    return found
 
 
 class MemoryLink:

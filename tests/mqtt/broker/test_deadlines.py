@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from homebot.mqtt.broker.deadlines import Deadlines
 
 
@@ -42,3 +44,34 @@ def test_the_owner_is_woken_for_an_earlier_deadline_only() -> None:
     for when in (5.0, 7.0, 3.0, 4.0):
         deadlines.at(when, lambda: None)
     assert woken == [5.0, 3.0]
+
+
+def test_what_is_noted_while_others_run_waits_for_the_next_run() -> None:
+    """Or work that goes on in slices would leave nobody a turn between them."""
+    deadlines = Deadlines()
+    ran: list[int] = []
+
+    def again() -> None:
+        ran.append(len(ran))
+        deadlines.at(0.0, again)
+
+    deadlines.at(0.0, again)
+    deadlines.run(1.0)
+    assert ran == [0]
+    deadlines.run(1.0)
+    assert ran == [0, 1]
+
+
+def test_a_failure_costs_none_of_the_others() -> None:
+    deadlines = Deadlines()
+    ran: list[str] = []
+
+    def fail() -> None:
+        raise ValueError("broken")
+
+    deadlines.at(0.0, fail)
+    deadlines.at(0.0, lambda: ran.append("other"))
+    with pytest.raises(ValueError, match="broken"):
+        deadlines.run(1.0)
+    deadlines.run(1.0)
+    assert ran == ["other"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from tests.mqtt.broker.conftest import owed
 
 from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.retained import RetainedMessages
@@ -20,6 +21,6 @@ def test_a_filter_finds_the_topics_that_it_matches(topic_filter: str, others: in
     for topic in topics:
         assert retained.keep(Message(topic, b"x"), now=0.0)
 
-    found = [message.topic for message in retained.matching(topic_filter, now=0.0)]
+    found = [message.topic for message, _ in owed(retained, topic_filter)]
 
     assert found == [topic for topic in topics if topic_matches(topic_filter, topic)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+from collections import deque
 from collections.abc import Callable
 from typing import final
 
@@ -60,8 +61,15 @@ class Deadlines:
         return deadline
 
     def run(self, now: float) -> None:
-        """Do everything due at *now*, in order of time."""
+        """Do everything due at *now*, in order of time; what is noted meanwhile has to wait for the next run."""
+        due: deque[Deadline] = deque()
         while self._heap and self._heap[0].when <= now:
-            action = heapq.heappop(self._heap).action
-            if action is not None:
-                action()
+            due.append(heapq.heappop(self._heap))
+        try:
+            while due:
+                action = due.popleft().action
+                if action is not None:
+                    action()
+        finally:
+            for left in due:
+                heapq.heappush(self._heap, left)

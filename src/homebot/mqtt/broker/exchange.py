@@ -9,11 +9,13 @@ from homebot.clock import Clock
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.queue import Parcel
+from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.retained import RetainedMessages
-from homebot.mqtt.broker.session import Delivery, Session
+from homebot.mqtt.broker.session import LARGE, Delivery, Session
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscription import Subscription
 from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
+from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import FilterRequest, ReasonCode
 
 __all__ = ["Exchange", "Receipt"]
@@ -31,6 +33,8 @@ class Receipt(NamedTuple):
     slow: tuple[Session, ...] = ()
 
 
+_MANY = 20  # sessions
+_GRANTED = (ReasonCode.SUCCESS, ReasonCode.GRANTED_QOS_1, ReasonCode.GRANTED_QOS_2)
 _DELIVERED = Receipt(ReasonCode.SUCCESS)
 _UNMATCHED = Receipt(ReasonCode.NO_MATCHING_SUBSCRIBERS)
 
@@ -44,6 +48,7 @@ class Exchange:
         limits: Bounds of the retained messages and subscriptions.
         counters: Counts what is not retained.
         on_message: Told of each message.
+        turn: What is done in one turn of the event loop; told of messages that go to many.
 
     Attributes:
         subscriptions: Who wants which topic.
@@ -57,12 +62,14 @@ class Exchange:
         limits: BrokerLimits,
         counters: Counters,
         on_message: Callable[[Message], None] | None = None,
+        turn: WorkBudget | None = None,
     ) -> None:
         self._clock = clock
         self._limits = limits
         self._counters = counters
         self._on_message = on_message
-        self.subscriptions = SubscriptionTree()
+        self._turn = turn
+        self.subscriptions = SubscriptionTree(turn)
         self.crowded: dict[Session, None] = {}
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
 
@@ -74,14 +81,17 @@ class Exchange:
         route = self.subscriptions.route(message.topic)
         refused = False
         slow: list[Session] = []
+        large = message.size >= LARGE
+        if len(route.targets) > _MANY and self._turn is not None:
+            self._turn.spend(2 * len(route.targets))
         for target in route.targets:
-            outcome = _deliver(target, message)
+            outcome = _deliver(target, message, large)
             if outcome is Delivery.SLOW:
                 slow.append(target.session)
             elif outcome:
                 refused = True
         for group in route.groups:
-            chosen, outcome = _deliver_to_one(group, message)
+            chosen, outcome = _deliver_to_one(group, message, large)
             if outcome is Delivery.REFUSED:
                 refused = True
             elif chosen is not None and outcome:
@@ -110,25 +120,33 @@ class Exchange:
                 found += connected
         return tuple(found)
 
-    def subscribe(self, session: Session, request: FilterRequest, identifier: int) -> ReasonCode:
-        """Add a subscription, or put it in place of the one with the same filter; queue its retained messages.
+    def subscribe(self, session: Session, request: FilterRequest, identifier: int, replay: Replay) -> ReasonCode:
+        """Add a subscription, or put it in place of the one with the same filter.
+
+        Args:
+            session: Whose.
+            request: The filter with its options.
+            identifier: The subscription identifier; 0 is none.
+            replay: Where it is added if retained messages are owed to it.
 
         Returns:
             The granted QoS, 0x8F for too many levels, or 0x97 for too many subscriptions.
         """
         subscription = Subscription.of(request, identifier)
         known = session.subscriptions.get(request.filter)
-        if len(subscription.levels) > self._limits.max_topic_levels:
+        levels = subscription.filter.count("/") + 1
+        if levels > self._limits.max_topic_levels:
             return ReasonCode.TOPIC_FILTER_INVALID
-        if known is None and len(session.subscriptions) >= self._limits.max_subscriptions:
+        if known is None and not self._has_room(session, subscription, levels):
+            self._counters.subscriptions_refused += 1
             return ReasonCode.QUOTA_EXCEEDED
         session.subscriptions[request.filter] = subscription
         self.subscriptions.add(session, subscription)
         if subscription.share is None and (
             request.retain_handling == 0 or (request.retain_handling == 1 and known is None)
         ):
-            self._replay(session, subscription)
-        return ReasonCode(request.qos)
+            replay.add(subscription)
+        return _GRANTED[request.qos]
 
     def unsubscribe(self, session: Session, name: str) -> ReasonCode:
         """Remove a subscription; success, or 0x11 where there was none."""
@@ -146,7 +164,7 @@ class Exchange:
         for parcel in session.unsent_shares():
             group = None if parcel.share is None else self.subscriptions.group(parcel.share)
             if group is not None:
-                _deliver_to_one(group, parcel.message)
+                _deliver_to_one(group, parcel.message, parcel.message.size >= LARGE)
 
     def _retain(self, message: Message) -> bool:
         if self.retained.keep(message, self._clock.monotonic()):
@@ -154,24 +172,29 @@ class Exchange:
         self._counters.retained_refused += 1
         return False
 
-    def _replay(self, session: Session, subscription: Subscription) -> None:
-        identifiers = (subscription.identifier,) if subscription.identifier else ()
-        for message in self.retained.matching(subscription.filter, self._clock.monotonic()):
-            qos = min(subscription.qos, message.qos)
-            session.replay(Parcel(message, qos, retain=True, identifiers=identifiers))
+    def _has_room(self, session: Session, subscription: Subscription, levels: int) -> bool:
+        limits, tree = self._limits, self.subscriptions
+        return (
+            len(session.subscriptions) < limits.max_subscriptions
+            and len(tree) < limits.max_all_subscriptions
+            and tree.levels + levels <= limits.max_filter_levels
+            and tree.text + len(subscription.name) <= limits.max_filter_text
+            and (subscription.share is None or tree.shared < limits.max_shared_subscriptions)
+        )
 
 
-def _deliver(target: Target, message: Message) -> Delivery:
+def _deliver(target: Target, message: Message, large: bool) -> Delivery:  # noqa: FBT001 - for every message, by position for speed
     if target.matched and target.session.client_id == message.origin:
         rest = target.without_local()
         if rest is None:
             return Delivery.TAKEN
         target = rest
     session, qos, keep_retain, identifiers, _ = target
-    return session.deliver(Parcel(message, min(qos, message.qos), message.retain and keep_retain, identifiers))
+    parcel = Parcel(message, min(qos, message.qos), message.retain and keep_retain, identifiers)
+    return session.deliver_large(parcel) if large else session.deliver(parcel)
 
 
-def _deliver_to_one(group: ShareGroup, message: Message) -> tuple[Session | None, Delivery]:
+def _deliver_to_one(group: ShareGroup, message: Message, large: bool) -> tuple[Session | None, Delivery]:  # noqa: FBT001 - as above
     chosen = group.choose()
     if chosen is None:
         return None, Delivery.TAKEN
@@ -179,4 +202,4 @@ def _deliver_to_one(group: ShareGroup, message: Message) -> tuple[Session | None
     identifiers = (subscription.identifier,) if subscription.identifier else ()
     retain = message.retain and subscription.retain_as_published
     parcel = Parcel(message, min(subscription.qos, message.qos), retain, identifiers, group.key)
-    return session, session.deliver(parcel)
+    return session, session.deliver_large(parcel) if large else session.deliver(parcel)

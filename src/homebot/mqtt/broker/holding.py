@@ -36,6 +36,7 @@ class Holding:
         messages: How many of them are messages at QoS 1 or 2.
         size: The bytes of their topics and payloads.
         reading: Whether the socket is read.
+        paused: Whether packets wait behind one that is not done.
     """
 
     def __init__(self, hub: Hub, link: Link, go_on: Callable[[], None]) -> None:
@@ -43,6 +44,7 @@ class Holding:
         self.messages = 0
         self.size = 0
         self.reading = True
+        self.paused = False
         self._hub = hub
         self._link = link
         self._go_on = go_on
@@ -53,7 +55,7 @@ class Holding:
     @property
     def active(self) -> bool:
         """Whether packets must wait: for a slow session, or behind others that have waited."""
-        return self._end is not None or bool(self.packets)
+        return self._end is not None or bool(self.packets) or self.paused
 
     def wait_for(self, slow: Iterable[Session], *, endless: bool = False) -> None:
         """Wait until every one of *slow* has caught up or gone.
@@ -86,7 +88,7 @@ class Holding:
 
     def take(self) -> Packet | None:
         """The packet that waited longest, or None while the wait goes on or when nothing waits."""
-        if self._slow or not self.packets:
+        if self._slow or self.paused or not self.packets:
             return None
         packet = self.packets.popleft()
         self._count(packet, -1)

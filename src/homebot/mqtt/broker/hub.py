@@ -24,6 +24,7 @@ from homebot.mqtt.broker.stats import BrokerStats, Counters
 from homebot.mqtt.broker.unread import UnreadPackets
 from homebot.mqtt.broker.waiting_logins import WaitingLogins
 from homebot.mqtt.broker.words import short
+from homebot.mqtt.broker.work import WorkBudget
 
 if TYPE_CHECKING:
     from homebot.mqtt.broker.peer import Peer
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["Hub"]
 
 _CUT_BY_A_READ = 4096  # bytes: about a read may leave as much of a packet on every connection
+_IN_A_TURN = 20_000  # units of work
 _WARNINGS = 20  # of one event in ten seconds: enough to tell a few clients apart
 _log = structlog.get_logger()
 
@@ -51,6 +53,8 @@ class Hub:
     Attributes:
         peers: Logged-in connections by client id.
         deadlines: What is due when; the carrier runs it.
+        work: How much may be done now of what can take long.
+        turn: What is done in one turn of the event loop by messages that go to many, or are compared with many filters.
         waiting_logins: Connections that have not logged in.
         unread_logins: Their incomplete packets.
         unread: The incomplete packets of the others.
@@ -74,6 +78,8 @@ class Hub:
         self.random = random or SystemRandom()
         self.counters = Counters()
         self.deadlines = Deadlines()
+        self.work = WorkBudget(clock, self.deadlines)
+        self.turn = WorkBudget(clock, self.deadlines, _IN_A_TURN, 0.0)
         self._on_message = on_message
         self.peers: dict[str, Peer] = {}
         self.waiting_logins = WaitingLogins(limits.max_waiting_logins)
@@ -116,5 +122,5 @@ class Hub:
         _log.warning(event, message=f"{message}{more}", held_back=held_back, **known)
 
     def _clear(self) -> None:
-        self.exchange = Exchange(self.clock, self.limits, self.counters, self._on_message)
-        self.sessions = Sessions(self.exchange, self.clock, self.deadlines, self.limits, self.counters)
+        self.exchange = Exchange(self.clock, self.limits, self.counters, self._on_message, self.turn)
+        self.sessions = Sessions(self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.work)

@@ -21,8 +21,13 @@ class BrokerLimits:
             open; one more costs the oldest that only waits for its end, or is closed at once.
         max_sessions: Sessions kept, connected or not; one more pushes out the one that was left longest ago.
         max_subscriptions: Subscriptions of one session; one more is refused (0x97).
+        max_all_subscriptions: Subscriptions of all sessions; likewise.
+        max_shared_subscriptions: Shared subscriptions of all sessions; likewise.
+        max_filter_levels: Levels of all filters, those counted once that filters begin with alike; likewise.
+        max_filter_text: The length of all filters; likewise.
         max_topic_levels: Levels of a topic or filter; a deeper one is refused (0x90, 0x8F).
         max_packet_size: The largest packet taken; a larger one ends the connection (0x95).
+        max_control_size: The largest packet taken other than CONNECT and PUBLISH; likewise.
         max_connect_size: The largest CONNECT taken, so that nobody fills the memory without a password.
         max_waiting_logins: Connections that have not logged in; one more costs the oldest of the host that has most
             of them.
@@ -52,8 +57,13 @@ class BrokerLimits:
     max_connections: int = 1000
     max_sessions: int = 2000
     max_subscriptions: int = 5000
+    max_all_subscriptions: int = 50_000
+    max_shared_subscriptions: int = 1000
+    max_filter_levels: int = 100_000
+    max_filter_text: int = 8 * _MIB
     max_topic_levels: int = 128
     max_packet_size: int = 16 * _MIB
+    max_control_size: int = _MIB // 4
     max_connect_size: int = _MIB // 4
     max_waiting_logins: int = 256
     max_unread_login_bytes: int = 4 * _MIB

@@ -26,10 +26,13 @@ class Message:
         properties: What goes on to subscribers: no topic alias, no subscription identifiers.
         origin: Client id of the publisher.
         expires_at: When it is worthless, on the clock's monotonic scale, or None.
+        order: Its number among the retained messages; only they have one.
         size: About its bytes (topic, payload and properties), for the bounds.
     """
 
-    __slots__ = ("_parts", "expires_at", "origin", "payload", "properties", "qos", "retain", "size", "topic")
+    __slots__ = ("_parts", "expires_at", "order", "origin", "payload", "properties", "qos", "retain", "size", "topic")
+
+    order: int
 
     def __init__(
         self,

@@ -12,13 +12,14 @@ from typing import ClassVar, final
 
 from homebot.mqtt.broker import login
 from homebot.mqtt.broker.farewell import goodbye, unread_connect_answer
+from homebot.mqtt.broker.filter_requests import Subscribing, Unsubscribing
 from homebot.mqtt.broker.holding import Holding
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.inbound import Inbound
 from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.outbound import Outbound
+from homebot.mqtt.broker.peer_log import PeerLog
 from homebot.mqtt.broker.session import Session
-from homebot.mqtt.broker.words import client_words, short
 from homebot.mqtt.packets import (
     Auth,
     Connack,
@@ -36,9 +37,7 @@ from homebot.mqtt.packets import (
     Pubrec,
     Pubrel,
     ReasonCode,
-    Suback,
     Subscribe,
-    Unsuback,
     Unsubscribe,
     Will,
     encode,
@@ -67,11 +66,13 @@ class Peer:
         self._link = link
         self._reader = PacketReader(ProtocolVersion.V311, hub.limits.max_connect_size)
         self._client: _Client | None = None
+        self._log = PeerLog(hub, link)
         self.failure: PacketError | None = None
         self._started = False
         self._closed = False
         self._holding = Holding(hub, link, self._go_on)
         self._heard_at = hub.clock.monotonic()
+        self._filters: Subscribing | Unsubscribing | None = None
         self._silence = hub.deadlines.at(self._heard_at + hub.limits.connect_timeout, self._no_connect)
         self._unread = hub.unread_logins
         self._is_unread_noted = False
@@ -80,7 +81,7 @@ class Peer:
     @property
     def client_id(self) -> str | None:
         """Who it is, once logged in."""
-        return None if self._client is None else self._client.session.client_id
+        return self._log.client_id
 
     @property
     def address(self) -> str:
@@ -90,7 +91,7 @@ class Peer:
     @property
     def words(self) -> str:
         """How the log calls it."""
-        return client_words(self.client_id, self._link.address)
+        return self._log.words
 
     def receive(self, data: bytes) -> None:
         """Bytes came from the client."""
@@ -156,6 +157,9 @@ class Peer:
             slow = client.inbound.publish(packet)
             if slow:
                 self._holding.wait_for(slow)
+            if self._hub.turn.is_spent:
+                self._holding.paused = True
+                self._hub.turn.later(self._resume)
         else:
             handler = self._HANDLERS.get(type(packet))
             if handler is None:
@@ -185,10 +189,11 @@ class Peer:
         verdict = login.refusal(packet, hub)
         if verdict.failed:
             hub.counters.connections_refused += 1
-            self._warn_of_login(packet.client_id, verdict)
+            self._log.refused(packet.client_id, verdict)
             self._shut(encode(Connack(reason=verdict), packet.version))
             return
         self._reader.max_packet_size = hub.limits.max_packet_size
+        self._reader.max_control_size = hub.limits.max_control_size
         wanted = login.accept(packet, hub)
         other = hub.peers.get(wanted.client_id)
         if other is not None:
@@ -200,11 +205,12 @@ class Peer:
             hub.clock,
             hub.counters,
             packet.version,
-            self._warn_of_size,
+            self._log.too_large,
             wanted.max_packet_size,
             wanted.alias_maximum,
         )
         self._client = _Client(wanted, session, outbound, Inbound(hub, session, outbound), packet.will)
+        self._log.client_id = wanted.client_id
         hub.peers[wanted.client_id] = self
         hub.waiting_logins.discard(self)
         self._note_nothing_unread()
@@ -228,20 +234,36 @@ class Peer:
         client.outbound.send(Pingresp())
 
     def _subscribe(self, client: _Client, packet: Subscribe) -> None:
-        session, hub = client.session, self._hub
-        identifier = (*packet.properties.subscription_identifiers, 0)[0]
-        reasons = []
-        for request in packet.filters:
-            reason = hub.policy.subscribe(session.client_id, request.filter)
-            reasons.append(reason if reason.failed else hub.exchange.subscribe(session, request, identifier))
-        client.outbound.send(Suback(packet.packet_id, tuple(reasons)))
+        self._filters = Subscribing(client.session, packet, self._hub.exchange.retained)
+        self._go_on_with_filters()
+
+    def _unsubscribe(self, client: _Client, packet: Unsubscribe) -> None:
+        self._filters = Unsubscribing(client.session, packet)
+        self._go_on_with_filters()
+
+    def _go_on_with_filters(self) -> None:
+        """Take the filters of the current packet, as many as may be taken now; all else waits behind them."""
+        client, filters = self._client, self._filters
+        if client is None or filters is None or self._closed:
+            return
+        answer = filters.go_on(self._hub)
+        if answer is None:
+            self._holding.paused = True
+            self._hub.work.later(self._go_on_with_filters)
+            return
+        self._filters = None
+        client.outbound.send(answer)
+        session = client.session
         session.pump()
         if session.congested and not session.overrun:
             self._holding.wait_for((session,))
+        self._resume()
 
-    def _unsubscribe(self, client: _Client, packet: Unsubscribe) -> None:
-        reasons = tuple(self._hub.exchange.unsubscribe(client.session, name) for name in packet.filters)
-        client.outbound.send(Unsuback(packet.packet_id, reasons))
+    def _resume(self) -> None:
+        """What waits behind a packet that took long has its turn."""
+        if self._holding.paused and self._filters is None:
+            self._holding.paused = False
+            self._go_on()
 
     def _disconnect(self, client: _Client, packet: Disconnect) -> None:
         seconds = packet.properties.session_expiry_interval
@@ -291,11 +313,7 @@ class Peer:
 
     def _push_out(self) -> None:
         """Close without a word, because one who knows no password is not owed one, and many may have to go at once."""
-        self._hub.warn(
-            "broker.login_pushed_out",
-            f"the broker closed the connection of {self.address}, which had not logged in: too many wait for that",
-            address=self.address,
-        )
+        self._log.pushed_out()
         self._finish(publish_will=False)
         self._link.close(linger=False)
 
@@ -306,42 +324,12 @@ class Peer:
     def _fail(self, error: PacketError) -> None:
         hub = self._hub
         hub.counters.connections_failed += 1
-        self._warn_of_failure(error)
+        self.failure = error
+        self._log.failed(error)
         if self._client is None:
             self._shut(unread_connect_answer(error))
         else:
             self._close(error.code, error.problem, publish_will=True)
-
-    def _warn_of_failure(self, error: PacketError) -> None:
-        self.failure = error
-        self._hub.warn(
-            "broker.connection_failed",
-            f"the broker cut off {self.words}: {short(error.problem)}",
-            address=self._link.address,
-            client_id=self.client_id,
-            code=error.code.name.lower(),
-            problem=error.problem,
-        )
-
-    def _warn_of_login(self, client_id: str, reason: ReasonCode) -> None:
-        self._hub.warn(
-            "broker.login_refused",
-            f"the broker did not let {client_words(client_id, self._link.address)} in: {reason.words}",
-            address=self._link.address,
-            client_id=client_id,
-            reason=reason.name.lower(),
-        )
-
-    def _warn_of_size(self, topic: str, size: int, limit: int) -> None:
-        self._hub.warn(
-            "broker.message_too_large",
-            f"{self.words} missed a message on {short(topic)!r}: it has {size} bytes, the client takes at most {limit}",
-            address=self._link.address,
-            client_id=self.client_id,
-            topic=topic,
-            size=size,
-            limit=limit,
-        )
 
     def _close(self, reason: ReasonCode, words: str, *, publish_will: bool) -> None:
         client = self._client
@@ -365,6 +353,10 @@ class Peer:
         self._hub.counters.connections_closed += 1
         self._silence.cancel()
         self._holding.stop()
+        self._filters = None
+        self._holding.paused = False
+        self._hub.work.forget(self._go_on_with_filters)
+        self._hub.turn.forget(self._resume)
         self._hub.waiting_logins.discard(self)
         self._note_nothing_unread()
         self._reader = _NOTHING_MORE
@@ -381,7 +373,8 @@ class Peer:
                 if isinstance(packet, Publish):
                     client.inbound.publish(packet)
         except PacketError as error:
-            self._warn_of_failure(error)
+            self.failure = error
+            self._log.failed(error)
         self._holding.packets.clear()
 
     _HANDLERS: ClassVar[dict[type, Callable[..., None]]] = {

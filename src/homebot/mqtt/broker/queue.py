@@ -6,6 +6,7 @@ from collections import deque
 from typing import NamedTuple, final
 
 from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.replay import Replay
 
 __all__ = ["MessageQueue", "Parcel"]
 
@@ -32,15 +33,19 @@ class Parcel(NamedTuple):
 class MessageQueue:
     """A first-in-first-out queue that knows how full it is, but leaves it to its owner what to do then.
 
+    Retained messages that are owed to new subscriptions stand in it as one :class:`Replay`, which has them found when
+    its turn comes.
+
     Args:
         max_messages: Bound in messages.
         max_bytes: Bound in bytes of payload and topic; a single larger message still fits into an empty queue.
     """
 
-    __slots__ = ("_bytes", "_max_bytes", "_max_messages", "_parcels", "_qos0")
+    __slots__ = ("_bytes", "_max_bytes", "_max_messages", "_parcels", "_qos0", "_replays")
 
     def __init__(self, max_messages: int, max_bytes: int) -> None:
-        self._parcels: deque[Parcel] = deque()
+        self._parcels: deque[Parcel | Replay] = deque()
+        self._replays: deque[tuple[Replay, int]] = deque()  # with what each was counted as
         self._bytes = 0
         self._qos0 = 0
         self._max_messages = max_messages
@@ -70,7 +75,7 @@ class MessageQueue:
         return self._qos0 > 0
 
     @property
-    def first(self) -> Parcel:
+    def first(self) -> Parcel | Replay:
         """The next to be sent."""
         return self._parcels[0]
 
@@ -80,24 +85,46 @@ class MessageQueue:
         self._bytes += parcel.message.size
         self._qos0 += not parcel.qos
 
-    def popleft(self) -> Parcel:
+    def append_replay(self, replay: Replay) -> None:
+        """Add at the end the retained messages of new subscriptions, whatever the bound says."""
+        self._parcels.append(replay)
+        self._replays.append((replay, replay.size))
+        self._bytes += replay.size
+        self._qos0 += 1
+
+    def count_again(self, replay: Replay) -> None:
+        """*replay*, the last one added, has got more filters; nothing where it is not here."""
+        if self._replays and self._replays[-1][0] is replay:
+            size = self._replays.pop()[1]
+            self._replays.append((replay, replay.size))
+            self._bytes += replay.size - size
+
+    def popleft(self) -> Parcel | Replay:
         """Take the first."""
-        parcel = self._parcels.popleft()
-        self._bytes -= parcel.message.size
-        self._qos0 -= not parcel.qos
-        return parcel
+        first = self._parcels.popleft()
+        if isinstance(first, Replay):
+            self._bytes -= self._replays.popleft()[1]
+            self._qos0 -= 1
+        else:
+            self._bytes -= first.message.size
+            self._qos0 -= not first.qos
+        return first
 
     def drop_qos0(self) -> None:
         """Forget the QoS 0 messages: their client has gone."""
         if self._qos0:
             for _ in range(len(self._parcels)):
-                parcel = self.popleft()
-                if parcel.qos:
-                    self.append(parcel)
+                first = self.popleft()
+                if isinstance(first, Replay):
+                    first.leave_out_qos0()
+                    self.append_replay(first)
+                elif first.qos:
+                    self.append(first)
 
     def clear(self) -> list[Parcel]:
-        """Take all."""
-        parcels = list(self._parcels)
+        """Take all but what replays still had to find."""
+        parcels = [each for each in self._parcels if not isinstance(each, Replay)]
         self._parcels.clear()
+        self._replays.clear()
         self._bytes = self._qos0 = 0
         return parcels

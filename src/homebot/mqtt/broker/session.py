@@ -10,17 +10,27 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from enum import IntEnum
-from typing import Protocol, final
+from typing import Final, Protocol, final
 
 from homebot.clock import Clock
+from homebot.mqtt.broker.deadlines import Deadlines
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.queue import MessageQueue, Parcel
+from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
 
-__all__ = ["Delivery", "HeldPublisher", "Session"]
+__all__ = ["LARGE", "Delivery", "HeldPublisher", "Session"]
+
+
+_SENT: Final = 6  # units of work to send a retained message,
+_BYTES: Final = 1000  # and bytes of it that are one more
+_COPIED: Final = 4000  # bytes that are copied for one unit
+LARGE: Final = 64 * 1024
+"""Bytes of a message whose copies are not made all at once."""
 
 
 class Delivery(IntEnum):
@@ -60,6 +70,7 @@ class Session:
         counters: Counts what is dropped.
         crowded: Where a session notes itself when its queue is three quarters full and its client connected; who
             reads it strikes it out.
+        work: How much may be done for it now.
     """
 
     def __init__(
@@ -69,6 +80,7 @@ class Session:
         limits: BrokerLimits,
         counters: Counters,
         crowded: dict[Session, None] | None = None,
+        work: WorkBudget | None = None,
     ) -> None:
         self.client_id = client_id
         self.expiry = 0.0
@@ -79,6 +91,7 @@ class Session:
         self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
         self.settled = 0
         self._crowded = {} if crowded is None else crowded
+        self._work = WorkBudget(clock, Deadlines()) if work is None else work
         self._clock = clock
         self._limits = limits
         self._counters = counters
@@ -149,17 +162,37 @@ class Session:
         self._crowded[self] = None
         return Delivery.TAKEN if self.overrun else Delivery.SLOW
 
-    def replay(self, parcel: Parcel) -> None:
-        """Queue a retained message for a new subscription, also at QoS 0; :meth:`pump` sends it.
+    def deliver_large(self, parcel: Parcel) -> Delivery:
+        """As :meth:`deliver`, for a message of at least ``LARGE`` bytes, of which each copy takes its time."""
+        if self.outbound is None or self._queue:
+            return self.deliver(parcel)
+        if self._work.left:
+            self._work.spend(parcel.message.size // _COPIED)
+            return self.deliver(parcel)
+        self._queue.append(parcel)
+        self._work.later(self.pump)
+        return Delivery.TAKEN
 
-        The queue's bound does not count here, since the retained messages have one of their own; but a client
-        that is overrun gets no more than the queue has room for.
+    def replay(self, replay: Replay) -> None:
+        """Queue the retained messages for new subscriptions, also those at QoS 0; :meth:`pump` finds and sends them.
+
+        The queue's bound does not count here, since they are not in it; but a client that is overrun gets them only
+        while its queue has room.
         """
         if self.overrun and self._queue.full:
             self._counters.dropped_overrun += 1
         else:
-            self._queue.append(parcel)
+            self._queue.append_replay(replay)
             self._note_crowd()
+
+    def replay_grew(self, replay: Replay) -> None:
+        """More filters were added to *replay*, the one that was queued last."""
+        self._queue.count_again(replay)
+        self._note_crowd()
+
+    def has(self, subscription: Subscription) -> bool:
+        """Whether *subscription* still stands."""
+        return self.subscriptions.get(subscription.name) is subscription
 
     def resume(self, outbound: Outbound, receive_maximum: int) -> None:
         """The client is connected: send what is in flight again, then what waited."""
@@ -187,8 +220,18 @@ class Session:
         while outbound is not None and not outbound.link.choked:
             if resend and len(self._in_flight) - len(resend) < self._window:
                 self._send_again(outbound, resend.popleft())
-            elif queue and (not queue.first.qos or len(self._in_flight) < self._window):
-                parcel = queue.popleft()
+            elif not queue:
+                break
+            elif isinstance(parcel := queue.first, Replay):
+                if not self._go_on_with(outbound, parcel):
+                    break
+            elif parcel.message.size >= LARGE and not self._work.left:
+                self._work.later(self.pump)
+                break
+            elif not parcel.qos or len(self._in_flight) < self._window:
+                queue.popleft()
+                if parcel.message.size >= LARGE:
+                    self._work.spend(parcel.message.size // _COPIED)
                 expires_at = parcel.message.expires_at
                 if expires_at is not None and expires_at <= self._clock.monotonic():
                     self._counters.dropped_expired += 1
@@ -252,6 +295,35 @@ class Session:
             self._counters.dropped_offline += 1
         self._queue.append(parcel)
         return Delivery.TAKEN
+
+    def _go_on_with(self, outbound: Outbound, replay: Replay) -> bool:
+        """Send a message of *replay*, or strike it out when it is over; False where it has to wait."""
+        work = self._work
+        owed = replay.first(work, self._clock.monotonic())
+        if owed is None:
+            if replay.is_over:
+                self._queue.popleft()
+                return True
+            if replay.complete:
+                work.later(self.pump)
+            return False
+        message, subscription = owed
+        qos = min(message.qos, subscription.qos)
+        if qos and len(self._in_flight) >= self._window:
+            return False
+        if not work.left:
+            work.later(self.pump)
+            return False
+        replay.popleft()
+        work.spend(_SENT + message.size // _BYTES)
+        identifiers = (subscription.identifier,) if subscription.identifier else ()
+        parcel = Parcel(message, qos, retain=True, identifiers=identifiers)
+        if qos:
+            self._send(outbound, parcel)
+        else:
+            outbound.publish(parcel)
+            self.settled += 1
+        return True
 
     def _note_crowd(self) -> None:
         if self._queue.high:

@@ -14,6 +14,7 @@ from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.session import Session
 from homebot.mqtt.broker.stats import Counters
+from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import Will
 
 __all__ = ["Sessions"]
@@ -29,16 +30,24 @@ class Sessions:
         deadlines: Where ends and delayed wills are noted.
         limits: How many sessions there may be.
         counters: Counts those pushed out.
+        work: How much may be done for them now.
     """
 
     def __init__(
-        self, exchange: Exchange, clock: Clock, deadlines: Deadlines, limits: BrokerLimits, counters: Counters
+        self,
+        exchange: Exchange,
+        clock: Clock,
+        deadlines: Deadlines,
+        limits: BrokerLimits,
+        counters: Counters,
+        work: WorkBudget,
     ) -> None:
         self._exchange = exchange
         self._clock = clock
         self._deadlines = deadlines
         self._limits = limits
         self._counters = counters
+        self._work = work
         self._sessions: dict[str, Session] = {}
         self._away: dict[str, _Absence] = {}  # in the order of leaving
 
@@ -67,7 +76,7 @@ class Sessions:
         if len(self._sessions) >= self._limits.max_sessions and self._away:
             self._counters.sessions_evicted += 1
             self.end(next(iter(self._away)))
-        session = Session(client_id, self._clock, self._limits, self._counters, self._exchange.crowded)
+        session = Session(client_id, self._clock, self._limits, self._counters, self._exchange.crowded, self._work)
         self._sessions[client_id] = session
         return session, False
 

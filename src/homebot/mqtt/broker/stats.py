@@ -24,6 +24,7 @@ class Counters:
         dropped_too_large: Messages larger than the client's Maximum Packet Size.
         dropped_expired: Messages whose expiry interval passed before they were sent.
         dropped_refused: Publishes a policy refused.
+        subscriptions_refused: Subscriptions refused for want of room.
         retained_refused: Messages not retained for want of room.
         sessions_evicted: Sessions pushed out for want of room.
         logins_pushed_out: Connections closed before their login, because others needed the place.
@@ -45,6 +46,7 @@ class Counters:
     dropped_too_large: int = 0
     dropped_expired: int = 0
     dropped_refused: int = 0
+    subscriptions_refused: int = 0
     retained_refused: int = 0
     sessions_evicted: int = 0
     logins_pushed_out: int = 0
@@ -84,6 +86,7 @@ class BrokerStats:
     dropped_too_large: int
     dropped_expired: int
     dropped_refused: int
+    subscriptions_refused: int
     retained_refused: int
     sessions_evicted: int
     logins_pushed_out: int

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 from homebot.mqtt.packets import FilterRequest
 from homebot.mqtt.topics import parse_shared_filter
@@ -11,8 +10,7 @@ from homebot.mqtt.topics import parse_shared_filter
 __all__ = ["Subscription"]
 
 
-@dataclass(frozen=True, slots=True)
-class Subscription:
+class Subscription(NamedTuple):
     """A filter with its options.
 
     Attributes:

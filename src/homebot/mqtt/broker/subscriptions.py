@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import NamedTuple, final
 
+from homebot.mqtt.broker.filter_tree import FilterTree
 from homebot.mqtt.broker.session import Session
 from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.work import WorkBudget
 
 __all__ = ["Route", "ShareGroup", "SubscriptionTree", "Target"]
 
 _MAX_CACHED_TOPICS = 4096  # enough for the busy topics of a house; beyond it the cache starts anew
+_MOST_CACHED = 50_000  # targets of all cached topics
+_CHEAP = 100  # units of work
+_LONGEST_CACHED = 512  # characters of a topic
 
 
 class Target(NamedTuple):
@@ -34,13 +37,17 @@ class Target(NamedTuple):
     @classmethod
     def of(cls, session: Session, matched: list[Subscription]) -> Target:
         """Join the subscriptions of one session."""
-        return cls(
-            session,
-            max(each.qos for each in matched),
-            any(each.retain_as_published for each in matched),
-            tuple(each.identifier for each in matched if each.identifier),
-            tuple(matched) if any(each.no_local for each in matched) else (),
-        )
+        highest = 0
+        keeps_retain = has_no_local = False
+        identifiers: list[int] = []
+        for _, _, qos, no_local, retain_as_published, identifier, _ in matched:
+            if qos > highest:
+                highest = qos
+            keeps_retain = keeps_retain or retain_as_published
+            has_no_local = has_no_local or no_local
+            if identifier:
+                identifiers.append(identifier)
+        return cls(session, highest, keeps_retain, tuple(identifiers), tuple(matched) if has_no_local else ())
 
     def without_local(self) -> Target | None:
         """What is left of it for a message that the session's own client published."""
@@ -81,99 +88,101 @@ class Route(NamedTuple):
     groups: tuple[ShareGroup, ...]
 
 
-@dataclass(slots=True)
-class _Node:
-    children: dict[str, _Node] = field(default_factory=dict)
-    sessions: dict[Session, Subscription] = field(default_factory=dict)
-    groups: dict[str, ShareGroup] = field(default_factory=dict)
-
-    @property
-    def empty(self) -> bool:
-        return not (self.children or self.sessions or self.groups)
-
-
 @final
 class SubscriptionTree:
-    """All subscriptions of all sessions, by the levels of their filters."""
+    """All subscriptions of all sessions, by the levels of their filters.
 
-    def __init__(self) -> None:
-        self._root = _Node()
+    Args:
+        turn: What is done in one turn of the event loop; told of topics that many filters have to be looked at for.
+
+    Attributes:
+        shared: How many of them are shared subscriptions.
+        text: The length of all filters.
+    """
+
+    def __init__(self, turn: WorkBudget | None = None) -> None:
+        self._turn = turn
+        self._members: FilterTree[Session, Subscription] = FilterTree()
+        self._groups: FilterTree[str, ShareGroup] = FilterTree()
         self._cache: dict[str, Route] = {}
+        self._cached = 0
         self._count = 0
+        self.shared = 0
+        self.text = 0
 
     def __len__(self) -> int:
         return self._count
 
+    @property
+    def levels(self) -> int:
+        """Levels of all filters, those counted once that filters begin with alike."""
+        return self._members.nodes + self._groups.nodes
+
     def add(self, session: Session, subscription: Subscription) -> None:
         """Add a subscription, or put it in place of the one with the same filter."""
-        self._cache.clear()
-        node = self._root
-        for level in subscription.levels:
-            node = node.children.setdefault(level, _Node())
-        members = node.sessions
-        if subscription.share is not None:
-            group = node.groups.setdefault(subscription.share[0], ShareGroup(subscription.share))
-            members = group.members
-        self._count += session not in members
-        members[session] = subscription
+        self._forget_routes()
+        if subscription.share is None:
+            is_new = self._members.add(subscription.levels, session, subscription)
+        else:
+            group = self.group(subscription.share)
+            if group is None:
+                group = ShareGroup(subscription.share)
+                self._groups.add(subscription.levels, subscription.share[0], group)
+            is_new = session not in group.members
+            group.members[session] = subscription
+            self.shared += is_new
+        if is_new:
+            self._count += 1
+            self.text += len(subscription.name)
 
     def remove(self, session: Session, subscription: Subscription) -> None:
         """Remove a subscription that was added."""
-        self._cache.clear()
-        path = [self._root]
-        for level in subscription.levels:
-            path.append(path[-1].children[level])
-        node = path[-1]
+        self._forget_routes()
         if subscription.share is None:
-            del node.sessions[session]
+            self._members.remove(subscription.levels, session)
         else:
-            group = node.groups[subscription.share[0]]
-            del group.members[session]
-            if not group.members:
-                del node.groups[subscription.share[0]]
+            group = self.group(subscription.share)
+            if group is not None:
+                del group.members[session]
+                if not group.members:
+                    self._groups.remove(subscription.levels, subscription.share[0])
+            self.shared -= 1
         self._count -= 1
-        for level, parent in zip(reversed(subscription.levels), reversed(path[:-1]), strict=True):
-            if not parent.children[level].empty:
-                break
-            del parent.children[level]
+        self.text -= len(subscription.name)
 
     def route(self, topic: str) -> Route:
         """Everybody who gets *topic*."""
         route = self._cache.get(topic)
         if route is None:
-            if len(self._cache) >= _MAX_CACHED_TOPICS:
-                self._cache.clear()
-            route = self._cache[topic] = self._find(topic)
+            route = self._find(topic)
+            if len(topic) <= _LONGEST_CACHED:
+                if self._cached >= _MOST_CACHED or len(self._cache) >= _MAX_CACHED_TOPICS:
+                    self._forget_routes()
+                self._cache[topic] = route
+                self._cached += len(route.targets) + len(route.groups)
         return route
 
     def group(self, share: tuple[str, str]) -> ShareGroup | None:
         """The group of that name and filter, if it still has members."""
-        node: _Node | None = self._root
-        for level in share[1].split("/"):
-            node = None if node is None else node.children.get(level)
-        return None if node is None else node.groups.get(share[0])
+        return self._groups.get(share[1].split("/"), share[0])
+
+    def _forget_routes(self) -> None:
+        if self._cache:
+            self._cache = {}
+            self._cached = 0
 
     def _find(self, topic: str) -> Route:
+        levels = topic.split("/")
         matched: dict[Session, list[Subscription]] = {}
-        groups: list[ShareGroup] = []
-        for node in self._matching(topic.split("/")):
-            for session, subscription in node.sessions.items():
-                matched.setdefault(session, []).append(subscription)
-            groups.extend(node.groups.values())
+        found, cost = self._members.matching(levels)
+        for members in found:
+            cost += len(members)
+            for session, subscription in members.items():
+                if session in matched:
+                    matched[session].append(subscription)
+                else:
+                    matched[session] = [subscription]
+        groups = [group for shares in self._groups.matching(levels)[0] for group in shares.values()]
+        if cost > _CHEAP and self._turn is not None:
+            self._turn.spend(cost)
         return Route(tuple(Target.of(session, found) for session, found in matched.items()), tuple(groups))
-
-    def _matching(self, levels: list[str]) -> Iterator[_Node]:
-        depth = len(levels)
-        nodes = [(self._root, 0)]
-        while nodes:
-            node, index = nodes.pop()
-            wild = index or not levels[0].startswith("$")
-            if wild and "#" in node.children:
-                yield node.children["#"]
-            if index == depth:
-                yield node
-                continue
-            if levels[index] in node.children:
-                nodes.append((node.children[levels[index]], index + 1))
-            if wild and "+" in node.children:
-                nodes.append((node.children["+"], index + 1))

@@ -80,7 +80,8 @@ def decode_properties(cursor: Cursor, packet: PacketType) -> Properties:
     """Read the property length and the properties that *packet* may carry.
 
     Raises:
-        PacketError: 0x81 for an unknown or cut property; 0x82 for one that is doubled, out of its range, or
+        PacketError: 0x97 for more than 1,000 user properties or subscription identifiers; 0x81 for an unknown or
+            cut property; 0x82 for one that is doubled, out of its range, or
             not allowed in this packet; 0x94 for a topic alias of 0.
     """
     size = cursor.varint()
@@ -101,6 +102,8 @@ def decode_properties(cursor: Cursor, packet: PacketType) -> Properties:
             raise PacketError(f"unknown property 0x{number:02x}", cursor.body)
         if packet not in row.packets:
             raise _not_allowed(f"{packet.name} must not carry {row.name}", cursor)
+        if len(users) + len(identifiers) == _MOST_REPEATED:
+            raise PacketError(f"more than {_MOST_REPEATED} properties", cursor.body, ReasonCode.QUOTA_EXCEEDED)
         if row.kind is _PAIR:
             users.append((cursor.text(), cursor.text()))
             continue
@@ -211,6 +214,7 @@ _MESSAGE = _in(_P.PUBLISH, _P.WILL)
 _SIGN_IN = _in(_P.CONNECT, _P.CONNACK)
 _ANSWERS = (_P.CONNACK, _P.PUBACK, _P.PUBREC, _P.PUBREL, _P.PUBCOMP, _P.SUBACK, _P.UNSUBACK)
 _SUBSCRIPTION_IDENTIFIER = 0x0B
+_MOST_REPEATED = 1000  # each takes some hundred bytes and a microsecond
 
 _TABLE = (
     _Row(0x01, "payload_format_indicator", _UINT8, _MESSAGE, _flag),

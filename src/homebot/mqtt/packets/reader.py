@@ -7,6 +7,7 @@ from typing import final
 
 from homebot.mqtt.packets.codec import Packet, decode
 from homebot.mqtt.packets.primitives import MAX_VARINT
+from homebot.mqtt.packets.properties import PacketType
 from homebot.mqtt.packets.publish import Puback, decode_publish
 from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
 
@@ -14,6 +15,9 @@ __all__ = ["MAX_PACKET_SIZE", "PacketReader"]
 
 MAX_PACKET_SIZE = MAX_VARINT + 5
 """The largest packet MQTT can express, in bytes, fixed header included."""
+
+
+_OF_ANY_SIZE = (PacketType.CONNECT << 4, PacketType.PUBLISH << 4)
 
 
 @final
@@ -28,12 +32,19 @@ class PacketReader:
         version: What the connection speaks. May be set later, but not while packets are waiting; a server
             sets it from CONNECT, which needs none.
         max_packet_size: A larger packet is refused (0x95) as soon as its length is known, in bytes.
+        max_control_size: The same for all packets but CONNECT and PUBLISH, which are read in one piece.
     """
 
-    __slots__ = ("_data", "_error", "_missing", "_position", "_tail", "max_packet_size", "version")
+    __slots__ = ("_data", "_error", "_missing", "_position", "_tail", "max_control_size", "max_packet_size", "version")
 
-    def __init__(self, version: ProtocolVersion = ProtocolVersion.V5, max_packet_size: int = MAX_PACKET_SIZE) -> None:
+    def __init__(
+        self,
+        version: ProtocolVersion = ProtocolVersion.V5,
+        max_packet_size: int = MAX_PACKET_SIZE,
+        max_control_size: int = MAX_PACKET_SIZE,
+    ) -> None:
         self.version = version
+        self.max_control_size = max_control_size
         self.max_packet_size = max_packet_size
         self._data = b""
         self._position = 0
@@ -92,6 +103,8 @@ class PacketReader:
                 self._forget_taken()
                 return None
             size, body = long_form
+            if size > self.max_control_size and data[position] & 0xF0 not in _OF_ANY_SIZE:
+                raise self._fail(f"a packet of {size} bytes is too large for its type", ReasonCode.PACKET_TOO_LARGE)
         end = body + size
         if end - position > self.max_packet_size:
             raise self._fail(f"a packet of {end - position} bytes is too large", ReasonCode.PACKET_TOO_LARGE)

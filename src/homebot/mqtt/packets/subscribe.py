@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final, NamedTuple
 
 from homebot.errors import InvalidNameError, UsageError
 from homebot.mqtt.packets.primitives import Cursor, encode_text, encode_uint16, encode_varint
@@ -34,8 +35,7 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True, slots=True)
-class FilterRequest:
+class FilterRequest(NamedTuple):
     """One filter of a SUBSCRIBE with its options; all but *qos* are MQTT 5 only.
 
     Attributes:
@@ -94,11 +94,12 @@ def decode_subscribe(body: bytes, version: ProtocolVersion) -> Subscribe:
 
     Raises:
         PacketError: 0x81 malformed, 0x82 packet id 0, no filter or forbidden options, 0x8F a filter that
-            breaks the rules for filters.
+            breaks the rules for filters, 0x97 more than 5,000 filters.
     """
     cursor, packet_id, properties = _open(body, PacketType.SUBSCRIBE, version)
-    filters = []
+    filters: list[FilterRequest] = []
     while cursor.left:
+        _check_number(filters, body)
         name = _filter(cursor)
         filters.append(_decode_options(name, cursor.uint8(), version, body))
     if not filters:
@@ -139,8 +140,9 @@ def decode_unsubscribe(body: bytes, version: ProtocolVersion) -> Unsubscribe:
         PacketError: As :func:`decode_subscribe`.
     """
     cursor, packet_id, properties = _open(body, PacketType.UNSUBSCRIBE, version)
-    filters = []
+    filters: list[str] = []
     while cursor.left:
+        _check_number(filters, body)
         filters.append(_filter(cursor))
     if not filters:
         raise PacketError("UNSUBSCRIBE has no filter", body, ReasonCode.PROTOCOL_ERROR)
@@ -173,6 +175,8 @@ def encode_unsuback(packet: Unsuback, version: ProtocolVersion) -> bytes:
     body = bytes(packet.reasons) if version == ProtocolVersion.V5 else b""
     return _close(b"\xb0", packet.packet_id, packet.properties, PacketType.UNSUBACK, version, body)
 
+
+_MOST_FILTERS: Final = 5000  # of one packet, which is read in one piece
 
 _COMMON_REASONS = {
     int(code): code
@@ -222,6 +226,11 @@ def _close(
     if version == ProtocolVersion.V5:
         head += encode_properties(properties, packet)
     return first + encode_varint(len(head) + len(body)) + head + body
+
+
+def _check_number(filters: Sequence[object], body: bytes) -> None:
+    if len(filters) == _MOST_FILTERS:
+        raise PacketError(f"more than {_MOST_FILTERS} filters", body, ReasonCode.QUOTA_EXCEEDED)
 
 
 def _filter(cursor: Cursor) -> str:

@@ -1,0 +1,112 @@
+"""Values by topic filters: a tree of their levels. No I/O."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Generic, TypeVar, final
+
+__all__ = ["FilterTree"]
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+
+class _Node(Generic[Key, Value]):
+    __slots__ = ("children", "values")
+
+    def __init__(self) -> None:
+        self.children: dict[str, _Node[Key, Value]] | None = None
+        self.values: dict[Key, Value] | None = None
+
+
+@final
+class FilterTree(Generic[Key, Value]):
+    """Any number of values for each filter, by keys.
+
+    Attributes:
+        nodes: Levels of all filters, those counted once that filters begin with alike.
+    """
+
+    def __init__(self) -> None:
+        self._root: _Node[Key, Value] = _Node()
+        self.nodes = 0
+
+    def add(self, levels: Sequence[str], key: Key, value: Value) -> bool:
+        """Put *value* in the place of what the filter has under *key*; whether it is new."""
+        node = self._root
+        for level in levels:
+            if node.children is None:
+                node.children = {}
+            child = node.children.get(level)
+            if child is None:
+                child = node.children[level] = _Node()
+                self.nodes += 1
+            node = child
+        if node.values is None:
+            node.values = {}
+        is_new = key not in node.values
+        node.values[key] = value
+        return is_new
+
+    def get(self, levels: Sequence[str], key: Key) -> Value | None:
+        """What the filter has under *key*."""
+        node = self._root
+        for level in levels:
+            child = None if node.children is None else node.children.get(level)
+            if child is None:
+                return None
+            node = child
+        return None if node.values is None else node.values.get(key)
+
+    def remove(self, levels: Sequence[str], key: Key) -> None:
+        """Remove a value that was added."""
+        path = [self._root]
+        for level in levels:
+            path.append((path[-1].children or {})[level])
+        values = path[-1].values or {}
+        del values[key]
+        if not values:
+            path[-1].values = None
+        for place in range(len(levels) - 1, -1, -1):
+            child, parent = path[place + 1], path[place]
+            if child.children or child.values or parent.children is None:
+                break
+            del parent.children[levels[place]]
+            self.nodes -= 1
+            if not parent.children:
+                parent.children = None
+
+    def matching(self, topic: Sequence[str]) -> tuple[list[dict[Key, Value]], int]:
+        """The values of all filters that match a topic of these levels, and how many nodes were looked at."""
+        found: list[dict[Key, Value]] = []
+        visited = 0
+        nodes = [self._root]
+        wild = not topic[0].startswith("$")
+        for level in topic:
+            following: list[_Node[Key, Value]] = []
+            for node in nodes:
+                children = node.children
+                if children is None:
+                    continue
+                if level in children:
+                    following.append(children[level])
+                if wild:
+                    if "+" in children:
+                        following.append(children["+"])
+                    if "#" in children:
+                        _take(children["#"], found)
+            nodes = following
+            if not nodes:
+                return found, visited
+            visited += len(nodes)
+            wild = True
+        for node in nodes:
+            _take(node, found)
+            if node.children is not None and "#" in node.children:
+                _take(node.children["#"], found)
+        return found, visited
+
+
+def _take(node: _Node[Key, Value], found: list[dict[Key, Value]]) -> None:
+    if node.values is not None:
+        found.append(node.values)

@@ -1,0 +1,79 @@
+"""What the log says of one connection. No I/O."""
+
+from __future__ import annotations
+
+from typing import final
+
+from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.link import Link
+from homebot.mqtt.broker.words import client_words, short
+from homebot.mqtt.packets import PacketError, ReasonCode
+
+__all__ = ["PeerLog"]
+
+
+@final
+class PeerLog:
+    """Warnings of one connection.
+
+    Args:
+        hub: The broker, which limits their rate.
+        link: The connection.
+
+    Attributes:
+        client_id: Who it is, once logged in.
+    """
+
+    __slots__ = ("_hub", "_link", "client_id")
+
+    def __init__(self, hub: Hub, link: Link) -> None:
+        self._hub = hub
+        self._link = link
+        self.client_id: str | None = None
+
+    @property
+    def words(self) -> str:
+        """How the log calls it."""
+        return client_words(self.client_id, self._link.address)
+
+    def failed(self, error: PacketError) -> None:
+        """The client did, or left undone, what ends the connection."""
+        self._hub.warn(
+            "broker.connection_failed",
+            f"the broker cut off {self.words}: {short(error.problem)}",
+            address=self._link.address,
+            client_id=self.client_id,
+            code=error.code.name.lower(),
+            problem=error.problem,
+        )
+
+    def refused(self, client_id: str, reason: ReasonCode) -> None:
+        """*client_id* was not let in."""
+        self._hub.warn(
+            "broker.login_refused",
+            f"the broker did not let {client_words(client_id, self._link.address)} in: {reason.words}",
+            address=self._link.address,
+            client_id=client_id,
+            reason=reason.name.lower(),
+        )
+
+    def pushed_out(self) -> None:
+        """It had to go before its login."""
+        address = self._link.address
+        self._hub.warn(
+            "broker.login_pushed_out",
+            f"the broker closed the connection of {address}, which had not logged in: too many wait for that",
+            address=address,
+        )
+
+    def too_large(self, topic: str, size: int, limit: int) -> None:
+        """The client missed a message."""
+        self._hub.warn(
+            "broker.message_too_large",
+            f"{self.words} missed a message on {short(topic)!r}: it has {size} bytes, the client takes at most {limit}",
+            address=self._link.address,
+            client_id=self.client_id,
+            topic=topic,
+            size=size,
+            limit=limit,
+        )

@@ -1,0 +1,301 @@
+"""What one packet may cost: long work is done in slices, and what cannot be sliced is bounded.
+
+Work is counted in calls of Python functions, which no other load of the machine changes.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from itertools import product
+from types import FrameType
+
+import pytest
+from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub
+
+from homebot.clock import ManualClock
+from homebot.mqtt.broker import Hub
+from homebot.mqtt.packets import (
+    Disconnect,
+    FilterRequest,
+    Pingreq,
+    Pingresp,
+    Properties,
+    ProtocolVersion,
+    Publish,
+    ReasonCode,
+    Suback,
+    Subscribe,
+    Unsuback,
+    Unsubscribe,
+    encode,
+)
+
+CALLS = 300_000
+"""About 40 ms of work with the profiler off; before there were slices the cases below took up to 20 million."""
+
+
+def calls_of(act: Callable[[], None]) -> int:
+    """How many functions are called, C's included, while *act* runs."""
+    count = 0
+
+    def note(_frame: FrameType, event: str, _argument: object) -> None:
+        nonlocal count
+        count += event.endswith("call")
+
+    sys.setprofile(note)
+    try:
+        act()
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+def retain(hub: Hub, join: Join, topics: list[str]) -> None:
+    keeper = join("keeper", at=hub)
+    for topic in topics:
+        keeper.publish(topic, b"x", retain=True)
+
+
+def served(client: MemoryClient, clock: ManualClock) -> list[int]:
+    """Let time pass until nothing more comes; the calls of each slice."""
+    costs = []
+    while True:
+        before = len(client.link.written)
+        clock.advance(0.01)
+        costs.append(calls_of(lambda: client.hub.deadlines.run(clock.monotonic())))
+        if len(client.link.written) == before and not client.hub.work.waiting:
+            return costs
+
+
+WILD = [f"{'+/' * depth}{level}/#" for depth in range(20) for level in ("a", "b", "+")] + ["#"]
+
+
+@pytest.mark.parametrize(
+    ("topics", "filters"),
+    [
+        pytest.param(
+            [f"a/{one}/b/{two}" for one in range(100) for two in range(50)],
+            [f"+/+/b/{number}" for number in range(460)],
+            id="13.9 kB of filters with two wildcards",
+        ),
+        pytest.param([f"a/{number}" for number in range(5000)], ["#"], id="everything"),
+        pytest.param([f"a/b/{number}" for number in range(2000)], WILD, id="filters that overlap"),
+        pytest.param(
+            ["/".join(levels) for levels in product("ab", repeat=10)],
+            ["/".join(levels) for levels in product("a+", repeat=10)],
+            id="all ways to put a plus",
+        ),
+        pytest.param([f"t/{number}" for number in range(3000)], [f"t/{number}" for number in range(4000)], id="plain"),
+    ],
+)
+def test_no_subscribe_takes_long_at_once_and_all_retained_messages_come(
+    hub: Hub, join: Join, clock: ManualClock, topics: list[str], filters: list[str]
+) -> None:
+    retain(hub, join, topics)
+    client = join("client")
+    clock.advance(1)
+    packet = Subscribe(7, tuple(FilterRequest(each) for each in filters))
+    costs = [calls_of(lambda: client.send(packet)), *served(client, clock)]
+    assert max(costs) < CALLS
+    suback, *messages = client.take()
+    assert isinstance(suback, Suback)
+    assert len(suback.reasons) == len(filters)
+    matched = sorted(topic for topic in topics for each in filters if matches(each, topic))
+    assert sorted(message.topic for message in messages if isinstance(message, Publish)) == matched
+
+
+def matches(name: str, topic: str) -> bool:
+    wanted, levels = name.split("/"), topic.split("/")
+    if wanted[-1] == "#":
+        del wanted[-1]
+        del levels[len(wanted) :]
+    return len(wanted) == len(levels) and all(want in ("+", level) for want, level in zip(wanted, levels, strict=True))
+
+
+def test_others_are_served_between_the_slices_and_the_client_itself_in_its_order(
+    hub: Hub, join: Join, clock: ManualClock
+) -> None:
+    retain(hub, join, [f"a/{number}" for number in range(5000)])
+    client, other = join("client"), join("other")
+    client.send(Subscribe(1, tuple(FilterRequest(f"x/{number}") for number in range(2000))), Pingreq(), Publish("x/1"))
+    assert client.take() == [Pingresp()]
+    other.send(Pingreq())
+    assert other.take() == [Pingresp()]
+    served(client, clock)
+    suback, message = client.take()
+    assert isinstance(suback, Suback)
+    assert isinstance(message, Publish)
+
+
+def test_what_comes_during_a_replay_comes_behind_it(hub: Hub, join: Join, clock: ManualClock) -> None:
+    """Also what is not retained: an old state must not come after a new one."""
+    retain(hub, join, [f"a/{number}" for number in range(5000)])
+    client, other = join("client"), join("other")
+    client.subscribe("#", qos=1)
+    other.publish("a/4999", b"new", 0)
+    other.publish("a/4998", b"new", 1, 1)
+    served(client, clock)
+    payloads = [message.payload for message in client.messages()]
+    assert payloads[-2:] == [b"new", b"new"]
+    assert payloads[:-2] == [b"x"] * 5000
+
+
+def test_a_message_that_replaces_a_retained_one_comes_once(hub: Hub, join: Join, clock: ManualClock) -> None:
+    retain(hub, join, [f"a/{number}" for number in range(5000)])
+    client, other = join("client"), join("other")
+    client.subscribe("#", qos=1)
+    other.publish("a/4999", b"new", 0, retain=True)
+    other.publish("a/4998", b"", 0, retain=True)
+    served(client, clock)
+    last = [(message.topic, message.payload) for message in client.messages()][-4:]
+    assert last == [("a/4996", b"x"), ("a/4997", b"x"), ("a/4999", b"new"), ("a/4998", b"")]
+
+
+def test_a_subscription_that_was_taken_back_is_owed_nothing(hub: Hub, join: Join, clock: ManualClock) -> None:
+    retain(hub, join, [f"a/{number}" for number in range(5000)])
+    client = join("client")
+    client.subscribe("#")
+    got = len(client.messages())
+    client.send(Unsubscribe(2, ("#",)))
+    served(client, clock)
+    assert 0 < got + len(client.messages()) < 5000
+    assert hub.stats.queued_messages == 0
+
+
+def test_a_replay_goes_on_when_its_client_comes_back(hub: Hub, join: Join, clock: ManualClock) -> None:
+    """At QoS 1, as all that waits for an absent client."""
+    keeper = join("keeper")
+    for number in range(3000):
+        keeper.publish(f"a/{number}", b"x", number % 2, number % 2 or None, retain=True)
+    client = join("client", session_expiry_interval=1000, receive_maximum=10)
+    client.subscribe("#")
+    client.lose()
+    client = join("client", clean=False, present=True, session_expiry_interval=1000)
+    received = set()
+    while messages := client.messages() or (served(client, clock) and client.messages()):
+        received |= {message.topic for message in messages}
+        client.acknowledge(*(message for message in messages if message.qos))
+    assert len([topic for topic in received if int(topic[2:]) % 2]) == 1500
+
+
+def test_a_client_that_goes_in_the_middle_of_its_subscribe_leaves_nothing(
+    hub: Hub, join: Join, clock: ManualClock
+) -> None:
+    client = join("client")
+    client.send(Subscribe(1, tuple(FilterRequest(f"x/{number}") for number in range(5000))), Publish("t"))
+    assert 0 < hub.stats.subscriptions < 5000
+    client.lose()
+    clock.advance(1)
+    hub.deadlines.run(clock.monotonic())
+    assert (hub.stats.subscriptions, hub.stats.sessions, hub.exchange.subscriptions.levels) == (0, 0, 0)
+
+
+def test_a_slow_reader_of_many_retained_messages_costs_no_memory_for_them(
+    new_hub: NewHub, join: Join, clock: ManualClock
+) -> None:
+    hub = new_hub()
+    retain(hub, join, [f"a/{number}" for number in range(5000)])
+    client = join("client", at=hub)
+    client.link.choked = True
+    for number in range(100):
+        client.send(Subscribe(number + 1, tuple(FilterRequest(f"{'+/' * deep}#") for deep in range(20))))
+    served(client, clock)
+    assert hub.stats.queued_messages == 100
+    assert len(hub.sessions._sessions["client"]._queue._parcels) == 100
+
+
+@pytest.mark.parametrize("kind", [Subscribe, Unsubscribe])
+def test_a_packet_with_too_many_filters_ends_its_connection_soon(join: Join, kind: type) -> None:
+    client = join("client")
+    many = tuple(FilterRequest("a") if kind is Subscribe else "a" for _ in range(50_000))
+    data = encode(kind(1, many))
+    assert calls_of(lambda: client.send_bytes(data)) < CALLS
+    assert client.link.closed
+    assert client.take_only(Disconnect)[0].reason in (ReasonCode.QUOTA_EXCEEDED, ReasonCode.PACKET_TOO_LARGE)
+
+
+@pytest.mark.parametrize(
+    "properties",
+    [
+        Properties(user_properties=(("", ""),) * 100_000),
+        Properties(subscription_identifiers=(1,) * 100_000),
+    ],
+)
+def test_a_packet_with_too_many_properties_ends_its_connection_soon(join: Join, properties: Properties) -> None:
+    client = join("client")
+    data = encode(Publish("t", properties=properties))
+    assert calls_of(lambda: client.send_bytes(data)) < CALLS
+    assert client.link.closed
+
+
+def test_five_thousand_filters_are_unsubscribed_in_slices(hub: Hub, join: Join, clock: ManualClock) -> None:
+    client = join("client")
+    names = tuple("/".join(str(number).zfill(4)) + "/x" * 15 for number in range(5000))
+    client.send(Subscribe(1, tuple(FilterRequest(name) for name in names)))
+    served(client, clock)
+    client.take()
+    clock.advance(1)
+    packet = Unsubscribe(2, names)
+    costs = [calls_of(lambda: client.send(packet)), *served(client, clock)]
+    assert max(costs) < CALLS
+    (unsuback,) = client.take()
+    assert isinstance(unsuback, Unsuback)
+    assert set(unsuback.reasons) == {ReasonCode.SUCCESS}
+    assert hub.exchange.subscriptions.levels == 0
+
+
+def test_a_topic_that_meets_every_wildcard_is_published_soon(hub: Hub, join: Join, clock: ManualClock) -> None:
+    """Every way to put a plus into 12 levels, and as many levels as the tree may have."""
+    clients = [join(f"c{number}") for number in range(10)]
+    for number, client in enumerate(clients):
+        start = "/".join("a+"[number >> bit & 1] for bit in range(4))
+        names = [f"{start}/{'/'.join(levels)}" for levels in product("a+", repeat=12)]
+        client.send(Subscribe(1, tuple(FilterRequest(name) for name in names)))
+        served(client, clock)
+    assert hub.stats.subscriptions > 30_000
+    publisher = join("publisher")
+    publisher.publish("/".join("a" * 16))
+    assert calls_of(lambda: publisher.publish("/".join("a" * 16))) < CALLS
+    publisher.subscribe("z")
+    assert calls_of(lambda: publisher.publish("/".join("a" * 16))) < CALLS
+
+
+@pytest.mark.parametrize("version", [ProtocolVersion.V311, ProtocolVersion.V5])
+def test_a_store_that_is_full_of_retained_messages_refuses_one_more_at_once(
+    new_hub: NewHub, join: Join, version: ProtocolVersion
+) -> None:
+    hub = new_hub(max_retained_messages=5000)
+    retain(hub, join, [f"a/{number}" for number in range(5000)])
+    publisher = join("p", at=hub, version=version)
+    assert calls_of(lambda: publisher.publish("one/more", b"x", 1, 1, retain=True)) < 500
+    assert hub.stats.retained_refused == 1
+
+
+def test_a_publisher_to_many_lets_others_have_their_turn(hub: Hub, join: Join, clock: ManualClock) -> None:
+    """Some thousand small messages fit into one read; each goes to a hundred."""
+    subscribers = [join(f"s{number}") for number in range(100)]
+    for subscriber in subscribers:
+        subscriber.subscribe("t", qos=0)
+    publisher = join("p")
+    data = encode(Publish("t", b"")) * 2000
+    costs = [calls_of(lambda: publisher.peer.receive(data))]
+    assert len(subscribers[0].messages()) < 200
+    while hub.turn.waiting:
+        clock.advance(0.001)
+        costs.append(calls_of(lambda: hub.deadlines.run(clock.monotonic())))
+    assert max(costs) < CALLS
+    assert len(subscribers[99].messages()) == 2000
+
+
+def test_copies_of_a_large_message_are_made_one_after_the_other(hub: Hub, join: Join, clock: ManualClock) -> None:
+    subscribers = [join(f"s{number}", receive_maximum=10) for number in range(40)]
+    for number, subscriber in enumerate(subscribers):
+        subscriber.subscribe("t", qos=number % 2)
+    publisher = join("p")
+    publisher.publish("t", bytes(2_000_000), 1, 1)
+    publisher.publish("t", b"small", 1, 2)
+    assert 0 < sum(len(subscriber.link.written) > 2_000_000 for subscriber in subscribers) < 20
+    served(subscribers[0], clock)
+    for subscriber in subscribers:
+        assert [len(message.payload) for message in subscriber.messages()] == [2_000_000, 5]
