@@ -51,6 +51,29 @@ async def test_on_is_answered_with_off_each_time() -> None:
     assert gateway.told == [("lights/a/in", "off"), ("lights/a/in", "off"), ("lights/later/in", "off")]
 
 
+@pytest.mark.parametrize(
+    ("word", "told"),
+    [
+        ("0.6", ["off"]),
+        ("1", ["off"]),
+        ("0.01", ["off"]),
+        ("0", []),
+        ("2700 K", []),
+    ],
+)
+async def test_a_lamp_is_judged_by_its_value(word: str, told: list[str]) -> None:
+    """And nothing is said of a word that is about something else."""
+    with capture_logs() as lines:
+        async with light_service() as gateway:
+            for _ in range(3):
+                await gateway.says("lights/a", word)
+                await settle()
+    assert gateway.told == [("lights/a/in", one) for one in told * 3]
+    assert [line["event"] for line in lines if line["event"].startswith("light_service")] == (
+        ["light_service.told_off"] * 3 if told else ["light_service.is_off"] if word == "0" else []
+    )
+
+
 async def test_off_is_noted_once_until_the_lamp_was_on_again() -> None:
     """Not with each heartbeat."""
     with capture_logs() as lines:

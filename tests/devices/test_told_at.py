@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from homebot.devices import Device, DevicePart, Endpoint, Route
 from homebot.devices.part import Capability, Part
-from homebot.devices.told_at import told_at
+from homebot.devices.told_at import others_at, told_at
 from homebot.devices.words import words_address
 from homebot.messages import Time
 
@@ -57,3 +57,33 @@ def test_a_device_with_one_way_listens_where_it_says() -> None:
     plain = lamp(Route(gateway="mqtt", key="own", part="state"), Route(gateway="mqtt", key="other", part="x"))
     endpoint = Endpoint(gateway="mqtt", key="own", address="home/lamp/out", command_address="home/lamp/in")
     assert told_at(plain, endpoint, "0.5") == "home/lamp/in"
+
+
+def wall(*parts: Part) -> Device:
+    routes = [Route(gateway="mqtt", key="wall", part=one.id) for one in parts]
+    found = tuple(DevicePart(id=one.id, part=one, routes=(route,)) for one, route in zip(parts, routes, strict=True))
+    return lamp().model_copy(update={"parts": found})
+
+
+def gang(part_id: str, *, name: str = "", service_type: str = "switch", **more: object) -> Part:
+    made = Part(
+        id=part_id, name=name, service_type=service_type, capabilities=(Capability(name="on_off", settable=True),)
+    )
+    return made.model_copy(update=more)
+
+
+def test_the_others_are_those_that_would_have_taken_the_word_as_well() -> None:
+    """What is of another type, a setting, or cannot be told that, is no other gang."""
+    device = wall(
+        gang("a"),
+        gang("b", name="Right"),
+        gang("c"),
+        gang("lock", category="config"),
+        gang("lamp", service_type="light"),
+        gang("deaf", capabilities=(Capability(name="on_off"),)),
+    )
+    assert others_at(device, words_address("wall", "a"), "off") == ("Right", "c")
+    assert others_at(device, words_address("wall", "b"), "off") == ("a", "c")
+    assert others_at(device, words_address("wall", "lamp"), "off") == ()
+    assert others_at(device, words_address("wall", "a"), "0.5") == ()
+    assert others_at(device, "home/wall/in", "off") == ()

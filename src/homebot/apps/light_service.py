@@ -6,6 +6,12 @@ from pydantic import BaseModel
 
 from homebot.apps.base import App
 from homebot.devices import Device, RawMessage
+from homebot.devices.ear import heard
+from homebot.devices.handles import Light
+from homebot.devices.part import Capability, Part
+from homebot.devices.speaker import speaking_part
+from homebot.devices.value import PlainValue
+from homebot.devices.words import read_words_address
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
@@ -27,12 +33,26 @@ BURST_OF_LAMP = 5
 """Lines of one kind about one lamp in ten seconds."""
 
 
+_ANY_LAMP = Part(
+    id="",
+    service_type="light",
+    capabilities=tuple(Capability(name=name) for name in ("on_off", "level", "color_temperature")),
+)
+"""Of which nothing is known but that it is one."""
+
+
 class LightService(App):
-    """Follows every lamp, those that appear later too, and switches off whichever says that it is on."""
+    """Follows every lamp, those that appear later too, and switches off whichever says that it is on.
+
+    What a lamp says is judged by its value: ``0.6`` is on as well. One that tells its brightness apart from whether it
+    is on is on where it says that.
+    """
 
     def __init__(self, node: Node, settings: BaseModel) -> None:
         super().__init__(node, settings)
         self._noted_off: set[str] = set()
+        self._handles: dict[str, tuple[Light, ...]] = {}
+        self._words: dict[tuple[str, str], PlainValue] = {}
         self._lines = LogLimit(node.graph.clock, burst=BURST)
         self._lines_of_lamp = LogLimit(node.graph.clock, burst=BURST_OF_LAMP)
         self._problems = LogLimit(node.graph.clock)
@@ -42,7 +62,10 @@ class LightService(App):
         async for change in self.devices.follow(SERVICE_TYPE):
             if change.kind == "removed":
                 self._noted_off.discard(change.device.id)
+                self._handles.pop(change.device.id, None)
+                self._words = {name: value for name, value in self._words.items() if name[0] != change.device.id}
             else:
+                self._handles[change.device.id] = self.devices.handles(change.device, Light, change.sequence)
                 await self._listen(change.device)
 
     async def _listen(self, lamp: Device) -> None:
@@ -66,17 +89,43 @@ class LightService(App):
             WireError: The lamp said something else.
             RefusedError, LinkError: It cannot be told.
         """
-        state = message.text()
-        if state == "on":
+        is_on = self._is_on(lamp, message)
+        if is_on:
             self._noted_off.discard(lamp.id)
-            await self.devices.tell(lamp, "off")
-            self._say(TOLD_OFF, lamp, "is on: told it off")
-        elif state == "off":
-            if lamp.id not in self._noted_off:
-                self._noted_off.add(lamp.id)
-                self._say(IS_OFF, lamp, "is off")
-        else:
+            others = await self.devices.tell(lamp, "off")
+            self._say(TOLD_OFF, lamp, f"is on: told it off{', but not ' + ', '.join(others) if others else ''}")
+        elif is_on is not None and lamp.id not in self._noted_off:
+            self._noted_off.add(lamp.id)
+            self._say(IS_OFF, lamp, "is off")
+
+    def _is_on(self, lamp: Device, message: RawMessage) -> bool | None:
+        """Return whether *message* says that *lamp* is on; None where it is about something else.
+
+        Raises:
+            WireError: It is no word of a lamp.
+        """
+        part = speaking_part(lamp, message)
+        told = heard(message.text(), _ANY_LAMP if part is None else part.part)
+        if not told:
             raise WireError(f"{message.address} says neither on nor off", message.payload)
+        level, on = told.get("level"), told.get("on_off")
+        if part is not None and read_words_address(message.address) is not None:
+            if level is None and on is not None:
+                self._words[lamp.id, part.id] = on
+            elif level is not None:
+                on = self._last_said(lamp.id, part.id, on)
+        if isinstance(on, bool):
+            return on
+        return level > 0 if isinstance(level, float) else None
+
+    def _last_said(self, lamp: str, part: str, otherwise: PlainValue) -> PlainValue:
+        """Whether a lamp that announces itself is on, where it now tells its brightness.
+
+        Its words come before the directory has heard of them, and of those from before the last one alone.
+        """
+        known = (one.on for one in self._handles.get(lamp, ()) if one.part_id == part)
+        said = (self._words.get((lamp, part)), *known)
+        return next((value for value in said if value is not None), otherwise)
 
     def _say(self, event: str, lamp: Device, words: str) -> None:
         if self._lines_of_lamp.allows(f"{event} {lamp.id}") is not None and self._lines.allows(event) is not None:

@@ -23,7 +23,7 @@ from homebot.devices.services import (
     SubscribeToTopicRequest,
     SubscribeToTopicResponse,
 )
-from homebot.devices.told_at import told_at
+from homebot.devices.told_at import others_at, told_at
 from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
 from homebot.log import LogLimit
@@ -137,10 +137,15 @@ class Devices:
         if problem is not None:
             raise problem
 
-    async def tell(self, device: Device, payload: str) -> None:
+    async def tell(self, device: Device, payload: str) -> tuple[str, ...]:
         """Send *payload* to *device* through its first endpoint that takes commands and whose gateway is there.
 
-        It returns when the gateway has the command in its queue; that the device obeyed is not proven by it.
+        It returns when the gateway has the command in its queue; that the device obeyed is not proven by it. A word
+        reaches one part of a device: handles reach each, by ``find(Switch)`` or :meth:`handles`.
+
+        Returns:
+            The names of the other parts of the device that would have taken the word as well and were not told it, such
+            as the other gangs of a wall switch.
 
         Raises:
             RefusedError: The device takes no commands, or its gateway only observes.
@@ -155,9 +160,10 @@ class Devices:
             if not self._acts(endpoint.gateway):
                 raise RefusedError(f"a command to {device.id}", ONLY_OBSERVES)
             if out.subscription_count:
-                await out.send(RawCommand(address=told_at(device, endpoint, payload), payload=payload))
+                address = told_at(device, endpoint, payload)
+                await out.send(RawCommand(address=address, payload=payload))
                 if out.subscription_count:  # else the gateway went while its queue was full
-                    return
+                    return others_at(device, address, payload)
         raise LinkError(f"{device.id} was not told {payload!r}: its gateway {endpoints[0].gateway} is not running")
 
     async def _listen_at(self, endpoint: Endpoint, handler: MessageHandler) -> None:
@@ -165,6 +171,18 @@ class Devices:
         if endpoint.address not in self._wanted.setdefault(endpoint.gateway, set()):
             await self._want(endpoint.gateway, endpoint.address)
         self._handlers[endpoint.gateway, endpoint.key] = handler
+
+    def handles(self, device: Device, kind: Kind[..., HandleT], sequence: int = 0) -> tuple[HandleT, ...]:
+        """Return the handles of a kind that *device* has; no directory is asked.
+
+        Args:
+            device: The device.
+            kind: For example :class:`Light`.
+            sequence: That of the :class:`DeviceChange` that *device* is out of.
+        """
+        typed, wanted = self._typed(), kind.wanted()
+        known = typed.known(device, sequence)
+        return tuple(typed.handle(wanted, known, part) for part in wanted.parts(device))
 
     def _typed(self) -> Handles:
         if self._handles is None:

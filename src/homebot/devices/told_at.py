@@ -6,7 +6,7 @@ from homebot.devices.device import Device, DevicePart, Endpoint
 from homebot.devices.words import meaning, words_address
 from homebot.errors import RefusedError
 
-__all__ = ["told_at"]
+__all__ = ["others_at", "told_at"]
 
 
 def told_at(device: Device, endpoint: Endpoint, said: str) -> str:
@@ -27,6 +27,39 @@ def told_at(device: Device, endpoint: Endpoint, said: str) -> str:
         if route.gateway == endpoint.gateway and route.can(capability):
             return words_address(route.key, route.part)
     return address
+
+
+def others_at(device: Device, address: str, said: str) -> tuple[str, ...]:
+    """Return the names of the parts that would have taken *said* too, told to the part at *address*: the other gangs.
+
+    They are of the same type as that part, and neither settings nor diagnoses.
+    """
+    told = _part_at(device, address)
+    if told is None:
+        return ()
+    return tuple(
+        one.part.name or one.id
+        for one in device.parts
+        if one is not told
+        and one.part.service_type == told.part.service_type
+        and one.part.category == told.part.category
+        and _takes(one, said)
+    )
+
+
+def _takes(part: DevicePart, said: str) -> bool:
+    try:
+        meaning(said, part.part)
+    except RefusedError:
+        return False
+    return True
+
+
+def _part_at(device: Device, address: str) -> DevicePart | None:
+    for part in device.parts:
+        if any(words_address(route.key, route.part) == address for route in part.routes):
+            return part
+    return None
 
 
 def _part(device: Device, endpoint: Endpoint) -> DevicePart | None:

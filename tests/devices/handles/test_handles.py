@@ -414,3 +414,17 @@ async def test_a_gateway_that_fails_is_a_link_that_is_not_there(house: House) ->
     house.gateway("other")
     await plug.turn_on()
     assert [one[0] for one in house.told] == ["other"]
+
+
+async def test_the_handles_of_a_device_are_there_without_a_directory(house: House) -> None:
+    """They are kept up to date like all others."""
+    wall = house.device(
+        "wall", house.part("switch", "on_off", part_id="a"), house.part("switch", "on_off", part_id="b")
+    )
+    house.has(wall)
+    left, right = house.devices.handles(wall, Switch)
+    assert [left.id, right.id, right.part_id] == ["wall#a", "wall#b", "b"]
+    assert house.devices.handles(wall, Light) == ()
+    house.says("wall", "on_off", value=True, part_id="b")
+    await anyio.sleep(0.01)
+    assert (left.on, right.on) == (None, True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from homebot.devices.part import Capability
@@ -290,6 +290,7 @@ BOUNDED = {
 
 
 @pytest.mark.parametrize("name", BOUNDED)
+@settings(max_examples=40)
 @given(data=st.data())
 def test_each_bound_is_taken_and_read_back(name: str, data: st.DataObject) -> None:
     device = data.draw(BOUNDED[name]())
@@ -303,6 +304,7 @@ def test_each_bound_is_taken_and_read_back(name: str, data: st.DataObject) -> No
 
 
 @pytest.mark.parametrize("name", BOUNDED)
+@settings(max_examples=40)
 @given(data=st.data())
 def test_a_value_that_is_read_is_within_the_bounds(name: str, data: st.DataObject) -> None:
     """The device says its own bounds."""

@@ -62,6 +62,11 @@ class Handle:
         return f"{self._known.device.id}#{self._part_id}" if self._part_id else self._known.device.id
 
     @property
+    def part_id(self) -> str:
+        """The part's id in its device; see :attr:`homebot.devices.DevicePart.id`."""
+        return self._part_id
+
+    @property
     def name(self) -> str:
         """What people call it: the device's name, and the part's where it has one."""
         part = self._known.part(self._part_id)

@@ -1,0 +1,20 @@
+"""Which part of a device said a raw message. Pure."""
+
+from __future__ import annotations
+
+from homebot.devices.device import Device, DevicePart
+from homebot.devices.raw import RawMessage
+from homebot.devices.words import read_words_address
+
+__all__ = ["speaking_part"]
+
+
+def speaking_part(device: Device, message: RawMessage) -> DevicePart | None:
+    """Return the part of *device* that said *message*; None where that is not known."""
+    words = read_words_address(message.address)
+    for part in device.parts:
+        for route in part.routes:
+            is_it = route.key == message.key if words is None else (route.key, route.part) == words
+            if is_it and route.gateway == message.gateway:
+                return part
+    return None

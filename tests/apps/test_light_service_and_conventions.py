@@ -1,0 +1,117 @@
+"""The light service with lamps that announce themselves, through the real gateway and directory at a broker."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import anyio
+import pytest
+
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.connection import MqttConnection
+
+PROPERTIES = {
+    "on": {"name": "On", "datatype": "boolean", "settable": True},
+    "brightness": {"name": "Brightness", "datatype": "integer", "format": "0:100", "unit": "%", "settable": True},
+}
+ANNOUNCE = {
+    "homie": "5.0",
+    "version": 1,
+    "nodes": {"light": {"type": "light", "properties": PROPERTIES}},
+}
+GANGS = [
+    {
+        "type": "light",
+        "endpoint": gang,
+        "features": [
+            {
+                "type": "binary",
+                "name": "state",
+                "property": f"state_{gang}",
+                "endpoint": gang,
+                "access": 7,
+                "value_on": "ON",
+                "value_off": "OFF",
+            }
+        ],
+    }
+    for gang in ("left", "right")
+]
+SWITCH = {
+    "ieee_address": "0x00158d0001abcdef",
+    "friendly_name": "wall",
+    "type": "Router",
+    "supported": True,
+    "interview_completed": True,
+    "definition": {"model": "m", "vendor": "v", "description": "d", "exposes": GANGS},
+}
+
+
+class Player:
+    """Plays the devices, and hears what they are told."""
+
+    def __init__(self, link: MqttConnection) -> None:
+        self._link = link
+
+    async def say(self, *messages: tuple[str, object]) -> None:
+        """The broker keeps them; what is no text is spelled in JSON."""
+        for topic, payload in messages:
+            text = payload if isinstance(payload, str) else json.dumps(payload)
+            await self._link.publish(topic, text.encode(), qos=1, retain=True)
+
+    async def told(self) -> list[tuple[str, str]]:
+        """What came next, as topic and payload."""
+        with anyio.fail_after(5):
+            messages = await self._link.receive()
+        self._link.ack(messages)
+        return [(one.topic, one.payload.decode()) for one in messages]
+
+
+@asynccontextmanager
+async def player(homebot: Any) -> AsyncIterator[Player]:
+    async with homebot.client("device") as link:
+        await link.subscribe(Subscription("homie/5/+/+/+/set"), Subscription("+/+/set"), Subscription("home425/+/+/in"))
+        await link.wait_connected()
+        yield Player(link)
+
+
+def lamp(*, on: str) -> tuple[tuple[str, object], ...]:
+    """A Homie lamp whose last word is its brightness."""
+    return (
+        ("homie/5/x/light/on", on),
+        ("homie/5/x/light/brightness", "100"),
+        ("homie/5/x/$description", ANNOUNCE),
+        ("homie/5/x/$state", "ready"),
+    )
+
+
+@pytest.mark.homebot("light_service")
+async def test_a_homie_lamp_that_is_on_is_told_off_although_its_last_word_is_its_brightness(homebot: Any) -> None:
+    async with player(homebot) as devices:
+        await devices.say(*lamp(on="true"))
+        assert ("homie/5/x/light/on/set", "false") in await devices.told()
+    assert "neither on nor off" not in str(homebot.log)
+
+
+@pytest.mark.homebot("light_service")
+async def test_the_brightness_of_a_lamp_that_is_off_does_not_make_it_on(homebot: Any) -> None:
+    async with player(homebot) as devices:
+        await devices.say(*lamp(on="false"))
+        await devices.say(("home425/lights/first/out", "on"))
+        assert await devices.told() == [("home425/lights/first/in", "off")]
+        await devices.say(("homie/5/x/light/brightness", "90"), ("home425/lights/last/out", "on"))
+        assert await devices.told() == [("home425/lights/last/in", "off")]
+
+
+@pytest.mark.homebot("light_service")
+async def test_the_gangs_that_a_word_does_not_reach_are_named(homebot: Any) -> None:
+    async with player(homebot) as devices:
+        await devices.say(
+            ("zigbee2mqtt/bridge/devices", [SWITCH]),
+            ("zigbee2mqtt/wall", {"state_left": "ON", "state_right": "ON"}),
+        )
+        assert await devices.told() == [("zigbee2mqtt/wall/set", '{"state_left":"OFF"}')]
+    assert "told it off, but not right" in str(homebot.log)
