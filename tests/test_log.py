@@ -5,11 +5,16 @@ from __future__ import annotations
 import io
 import json
 import logging
+import re
+import time
 import warnings
 from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta, timezone
 
 import pytest
 import structlog
+from hypothesis import given
+from hypothesis import strategies as st
 
 from homebot.clock import ManualClock
 from homebot.errors import UsageError
@@ -53,13 +58,40 @@ def test_a_line_without_words_shows_its_event_and_facts() -> None:
 
 def test_a_line_for_programs_is_one_json_object() -> None:
     line = json.loads(logged("json", io.StringIO(), attempts=3))
-    assert line.pop("timestamp").endswith("Z")
+    stamp = datetime.fromisoformat(line.pop("timestamp"))
+    assert abs(stamp - datetime.now(UTC)) < timedelta(minutes=1)
     assert line == {"event": "mqtt.link_lost", "node": "/gateway/mqtt", "level": "info", "attempts": 3}
 
 
 def test_an_outsider_cannot_break_the_line_or_steer_the_terminal() -> None:
     line = logged("console", Terminal(), message="on\n12:00:00 fake\x1b[2J\x07 Küche")
     assert line.endswith(r"on\n12:00:00 fake\x1b[2J\x07 Küche" + "\n")
+
+
+@given(st.text())
+def test_nothing_that_an_error_or_a_name_holds_steers_the_terminal(text: str) -> None:
+    """No control characters but the ends of lines and our own colours, and no line that looks like one of ours."""
+    out = Terminal()
+    configure_logging("console", stream=out)
+    error = ValueError(f"\x1b]0;owned\x07\n12:00:00  homebot  forged {text}")
+    structlog.get_logger(node=f"/{text}").error("a.b", message=text, fact=text, exc_info=error)
+    shown = out.getvalue().removeprefix("\x1b[31m").removesuffix("\x1b[0m\n")
+    assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029\u202e]", shown)
+    assert [line for line in shown.split("\n") if not line.startswith("  ")] == shown.split("\n")[:1]
+
+
+def test_the_time_of_a_line_is_local_and_says_so_to_programs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TZ", "Asia/Kathmandu")
+    time.tzset()
+    try:
+        stamp = json.loads(logged("json", io.StringIO()))["timestamp"]
+        shown = logged("console", io.StringIO())[:5]
+        there = datetime.now(timezone(timedelta(hours=5, minutes=45)))
+    finally:
+        monkeypatch.undo()
+        time.tzset()
+    assert stamp.endswith("+05:45")
+    assert shown in {f"{there:%H:%M}", f"{there - timedelta(minutes=1):%H:%M}"}
 
 
 @pytest.mark.parametrize(("stream", "coloured"), [(io.StringIO, False), (Terminal, True)])
@@ -80,7 +112,7 @@ def test_an_exception_is_shown_below_its_line() -> None:
         structlog.get_logger().exception("node.crashed")
     first, *rest = out.getvalue().splitlines()
     assert first.endswith("error: node.crashed")
-    assert rest[-1] == "ValueError: invalid literal for int() with base 10: 'boom'"
+    assert rest[-1] == "  ValueError: invalid literal for int() with base 10: 'boom'"
 
 
 def test_lines_below_the_level_are_not_shown() -> None:

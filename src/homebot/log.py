@@ -14,6 +14,7 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Literal, TextIO, TypeAlias, final
 
 import structlog
@@ -44,6 +45,7 @@ _SECRETS = (
 # Control characters, line and paragraph separators, and those that turn the direction of text.
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 _LONGEST = 1000
+_MOST_LINES = 400
 _NOT_FACTS = {"event", "level", "node", "timestamp", "message", "exception"}
 
 
@@ -76,7 +78,7 @@ def configure_logging(
     structlog.configure(
         processors=[
             structlog.processors.add_log_level,
-            structlog.processors.TimeStamper(fmt="iso", utc=True),
+            _with_local_time,
             structlog.processors.format_exc_info,
             _without_secrets,
             *processors,
@@ -211,22 +213,40 @@ def _without_secrets(_logger: WrappedLogger, _method: str, event: EventDict) -> 
     return event
 
 
+def _with_local_time(_logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:
+    """Stamp a line in ISO 8601, in the computer's own time, with how far that is from UTC."""
+    event["timestamp"] = datetime.now().astimezone().isoformat(timespec="microseconds")
+    return event
+
+
 class _Console:
-    """Renders a line as ``12:30:01  node  words``; what outsiders wrote cannot break the line or steer the terminal."""
+    """Renders a line as ``12:30:01  node  words``, in local time, and a traceback below it, set in.
+
+    What outsiders wrote cannot break the line, look like another, or steer the terminal.
+    """
 
     def __init__(self, colours: bool) -> None:  # noqa: FBT001  # private, one caller
         self._colours = colours
 
     def __call__(self, _logger: WrappedLogger, _method: str, event: EventDict) -> str:
         level = str(event.get("level", "info"))
-        node = str(event.get("node", "")).lstrip("/")
+        node = _harmless(str(event.get("node", "")).lstrip("/"))
         mark = "" if level in {"info", "debug"} else f"{level}: "
         text = f"{str(event.get('timestamp', ''))[11:19]}  {node:<14} {mark}{_harmless(sentence(event))}"
         if "exception" in event:
-            text = f"{text}\n{event['exception']}"
+            text = f"{text}\n{_harmless_lines(str(event['exception']))}"
         if self._colours and level in _COLOURS:
             return f"\x1b[{_COLOURS[level]}m{text}\x1b[0m"
         return text
+
+
+def _harmless_lines(text: str) -> str:
+    """Return a traceback, of which the end says most, as lines that are each harmless and set in."""
+    lines = text.split("\n")
+    if len(lines) > _MOST_LINES:
+        left_out = len(lines) - _MOST_LINES
+        lines = [*lines[: _MOST_LINES // 4], f"  … ({left_out:,} lines)", *lines[left_out + _MOST_LINES // 4 :]]
+    return "\n".join(f"  {_harmless(line)}" for line in lines)
 
 
 def _harmless(text: str) -> str:

@@ -19,7 +19,7 @@ def add_parser(commands: Commands) -> None:
     parser = add_command(
         commands,
         "doctor",
-        "tell what is wrong: gateways, who breaks the rules, disputes, silent devices, the index",
+        "tell what is wrong: crashes, failures, gateways, who breaks the rules, disputes, silent devices, the index",
         _EXAMPLES,
         "homebot.cli.commands.doctor:doctor",
     )

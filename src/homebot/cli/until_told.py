@@ -12,6 +12,7 @@ from typing import TypeVar
 import anyio
 
 from homebot.cli.watchdog import Watchdog
+from homebot.production_loop import ProductionLoop
 
 __all__ = ["on_an_event_loop", "until_told"]
 
@@ -19,9 +20,12 @@ Result = TypeVar("Result")
 
 
 def on_an_event_loop(main: Coroutine[object, object, Result]) -> Result:
-    """Run *main* on a selector loop, on every platform: the MQTT client needs its ``add_reader``."""
-    with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
-        return runner.run(main)
+    """Run *main* on an event loop of its own, which is watched."""
+    with asyncio.Runner(loop_factory=ProductionLoop) as runner:
+        loop = runner.get_loop()
+        assert isinstance(loop, ProductionLoop)  # noqa: S101 - for the type checker: it was made the line before
+        with loop.watch:
+            return runner.run(main)
 
 
 async def until_told(
@@ -47,6 +51,9 @@ async def until_told(
 
     with Watchdog() as watchdog, _at_signals(watchdog.start, stop):
         async with service:
+            loop = asyncio.get_running_loop()
+            if isinstance(loop, ProductionLoop):
+                loop.watch.has_started()
             with anyio.move_on_after(seconds):
                 await told_to_stop.wait()
             watchdog.start()

@@ -9,7 +9,7 @@ from homebot.messages.fields import UInt32, UInt64
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
-__all__ = ["Count", "GetHealth", "HealthRequest", "HealthResponse", "Quarantine"]
+__all__ = ["Count", "GetHealth", "HealthRequest", "HealthResponse", "PartFailure", "Quarantine"]
 
 
 class Quarantine(Message):
@@ -48,22 +48,44 @@ class Count(Message):
     count: UInt64
 
 
+class PartFailure(Message):
+    """What went wrong in one part of the program, as far as is known since it started.
+
+    Attributes:
+        part: The part: a component's name, or a node's.
+        what: What happened to it, in words: "crashed", "the handler of /topic failed".
+        count: How often.
+        last: When it happened last.
+        why: The last error, in words.
+        outcome: What came of it, in words; empty where it simply goes on.
+    """
+
+    part: str
+    what: str
+    count: UInt64
+    last: Time
+    why: str
+    outcome: str = ""
+
+
 class HealthRequest(Message):
     """How are you?"""
 
 
 class HealthResponse(Message):
-    """How a gateway is, or the directory.
+    """How a gateway is, the directory, or the runtime.
 
     Attributes:
         counts: What it took in, refused and dropped.
         quarantined: Whom it ignores now.
         troubles: What is wrong with it now, in words; empty where nothing is.
+        failures: What failed in it.
     """
 
     counts: tuple[Count, ...]
     quarantined: tuple[Quarantine, ...] = ()
     troubles: tuple[str, ...] = ()
+    failures: tuple[PartFailure, ...] = ()
 
 
 GetHealth = ServiceType("homebot/srv/GetHealth", HealthRequest, HealthResponse)

@@ -21,7 +21,7 @@ what happens next. The block raises that exception itself, or an exception group
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
 from types import TracebackType
 from typing import Literal, Protocol, Self, TypeVar
 
@@ -265,6 +265,15 @@ class Node:
     def resolve_name(self, name: str, kind: str = "topic name") -> str:
         """Return the full name that *name* means to this node."""
         return expand_name(name, self.name, self.namespace, kind)
+
+    def lost_messages(self) -> Iterator[tuple[str, int]]:
+        """Yield the topics of which its open subscriptions lost messages, with how many.
+
+        Where only the newest is kept, of all or of each key, the others are not lost but outdated.
+        """
+        for entity in self._entities.values():
+            if isinstance(entity, Subscription) and entity.lost and entity.wants_all:
+                yield entity.topic_name, entity.lost
 
     @property
     def is_closed(self) -> bool:

@@ -71,6 +71,7 @@ class Subscription(Generic[MessageT]):
         self.from_node = from_node
         self.incompatible_qos_count = 0
         self.expired = 0
+        self._is_keyed = message_type.key_field is not None
         self._on_close: Callable[[], None] | None = on_close
         self._on_failure = on_failure
         self._closed = False
@@ -89,6 +90,11 @@ class Subscription(Generic[MessageT]):
     def lost(self) -> int:
         """Messages dropped since the start because the queue was full."""
         return self.mailbox.lost
+
+    @property
+    def wants_all(self) -> bool:
+        """Whether each message counts, and not the newest alone, of all or of each key."""
+        return self.qos.queue_depth > 1 and not self._is_keyed
 
     def take(self) -> MessageT | None:
         """Return the oldest waiting message, or None when there is none now."""

@@ -31,10 +31,12 @@ from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.isolation import run_as
+from homebot.loop_watch import LoopWatch
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.plugins import plugin_names
 from homebot.runtime.embedded_broker import embedded_broker
+from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
 from homebot.runtime.plan import Component, make_plan
 from homebot.runtime.supervisor import Supervisor, Work
@@ -69,6 +71,7 @@ class Runtime:
         clock: The time to go by; by default that of the running loop.
         broker: Stands in for the embedded broker. All MQTT goes through it, in memory; it is the caller's to run.
         random: Source of all that is left to chance; a seeded one makes every run the same.
+        loop_watch: Knows what blocks the event loop; its health tells of it.
         index_file: Where the directory remembers devices over a restart; None for nowhere.
 
     Attributes:
@@ -91,6 +94,7 @@ class Runtime:
         broker: MemoryBroker | None = None,
         random: Random | None = None,
         index_file: Path | None = None,
+        loop_watch: LoopWatch | None = None,
     ) -> None:
         self._plan = make_plan(config)
         if house is not None and not any(_wants_broker(gateway) for gateway in self._plan.gateways):
@@ -100,6 +104,7 @@ class Runtime:
         self._broker = broker
         self._random = random
         self._index_file = index_file
+        self._loop_watch = loop_watch
         self._clock = clock or LoopClock()
         self._stack = AsyncExitStack()
         self.graph = Graph(self._clock)
@@ -146,6 +151,7 @@ class Runtime:
     async def _start(self, stack: AsyncExitStack) -> None:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(_rosout(main))
+        RuntimeHealth(main, self.supervisor, self._loop_watch)
         gateways = await self._with_broker(stack)
         for name, work in self._components(gateways):
             if self._start_is_cut:

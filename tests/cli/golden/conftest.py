@@ -29,7 +29,7 @@ from homebot.devices import (
 )
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
 from homebot.devices.part import Capability, Part
-from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse, Quarantine
+from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
 from homebot.devices.query import facets_of, fits, parse_query
 from homebot.devices.services import (
     AnnouncedOn,
@@ -212,6 +212,8 @@ class StillHouse:
         forgotten: The ids that were forgotten.
         acts: Whether the gateway acts.
         is_well: Whether nothing is wrong.
+        counted: What the gateway counted besides.
+        failures: What failed in it.
         crowd: How many more devices there are that are silent, each disputed twice.
         carried: How many devices were given out.
         restless: For how many questions the devices change places.
@@ -222,6 +224,8 @@ class StillHouse:
         self.forgotten: list[str] = []
         self.acts = True
         self.is_well = False
+        self.counted: dict[str, int] = {}
+        self.failures: list[PartFailure] = []
         self.crowd = 0
         self.carried = 0
         self.restless = 0
@@ -286,7 +290,10 @@ class StillHouse:
             until=ago(-510),
         )
         counts = (Count(name="announcements", count=1024), Count(name="announcements_rejected", count=7))
-        return HealthResponse(counts=counts, quarantined=() if self.is_well else (offender,))
+        more = tuple(Count(name=name, count=count) for name, count in self.counted.items())
+        return HealthResponse(
+            counts=counts + more, quarantined=() if self.is_well else (offender,), failures=tuple(self.failures)
+        )
 
     def _directory_health(self, request: HealthRequest) -> HealthResponse:
         del request

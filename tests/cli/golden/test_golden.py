@@ -11,11 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from tests.cli.golden.conftest import NOW
 
 from homebot.cli import main
 from homebot.cli.commands.import_thing import topic_level
+from homebot.devices.quarantine import PartFailure
 from homebot.devices.thing import CONTEXT, read_thing
 from homebot.errors import UsageError
+from homebot.messages import Time
 
 if TYPE_CHECKING:
     from tests.cli.conftest import Homebot
@@ -62,6 +65,37 @@ def test_where_nothing_is_wrong_the_doctor_says_so(still: StillHouse, still_home
     still.is_well = True
     assert main(["--door", still_homebot.door, "doctor"]) == 0
     check("doctor_all_well", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize(
+    ("count", "code"),
+    [
+        ("commands_refused", 1),
+        ("commands_failed", 1),
+        ("failures", 1),
+        ("dropped_overflow", 1),
+        ("messages_lost", 1),
+        ("announcements_rejected", 0),
+        ("commands", 0),
+    ],
+)
+def test_what_the_house_itself_failed_at_is_enough_not_to_be_well_and_what_outsiders_did_is_not(
+    still: StillHouse, still_homebot: Homebot, count: str, code: int
+) -> None:
+    still.is_well = True
+    still.counted = {count: 1}
+    assert main(["--door", still_homebot.door, "doctor"]) == code
+
+
+def test_the_doctor_names_what_failed(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
+    still.is_well = True
+    when = Time.from_seconds(NOW - 90)
+    still.failures = [
+        PartFailure(part="robot", what="crashed", count=5, last=when, why="ValueError: ouch\x1b", outcome="given up"),
+        PartFailure(part="clock", what="the timer of 5 s failed", count=1, last=when, why="OSError: no such file"),
+    ]
+    assert main(["--door", still_homebot.door, "doctor"]) == 1
+    check("doctor_failures", capsys.readouterr().out)
 
 
 def test_the_doctor_asks_for_no_more_devices_than_it_names(

@@ -13,7 +13,7 @@ from homebot.cli.outbox import gateway_state
 from homebot.cli.table import printable, to_lines
 from homebot.cli.through_door import through_door
 from homebot.devices import Device, GatewayState
-from homebot.devices.quarantine import Count, GetHealth, HealthResponse, Quarantine
+from homebot.devices.quarantine import Count, GetHealth, HealthResponse, PartFailure, Quarantine
 from homebot.messages.json import message_from_json
 
 __all__ = ["doctor"]
@@ -32,6 +32,9 @@ _FAULTS = (
     "lost",
 )
 """How the names of counts begin or end that should be 0."""
+
+_ILLS = ("commands_refused", "commands_failed", "failures", "dropped", "lost")
+"""Those of them that are no matter of outsiders: one is enough for not all to be well."""
 
 _MOST = 20
 
@@ -79,11 +82,20 @@ def _tell_gateway(name: str, state: GatewayState | None) -> bool:
 def _tell_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:
     for trouble in health.troubles:
         print(f"{name} is in trouble: {printable(trouble)}")
-    shown = [one for one in health.counts if everything or (one.count and _is_fault(one))]
+    shown = [one for one in health.counts if everything or (one.count and _is_one_of(_FAULTS, one))]
     _tell(f"{name} counted since it started", [(one.name.replace("_", " "), str(one.count)) for one in shown])
+    failures = [_failure(one, now) for one in health.failures[:_MOST]]
+    _tell(f"failed in {name} since it started", failures, len(health.failures))
     offenders = [_offender(one, now) for one in health.quarantined[:_MOST]]
     _tell(f"{name} does not listen to", offenders, len(health.quarantined))
-    return not health.quarantined and not health.troubles
+    is_ill = any(one.count and _is_one_of(_ILLS, one) for one in health.counts)
+    return not (health.quarantined or health.troubles or health.failures or is_ill)
+
+
+def _failure(one: PartFailure, now: float) -> tuple[str, ...]:
+    times = "once" if one.count == 1 else f"{one.count} times"
+    outcome = f"; it is {one.outcome}" if one.outcome else ""
+    return one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}"
 
 
 def _offender(one: Quarantine, now: float) -> tuple[str, ...]:
@@ -125,7 +137,7 @@ def _tell(title: str, rows: Sequence[tuple[str, ...]], total: int = 0, hint: str
         print(f"  … these are the first {len(rows)} of {total}{hint}")
 
 
-def _is_fault(one: Count) -> bool:
+def _is_one_of(faults: tuple[str, ...], one: Count) -> bool:
     return any(
-        one.name == fault or one.name.endswith(f"_{fault}") or one.name.startswith(f"{fault}_") for fault in _FAULTS
+        one.name == fault or one.name.endswith(f"_{fault}") or one.name.startswith(f"{fault}_") for fault in faults
     )

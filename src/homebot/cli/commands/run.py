@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import asyncio
 import atexit
 import gc
 import os
@@ -14,6 +15,7 @@ from homebot.cli.until_told import on_an_event_loop, until_told
 from homebot.config import Config, load_config, parse_config
 from homebot.discovery.store import index_path
 from homebot.log import configure_logging
+from homebot.production_loop import ProductionLoop
 from homebot.runtime import Runtime
 
 if TYPE_CHECKING:
@@ -114,6 +116,8 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
 
 
 async def _run(config: Config, house: World | None, *, seconds: float | None, index_file: Path | None) -> int:
-    runtime = Runtime(config, house=house, index_file=index_file)
+    loop = asyncio.get_running_loop()
+    watch = loop.watch if isinstance(loop, ProductionLoop) else None
+    runtime = Runtime(config, house=house, index_file=index_file, loop_watch=watch)
     await until_told(runtime, seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0

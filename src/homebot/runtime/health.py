@@ -1,0 +1,83 @@
+"""``/homebot/health``: what went wrong in this process: crashes, failed callbacks, a blocked loop, lost messages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
+from homebot.graph import Graph, Node
+from homebot.loop_watch import LoopWatch
+from homebot.messages.builtin_interfaces import Time
+from homebot.runtime.supervisor import Supervisor
+
+__all__ = ["RuntimeHealth"]
+
+HEALTH = "/homebot/health"
+
+
+class RuntimeHealth:
+    """Answers how the runtime is.
+
+    Args:
+        node: The node that answers.
+        supervisor: Knows who crashed.
+        watch: Knows what blocked the event loop; None where nobody watches it.
+    """
+
+    def __init__(self, node: Node, supervisor: Supervisor, watch: LoopWatch | None) -> None:
+        self._graph: Graph = node.graph
+        self._supervisor = supervisor
+        self._watch = watch
+        node.create_service(GetHealth, HEALTH, self._answer)
+
+    def _answer(self, _request: HealthRequest) -> HealthResponse:
+        crashes = self._supervisor.crashes.values()
+        counts = {
+            "components_crashed": len(crashes),
+            "components_given_up": len(self._supervisor.given_up),
+            "crashes": sum(one.count for one in crashes),
+            "callback_failures": sum(one.count for one in self._graph.failures),
+            "loop_blocks": 0 if self._watch is None else self._watch.blocks,
+            "task_exits": 0 if self._watch is None else self._watch.exits,
+            "messages_lost": sum(count for _, _, count in self._losses()),
+        }
+        return HealthResponse(
+            counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
+            troubles=tuple(self._troubles()),
+            failures=tuple(self._failures()),
+        )
+
+    def _troubles(self) -> Iterator[str]:
+        for name, crash in sorted(self._supervisor.crashes.items()):
+            if crash.state == "given up":
+                yield f"{name} kept crashing and was given up ({crash.last}); mend it and start homebot anew"
+            elif crash.state == "restarting":
+                yield f"{name} crashed ({crash.last}) and is about to be started anew"
+
+    def _failures(self) -> Iterator[PartFailure]:
+        for name, crash in sorted(self._supervisor.crashes.items()):
+            yield _failure(name, "crashed", crash.count, crash.at, crash.last, crash.state)
+        for one in self._graph.failures:
+            yield _failure(one.node.lstrip("/"), f"the {one.callback} failed", one.count, one.at, one.last)
+        now, watch = self._graph.clock.now(), self._watch
+        if watch is not None and watch.blocks:
+            at = now - watch.seconds_since_block()
+            why = f"by {watch.last}; the longest took {watch.longest:.1f} s"
+            yield _failure("event loop", "was blocked", watch.blocks, at, why)
+        if watch is not None and watch.exits:
+            yield _failure(
+                "event loop", "was told to exit", watch.exits, now - watch.seconds_since_exit(), watch.exited
+            )
+        for node, topic, count in self._losses():
+            yield _failure(node.lstrip("/"), f"lost messages of {topic}", count, now, "its queue was full")
+
+    def _losses(self) -> Iterator[tuple[str, str, int]]:
+        """What subscriptions lost that want more than the newest; those of the door are their clients' own business."""
+        for name in self._graph.get_node_names():
+            node = self._graph.get_node(name)
+            if node is not None and not name.endswith("/rosbridge_websocket"):
+                yield from ((name, topic, count) for topic, count in node.lost_messages())
+
+
+def _failure(part: str, what: str, count: int, at: float, why: str, outcome: str = "") -> PartFailure:
+    return PartFailure(part=part, what=what, count=count, last=Time.from_seconds(at), why=why, outcome=outcome)

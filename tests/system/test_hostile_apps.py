@@ -1,0 +1,74 @@
+"""A ``homebot run`` with an app of every misbehaviour: the house goes on, and the doctor names each."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from tests.system.test_run import SETTINGS, Run
+
+pytestmark = pytest.mark.system
+
+MODULE = "tests.system.hostile_apps"
+ROOT = Path(__file__).parents[2]
+
+MISBEHAVIOURS = {
+    "Raiser": "raiser  crashed",
+    "CancelsTask": "cancels_task  crashed",
+    "CancelsItself": "cancels_itself  crashed",
+    "Exits": "exits  crashed",
+    "ExitsInTask": "event loop  was told to exit",
+    "RaisesGeneratorExit": "raises_generator_exit  crashed",
+    "RaisesAtStart": "raises_at_start  crashed",
+    "BadHandler": "bad_handler  the handler of /hostile failed",
+    "BadTimer": "bad_timer  the timer of 0.5 s failed",
+    "BadService": "bad_service  the handler of /bad_service failed",
+    "Blocks": "event loop  was blocked",
+}
+
+
+def ask(run: Run, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "homebot", "--door", f"127.0.0.1:{run.port}", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        env=SETTINGS,
+        check=False,
+    )
+
+
+def test_no_app_is_the_end_of_the_house_and_the_doctor_names_each(tmp_path: Path) -> None:
+    apps = [word for name in (*MISBEHAVIOURS, "ReturnsEarly") for word in ("--app", f"{MODULE}:{name}")]
+    run = Run(tmp_path, "--app", "light_service", *apps, PYTHONPATH=str(ROOT))
+    try:
+        run.until("returns_early has ended")
+        run.until("roomlights405 is off")
+        assert ask(run, "service", "call", "/bad_service").returncode == 1
+        run.until("cancels_task crashed 5 times within a minute and is given up")
+        run.until("the event loop goes on; it was blocked for")
+        doctor = ask(run, "doctor")
+        squeezed = [" ".join(line.split()) for line in doctor.stdout.splitlines()]
+        for words in MISBEHAVIOURS.values():
+            assert any(line.startswith(" ".join(words.split())) for line in squeezed), (words, doctor.stdout)
+        assert "cancels_task kept crashing and was given up" in doctor.stdout
+        assert doctor.stdout.endswith("not all is well\n")
+        assert doctor.returncode == 1
+
+        on = "{address: home425/lights/roomlights405/in, payload: on}"
+        assert ask(run, "topic", "pub", "--once", "/gateway/mqtt/out", on).returncode == 0
+        run.until("roomlights405 is on: told it off")
+    finally:
+        code = run.stop()
+    assert code == 1, run.text  # it says so: a part was given up
+    assert "Traceback" in run.text
+    assert "\x1b" not in run.text
+
+
+def test_an_app_that_does_not_end_is_left_behind_in_time(tmp_path: Path) -> None:
+    run = Run(tmp_path, "--app", f"{MODULE}:ClingsOn", PYTHONPATH=str(ROOT))
+    run.until("clings_on runs")
+    assert run.stop() == 1
+    assert "not everything stopped in time" in run.text
