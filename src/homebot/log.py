@@ -15,19 +15,22 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Literal, TextIO, TypeAlias, final
+from functools import partial
+from typing import Literal, TextIO, TypeAlias, cast, final
 
 import structlog
 from structlog.typing import EventDict, Processor, WrappedLogger
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
+from homebot.output import CONTROL, CleanText, QueuedText
 
 __all__ = ["LogFormat", "LogLimit", "configure_logging", "sentence"]
 
 LogFormat: TypeAlias = Literal["console", "json"]
 
 LIBRARY_LINE = "log.library"
+LINES_LOST = "log.lost"
 
 _MAX_KEYS = 1000
 _LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "critical": 50}
@@ -42,8 +45,6 @@ _SECRETS = (
         re.IGNORECASE | re.VERBOSE,
     ),
 )
-# Control characters, line and paragraph separators, and those that turn the direction of text.
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 _LONGEST = 1000
 _MOST_LINES = 400
 _NOT_FACTS = {"event", "level", "node", "timestamp", "message", "exception"}
@@ -73,7 +74,11 @@ def configure_logging(
     if level not in _LEVELS:
         raise UsageError(f"no log level {level!r}; there are {', '.join(_LEVELS)}")
     out = stream or sys.stderr
+    if isinstance(out, CleanText):
+        out = out.raw  # a line is made harmless where its parts are known, and may have colours
     renderer: Processor = structlog.processors.JSONRenderer() if log_format == "json" else _Console(out.isatty())
+    if isinstance(out, QueuedText):
+        out.queue.loss_text = partial(_loss_line, renderer)
     _take_in_stdlib_lines()
     structlog.configure(
         processors=[
@@ -88,6 +93,19 @@ def configure_logging(
         logger_factory=lambda *_: _Writer(out),
         cache_logger_on_first_use=False,
     )
+
+
+def _loss_line(renderer: Processor, lines: int) -> str:
+    """Return the line of the log that stands for *lines* which nobody read in time."""
+    event: EventDict = {
+        "event": LINES_LOST,
+        "level": "warning",
+        "node": "/homebot",
+        "lost": lines,
+        "message": f"{lines:,} lines of the log were lost here, as nobody read them in time",
+    }
+    line = renderer(None, "warning", _with_local_time(None, "warning", event))
+    return f"{cast('str', line)}\n"
 
 
 def sentence(event: EventDict) -> str:
@@ -251,4 +269,4 @@ def _harmless_lines(text: str) -> str:
 
 def _harmless(text: str) -> str:
     shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(text):,} characters)"
-    return _CONTROL.sub(lambda found: ascii(found[0])[1:-1], shown)
+    return CONTROL.sub(lambda found: ascii(found[0])[1:-1], shown)

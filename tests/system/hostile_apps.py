@@ -130,7 +130,8 @@ class Prints(App):
     async def run(self) -> None:
         while True:
             print("nobody reads this" * 100)
-            self.node.log.info("noise", message="nobody reads this either" * 20)
+            for _ in range(20):
+                self.node.log.info("noise", message="nobody reads this either" * 40)
             await anyio.sleep(0.001)
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
-from tests.system.test_run import SETTINGS, Run
+from tests.system.test_run import SETTINGS, STOPS_WITHIN, Run
 
 pytestmark = pytest.mark.system
 
@@ -72,3 +75,32 @@ def test_an_app_that_does_not_end_is_left_behind_in_time(tmp_path: Path) -> None
     run.until("clings_on runs")
     assert run.stop() == 1
     assert "not everything stopped in time" in run.text
+
+
+def test_a_log_that_nobody_reads_holds_nobody_up_and_tells_what_is_missing_when_it_is_read_again(
+    tmp_path: Path,
+) -> None:
+    run = Run(tmp_path, "--app", "light_service", "--app", f"{MODULE}:Prints", PYTHONPATH=str(ROOT))
+    run.until("roomlights405 is off")
+    lost = 0
+    while not lost:  # nobody reads the log meanwhile
+        done = ask(run, "doctor", "--counts")
+        assert done.returncode == 1 or "all is well" in done.stdout
+        lost = int(re.findall(r"log lines lost +(\d+)", done.stdout)[0])
+    assert ask(run, "devices").returncode == 0
+    on = "{address: home425/lights/roomlights405/in, payload: on}"
+    assert ask(run, "topic", "pub", "--once", "/gateway/mqtt/out", on).returncode == 0
+    run.until("lines of the log were lost here, as nobody read them in time")
+    run.until("nobody reads this either")
+    assert run.stop() == 0
+
+
+def test_a_log_that_nobody_reads_does_not_keep_it_from_ending(tmp_path: Path) -> None:
+    run = Run(tmp_path, "--app", f"{MODULE}:Prints", PYTHONPATH=str(ROOT))
+    run.until("prints runs")
+    run.process.send_signal(signal.SIGTERM)
+    started = time.monotonic()
+    assert run.process.wait(10) == 0
+    assert time.monotonic() - started < STOPS_WITHIN
+    assert run.process.stderr is not None
+    run.process.stderr.close()

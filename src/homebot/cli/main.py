@@ -17,6 +17,7 @@ import homebot
 from homebot.cli import broker, config, devices, doctor, find, forget, import_thing, node, run, service, show, topic
 from homebot.cli.arguments import add_global_options
 from homebot.errors import HomebotError
+from homebot.output import clean_output
 
 __all__ = ["main", "make_parser"]
 
@@ -46,9 +47,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     Raises:
         SystemExit: The command line is wrong (code 2), or asked for ``--help`` or ``--version`` (code 0).
     """
-    options = make_parser().parse_args(argv)
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a device may be called what a terminal cannot show
+    with clean_output():
+        return _run(argv)
+
+
+def _run(argv: Sequence[str] | None) -> int:
+    options = make_parser().parse_args(argv)
     try:
         return _load(options.command)(options)
     except HomebotError as exc:

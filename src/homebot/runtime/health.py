@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.graph import Graph, Node
@@ -22,12 +22,16 @@ class RuntimeHealth:
         node: The node that answers.
         supervisor: Knows who crashed.
         watch: Knows what blocked the event loop; None where nobody watches it.
+        lost_lines: Tells how many lines of the log were lost.
     """
 
-    def __init__(self, node: Node, supervisor: Supervisor, watch: LoopWatch | None) -> None:
+    def __init__(
+        self, node: Node, supervisor: Supervisor, watch: LoopWatch | None, lost_lines: Callable[[], int]
+    ) -> None:
         self._graph: Graph = node.graph
         self._supervisor = supervisor
         self._watch = watch
+        self._lost_lines = lost_lines
         node.create_service(GetHealth, HEALTH, self._answer)
 
     def _answer(self, _request: HealthRequest) -> HealthResponse:
@@ -39,6 +43,7 @@ class RuntimeHealth:
             "callback_failures": sum(one.count for one in self._graph.failures),
             "loop_blocks": 0 if self._watch is None else self._watch.blocks,
             "task_exits": 0 if self._watch is None else self._watch.exits,
+            "log_lines_lost": self._lost_lines(),
             "messages_lost": sum(count for _, _, count in self._losses()),
         }
         return HealthResponse(

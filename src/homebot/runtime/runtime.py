@@ -5,7 +5,7 @@ The order is: broker (where it is ours), gateways, directory, apps, door, simula
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AsyncExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
@@ -72,6 +72,7 @@ class Runtime:
         broker: Stands in for the embedded broker. All MQTT goes through it, in memory; it is the caller's to run.
         random: Source of all that is left to chance; a seeded one makes every run the same.
         loop_watch: Knows what blocks the event loop; its health tells of it.
+        lost_lines: Tells how many lines of the log were lost.
         index_file: Where the directory remembers devices over a restart; None for nowhere.
 
     Attributes:
@@ -95,6 +96,7 @@ class Runtime:
         random: Random | None = None,
         index_file: Path | None = None,
         loop_watch: LoopWatch | None = None,
+        lost_lines: Callable[[], int] = lambda: 0,
     ) -> None:
         self._plan = make_plan(config)
         if house is not None and not any(_wants_broker(gateway) for gateway in self._plan.gateways):
@@ -105,6 +107,7 @@ class Runtime:
         self._random = random
         self._index_file = index_file
         self._loop_watch = loop_watch
+        self._lost_lines = lost_lines
         self._clock = clock or LoopClock()
         self._stack = AsyncExitStack()
         self.graph = Graph(self._clock)
@@ -151,7 +154,7 @@ class Runtime:
     async def _start(self, stack: AsyncExitStack) -> None:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(_rosout(main))
-        RuntimeHealth(main, self.supervisor, self._loop_watch)
+        RuntimeHealth(main, self.supervisor, self._loop_watch, self._lost_lines)
         gateways = await self._with_broker(stack)
         for name, work in self._components(gateways):
             if self._start_is_cut:

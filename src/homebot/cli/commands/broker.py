@@ -17,6 +17,7 @@ from homebot.mqtt.broker import Broker
 from homebot.mqtt.broker.authentication import is_loopback
 from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter
+from homebot.output import queued_output
 
 __all__ = ["broker", "make_broker"]
 
@@ -29,8 +30,9 @@ _log = structlog.get_logger(node="/broker")
 def broker(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0."""
     made = make_broker(options)
-    configure_logging(options.log_format)
-    on_an_event_loop(until_told(_running(made), options.seconds))
+    with queued_output():
+        configure_logging(options.log_format)
+        on_an_event_loop(until_told(_running(made), options.seconds))
     return 0
 
 

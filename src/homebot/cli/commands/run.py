@@ -8,6 +8,7 @@ import atexit
 import gc
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from homebot.cli.until_told import on_an_event_loop, until_told
 from homebot.config import Config, load_config, parse_config
 from homebot.discovery.store import index_path
 from homebot.log import configure_logging
+from homebot.output import queued_output
 from homebot.production_loop import ProductionLoop
 from homebot.runtime import Runtime
 
@@ -38,14 +40,19 @@ again at what has come to stay, so that is seldom done."""
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 when a part was given up on the way."""
     config, house = configuration(options)
+    with queued_output() as lost_lines:
+        return _run_apart(options, config, house, lost_lines)
+
+
+def _run_apart(options: argparse.Namespace, config: Config, house: World | None, lost_lines: Callable[[], int]) -> int:
+    """Run where nothing waits for whoever reads the log."""
     configure_logging(options.log_format)
     gc.set_threshold(*COLLECT_AFTER)
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
     # A simulated house begins each time as it is described, so there is nothing to remember.
     is_kept = house is None and not options.ephemeral
-    return on_an_event_loop(
-        _run(config, house, seconds=options.seconds, index_file=index_path(config.home.name) if is_kept else None)
-    )
+    index_file = index_path(config.home.name) if is_kept else None
+    return on_an_event_loop(_run(config, house, seconds=options.seconds, index_file=index_file, lost_lines=lost_lines))
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
@@ -115,9 +122,16 @@ def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
     apps[name] = {"class": wanted}
 
 
-async def _run(config: Config, house: World | None, *, seconds: float | None, index_file: Path | None) -> int:
+async def _run(
+    config: Config,
+    house: World | None,
+    *,
+    seconds: float | None,
+    index_file: Path | None,
+    lost_lines: Callable[[], int],
+) -> int:
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
-    runtime = Runtime(config, house=house, index_file=index_file, loop_watch=watch)
+    runtime = Runtime(config, house=house, index_file=index_file, loop_watch=watch, lost_lines=lost_lines)
     await until_told(runtime, seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0

@@ -1,0 +1,263 @@
+"""Standard output and error that nobody has to wait for, and through which no stranger writes to a terminal.
+
+A terminal that is paused, or a pipe that nobody reads, takes no more after some kilobytes; who writes to it then waits.
+An :class:`OutputQueue` lets a thread of its own wait instead. What is written keeps its order; what is too much is
+dropped, counted, and told in its place as soon as somebody reads on.
+"""
+
+from __future__ import annotations
+
+import atexit
+import io
+import os
+import re
+import select
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final, TextIO, cast, final
+
+__all__ = ["CONTROL", "CleanText", "OutputQueue", "QueuedText", "clean_output", "queued_output"]
+
+# Control characters, line and paragraph separators, and those that turn the direction of text.
+CONTROL: Final = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+_CONTROL_BUT_LINES: Final = re.compile(CONTROL.pattern.replace(r"\x00-\x1f", r"\x00-\x09\x0b-\x1f"))
+
+MAX_WAITING = 4 * 1024 * 1024
+LAST_CHANCE = 0.5
+"""Seconds in which what waits at the end may still be written."""
+
+_BATCH = 64 * 1024
+
+
+def _loss_in_words(lines: int) -> str:
+    return f"… {lines:,} lines were lost here, as nobody read them in time\n"
+
+
+@final
+class OutputQueue:
+    """Writes text to a file descriptor, from a thread of its own.
+
+    4 million characters may wait. Then all that comes is dropped, until half of them are written.
+
+    Args:
+        descriptor: Where to; it stays open.
+        encoding: How; what it cannot write is shown as an escape.
+        most: Characters that may wait.
+
+    Attributes:
+        lost: Lines that were dropped since the start.
+        loss_text: Says how many lines are missing, as text that stands in their place.
+    """
+
+    def __init__(self, descriptor: int, encoding: str = "utf-8", *, most: int = MAX_WAITING) -> None:
+        self.lost = 0
+        self.loss_text: Callable[[int], str] = _loss_in_words
+        self._descriptor = descriptor
+        self._encoding = encoding
+        self._most = most
+        self._waiting: deque[str] = deque()
+        self._size = 0  # of what waits and what is being written
+        self._untold = 0
+        self._is_idle = True
+        self._is_gone = False  # whoever read it has gone
+        # Reentrant, since whatever is logged while an object is thrown away may come in the middle of anything.
+        self._changed = threading.Condition(threading.RLock())
+        self._thread: threading.Thread | None = None
+
+    def put(self, text: str) -> None:
+        """Let *text* be written after all that came before; never waits, from any thread."""
+        with self._changed:
+            if self._is_gone:
+                return
+            if self._size + len(text) > self._most or (self._untold and self._size > self._most // 2):
+                lines = max(1, text.count("\n"))
+                self.lost += lines
+                self._untold += lines
+                return
+            self._tell_lost()
+            self._add(text)
+            self._is_idle = False
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._write_all, name="output", daemon=True)
+                self._thread.start()
+            self._changed.notify_all()
+
+    def drain(self, seconds: float) -> bool:
+        """Wait until everything is written, for *seconds* at most; return whether it is."""
+        until = time.monotonic() + seconds
+        with self._changed:
+            while not self._is_idle and (left := until - time.monotonic()) > 0:
+                self._changed.wait(left)
+            return self._is_idle
+
+    def _add(self, text: str) -> None:
+        self._waiting.append(text)
+        self._size += len(text)
+
+    def _tell_lost(self) -> None:
+        if self._untold:
+            lines, self._untold = self._untold, 0
+            self._add(self.loss_text(lines))
+
+    def _write_all(self) -> None:
+        while True:
+            with self._changed:
+                while not self._waiting:
+                    if self._untold:
+                        self._tell_lost()
+                        continue
+                    self._is_idle = True
+                    self._changed.notify_all()
+                    self._changed.wait()
+                texts = [self._waiting.popleft()]
+                size = len(texts[0])
+                while self._waiting and size < _BATCH:
+                    texts.append(self._waiting.popleft())
+                    size += len(texts[-1])
+            is_gone = not self._write("".join(texts).encode(self._encoding, "backslashreplace"))
+            with self._changed:
+                self._size -= size
+                if is_gone:
+                    self._is_gone, self._untold, self._size = True, 0, 0
+                    self._waiting.clear()
+
+    def _write(self, data: bytes) -> bool:
+        """Write *data*, however long that takes; return False where nobody will ever read it."""
+        rest = memoryview(data)
+        while rest:
+            try:
+                rest = rest[os.write(self._descriptor, rest) :]
+            except BlockingIOError:  # whoever shares the descriptor has made it so
+                select.select([], [self._descriptor], [])
+            except OSError:
+                return False
+        return True
+
+
+class QueuedText(io.TextIOBase):
+    """A text stream over an :class:`OutputQueue`.
+
+    Args:
+        queue: That queue.
+        stream: The stream that it stands in for.
+    """
+
+    def __init__(self, queue: OutputQueue, stream: TextIO) -> None:
+        self.queue = queue
+        self._stream = stream
+
+    @property
+    def encoding(self) -> str:  # type: ignore[override]  # typeshed has an attribute
+        """That of the stream."""
+        return self._stream.encoding
+
+    def write(self, text: str) -> int:
+        """Take *text*; never waits."""
+        self.queue.put(text)
+        return len(text)
+
+    def writable(self) -> bool:
+        """It is."""
+        return True
+
+    def isatty(self) -> bool:
+        """Whether a terminal shows it."""
+        return self._stream.isatty()
+
+    def fileno(self) -> int:
+        """Return the descriptor of the stream."""
+        return self._stream.fileno()
+
+
+class CleanText(io.TextIOBase):
+    """A text stream that shows control characters as escapes, but for the ends of lines.
+
+    Args:
+        raw: The stream that it writes to, for who writes none but harmless text.
+    """
+
+    def __init__(self, raw: TextIO) -> None:
+        self.raw = raw
+
+    @property
+    def encoding(self) -> str:  # type: ignore[override]  # typeshed has an attribute
+        """That of the stream."""
+        return self.raw.encoding
+
+    def write(self, text: str) -> int:
+        """Write *text* without what could steer a terminal; the escapes are those of JSON, Python and YAML."""
+        self.raw.write(_CONTROL_BUT_LINES.sub(lambda found: f"\\u{ord(found[0]):04x}", text))
+        return len(text)
+
+    def flush(self) -> None:
+        """Flush the stream."""
+        self.raw.flush()
+
+    def writable(self) -> bool:
+        """It is."""
+        return True
+
+    def isatty(self) -> bool:
+        """Whether a terminal shows it."""
+        return self.raw.isatty()
+
+    def fileno(self) -> int:
+        """Return the descriptor of the stream."""
+        return self.raw.fileno()
+
+
+@contextmanager
+def clean_output() -> Iterator[None]:
+    """Show control characters as escapes in all that is printed in the block.
+
+    They stay so when an error that nobody expected leaves the block, as Python then prints its traceback.
+    """
+    before = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = (cast("TextIO", CleanText(stream)) for stream in before)
+    try:
+        yield
+    except (SystemExit, KeyboardInterrupt):
+        sys.stdout, sys.stderr = before
+        raise
+    sys.stdout, sys.stderr = before
+
+
+@contextmanager
+def queued_output() -> Iterator[Callable[[], int]]:
+    """Let nothing in the block wait for whoever reads standard output and error; give how many lines were lost so far.
+
+    At its end what is not written yet is given half a second. A stream without a file descriptor stays as it is.
+    """
+    before = sys.stdout, sys.stderr
+    queues: dict[tuple[int, int, int], OutputQueue] = {}
+    sys.stdout, sys.stderr = (_queued(stream, queues) for stream in before)
+
+    def drain() -> None:
+        for queue in queues.values():
+            queue.drain(LAST_CHANCE)
+
+    atexit.register(drain)  # what is logged after the block
+    try:
+        yield lambda: sum(queue.lost for queue in queues.values())
+    finally:
+        sys.stdout, sys.stderr = before
+        drain()
+
+
+def _queued(stream: TextIO, queues: dict[tuple[int, int, int], OutputQueue]) -> TextIO:
+    """Return *stream* over the queue of its file: both streams of a terminal share one, which keeps their order."""
+    if isinstance(stream, CleanText):
+        return cast("TextIO", CleanText(_queued(stream.raw, queues)))
+    try:
+        stream.flush()
+        descriptor = stream.fileno()
+        status = os.fstat(descriptor)
+    except (AttributeError, OSError, ValueError):
+        return stream
+    file = (status.st_dev, status.st_ino, status.st_rdev)
+    queue = queues.setdefault(file, OutputQueue(descriptor, stream.encoding or "utf-8"))
+    return cast("TextIO", QueuedText(queue, stream))
