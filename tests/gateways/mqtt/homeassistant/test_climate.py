@@ -84,6 +84,8 @@ def told(fields: Mapping[str, object], capability: str, value: PlainValue) -> li
         (CONDITIONER, "room_air_conditioner"),
         ({"modes": ["off", "fan_only"]}, "thermostat"),
         ({"modes": ["cool", "dry"]}, "room_air_conditioner"),
+        ({"mode_command_topic": "ac/mode/set"}, "room_air_conditioner"),
+        ({"temperature_command_topic": "valve/t/set"}, "thermostat"),
     ],
 )
 def test_its_modes_say_whether_it_is_an_air_conditioner(fields: Mapping[str, object], service_type: str) -> None:
@@ -316,3 +318,9 @@ def test_one_message_tells_the_mode_and_its_targets() -> None:
         "heating_setpoint": 18.0,
         "cooling_setpoint": 26.0,
     }
+
+
+def test_a_valve_without_a_mode_has_none_and_only_heats() -> None:
+    """As Zigbee2MQTT announces a Saswell SEA801, which Home Assistant shows with all modes that it knows."""
+    part = climate({"temperature_command_topic": "valve/t/set", "temperature_state_topic": "valve/t"}).part
+    assert [one.name for one in part.capabilities] == ["heating_setpoint"]

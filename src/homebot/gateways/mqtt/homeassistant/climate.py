@@ -25,7 +25,7 @@ __all__ = ["build_climate"]
 
 def build_climate(config: Config) -> DescribedPart:
     """Describe a thermostat, or an air conditioner where it can cool and also dry or only blow."""
-    modes = config.options("modes") if config.has("modes") else _MODES
+    modes = _modes(config)
     is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
     entity = Entity(config, "room_air_conditioner" if is_conditioner else "thermostat")
     target_mode = TargetMode(is_said=config.has("mode_state_topic") and not config.flag("optimistic"))
@@ -51,6 +51,16 @@ _CHOICES = {"fan_mode": ("auto", "low", "medium", "high"), "swing_mode": ("on", 
 _PAIR = 2
 _SHOWN = 200
 _SWITCHED_ON = ("heat_cool", "heat", "cool")
+
+
+def _modes(config: Config) -> tuple[str, ...]:
+    """Return its modes; those of Home Assistant where it has a mode and does not say which.
+
+    A valve without a mode has none: that Home Assistant shows it with all of its own makes it no air conditioner.
+    """
+    if config.has("modes"):
+        return config.options("modes")
+    return _MODES if config.has("mode_command_topic") or config.has("mode_state_topic") else ()
 
 
 def _offer_humidity(entity: Entity, config: Config) -> None:
