@@ -247,6 +247,39 @@ def test_a_thermostat_has_its_parts() -> None:
         thermostat.codec.write("heating_setpoint", 60.0)
 
 
+def operating(mode: str, *modes: str) -> DescribedPart:
+    """A thermostat of Bosch's: *mode* is the only one of its modes, or the first."""
+    features = [feature("enum", "system_mode", values=[mode, *modes])]
+    program = feature("enum", "operating_mode", values=["schedule", "manual", "pause"], category="config")
+    return built({"type": "climate", "features": features}, program)[0]
+
+
+@pytest.mark.parametrize(
+    ("part", "mode", "message"),
+    [
+        (operating("heat"), "heat", {"operating_mode": "manual"}),
+        (operating("heat"), "off", {"operating_mode": "pause"}),
+        (operating("heat"), "auto", {"operating_mode": "schedule"}),
+        (operating("off", "heat", "cool"), "cool", {"operating_mode": "manual", "system_mode": "cool"}),
+        (operating("off", "heat", "cool"), "off", {"operating_mode": "pause"}),
+    ],
+)
+def test_a_thermostat_that_says_apart_whether_it_follows_its_program_has_one_mode_of_both(
+    part: DescribedPart, mode: str, message: dict[str, Any]
+) -> None:
+    """As Zigbee2MQTT announces it to Home Assistant: ``system_mode`` alone changes nothing while it is paused."""
+    assert told(part, "thermostat_mode", mode) == message
+    assert said(part, **{"system_mode": "heat", **message})["thermostat_mode"] == mode
+
+
+def test_a_mode_of_two_properties_that_is_not_whole_tells_nothing() -> None:
+    part = operating("heat", "cool")
+    assert said(part, system_mode="heat") == {}
+    assert said(part, operating_mode="manual") == {}
+    assert said(part, operating_mode="x") == {}
+    assert said(part, operating_mode=None) == {"thermostat_mode": None}
+
+
 def test_what_cools_and_blows_is_an_air_conditioner() -> None:
     modes = feature("enum", "system_mode", values=["off", "cool", "fan_only"])
     assert only({"type": "climate", "features": [modes]}).part.service_type == "room_air_conditioner"
@@ -363,3 +396,44 @@ def test_parts_with_the_same_id_are_told_apart() -> None:
 def test_what_neither_says_nor_takes_anything_is_left_out() -> None:
     (part,) = built(feature("numeric", "x", 0), feature("composite", "y", 2), {"type": "new"}, {"type": "binary"})
     assert part.part.service_type == "x_unknown"
+
+
+def test_a_lamp_that_cannot_fade_is_told_no_transition() -> None:
+    """The bridge lists it among the options of the models that know it."""
+    lamp = {"type": "light", "features": [onoff(), level()]}
+    fades = only(lamp, options=[{"name": "transition"}])
+    switches = only(lamp, options=[{"name": "state_action"}])
+    assert told(fades, "on_off", True, 2.0) == {"state": "ON", "transition": 2}
+    assert told(switches, "on_off", True, 2.0) == {"state": "ON"}
+    assert told(switches, "level", 50.0, 2.0) == {"state": "ON", "brightness": 127}
+
+
+def test_an_endpoint_that_the_bridge_has_no_name_for_is_named_in_the_topic() -> None:
+    """It finds ``state_l2`` by the names of endpoints; ``occupied_heating_setpoint_3`` it does not find at all."""
+    entry = {
+        "ieee_address": "0x00158d0001abcdef",
+        "friendly_name": "a",
+        "endpoints": {"1": {}, "2": {"name": "l2"}, "3": {}},
+        "definition": {
+            "model": "m",
+            "exposes": [
+                {"type": "switch", "endpoint": "l2", "features": [onoff("_l2")]},
+                {
+                    "type": "climate",
+                    "endpoint": "3",
+                    "features": [feature("numeric", "occupied_heating_setpoint", key="occupied_heating_setpoint_3")],
+                },
+                feature("numeric", "floor_min", key="floor_min_3", endpoint="3"),
+                feature("numeric", "code_1"),
+            ],
+        },
+    }
+    relay, valve, floor, code = build_parts(read_bridge_device("zigbee2mqtt", entry))
+    assert relay.codec.write("on_off", True) == (Publication(f"{TOPIC}/set", b'{"state_l2":"ON"}'),)
+    (setpoint,) = valve.codec.write("heating_setpoint", 20.0)
+    assert setpoint == Publication(f"{TOPIC}/3/set", b'{"occupied_heating_setpoint":20}')
+    assert valve.part.writes == (f"{TOPIC}/3/set",)
+    assert valve.asks == (Publication(f"{TOPIC}/3/get", b'{"occupied_heating_setpoint":""}'),)
+    assert said(valve, occupied_heating_setpoint_3=19.5) == {"heating_setpoint": 19.5}
+    assert floor.codec.write("number", 5.0) == (Publication(f"{TOPIC}/3/set", b'{"floor_min":5}'),)
+    assert code.codec.write("number", 5.0) == (Publication(f"{TOPIC}/set", b'{"code_1":5}'),)

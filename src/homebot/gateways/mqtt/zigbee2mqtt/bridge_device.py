@@ -30,6 +30,8 @@ class BridgeDevice:
         model: Which model it is.
         exposes: What it exposes, not yet checked; None where the bridge does not know (yet).
         has_updates: Whether its firmware can be updated over the air.
+        can_fade: Whether it takes the seconds that a change shall take, as the bridge lists among the model's options.
+        bare_endpoints: Numbers of its endpoints that the bridge has no name for.
         facts: Such as ``manufacturer`` and ``model``.
     """
 
@@ -42,6 +44,8 @@ class BridgeDevice:
     model: str
     exposes: object
     has_updates: bool
+    can_fade: bool
+    bare_endpoints: frozenset[str]
     facts: Mapping[str, str]
 
 
@@ -80,6 +84,8 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
         model=_word(definition.get("model")),
         exposes=definition.get("exposes"),
         has_updates=definition.get("supports_ota") is True,
+        can_fade=_can_fade(definition.get("options")),
+        bare_endpoints=_bare_endpoints(entry.get("endpoints")),
         facts=_facts(entry, definition),
     )
 
@@ -89,6 +95,22 @@ _COMMANDS = ("get", "set", "availability")
 _MAX_NAME = 512
 _MAX_FACT = 255
 
+
+def _can_fade(options: object) -> bool:
+    """A bridge that lists no options, because it is old, is believed to know it."""
+    if not isinstance(options, list):
+        return True
+    return any(isinstance(one, dict) and one.get("name") == "transition" for one in options[:_MOST_OPTIONS])
+
+
+def _bare_endpoints(endpoints: object) -> frozenset[str]:
+    if not isinstance(endpoints, dict):
+        return frozenset()
+    names = {one.get("name") for one in endpoints.values() if isinstance(one, dict)}
+    return frozenset(number for number in endpoints if isinstance(number, str) and number not in names)
+
+
+_MOST_OPTIONS = 1_000
 _DEFINITION_FACTS = {"manufacturer": "vendor", "model": "description", "model_id": "model"}
 _ENTRY_FACTS = {"manufacturer": "manufacturer", "model_id": "model_id"}
 _MORE_FACTS = {"sw_version": "software_build_id", "power_source": "power_source", "zigbee_type": "type"}

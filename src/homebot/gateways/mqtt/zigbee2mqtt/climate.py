@@ -14,6 +14,7 @@ from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import offer_enum, offer_number
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.program import offer_mode
 
 __all__ = ["FEATURES_OF_CLIMATE", "build_climate", "build_thermometer", "climate_type"]
 
@@ -25,10 +26,22 @@ def climate_type(climate: Expose) -> str:
     return "room_air_conditioner" if "cool" in modes and modes & {"dry", "fan_only"} else "thermostat"
 
 
-def build_climate(part: JsonPart, lines: Lines, climate: Expose) -> DescribedPart:
-    """Describe a thermostat."""
+def build_climate(part: JsonPart, lines: Lines, climate: Expose, program: Expose | None) -> DescribedPart:
+    """Describe a thermostat.
+
+    Args:
+        part: The part in the making.
+        lines: Where its device speaks and listens.
+        climate: What it exposes.
+        program: The enum that says whether it follows its program; None where it has none.
+    """
     for capability, names in _NUMBERS.items():
         offer_number(part, lines, climate.feature(*names), capability)
+    mode = climate.feature("system_mode")
+    if mode is not None and program is not None:
+        offer_mode(part, lines, mode, program)
+    else:
+        offer_enum(part, lines, mode, "thermostat_mode")
     for capability, name in _ENUMS.items():
         offer_enum(part, lines, climate.feature(name), capability)
     offer_enum(part, lines, climate.feature("running_state"), "thermostat_action", _ACTIONS)
@@ -52,7 +65,6 @@ _NUMBERS: Mapping[str, tuple[str, ...]] = {
     "cooling_setpoint": ("occupied_cooling_setpoint",),
 }
 _ENUMS: Mapping[str, str] = {
-    "thermostat_mode": "system_mode",
     "fan_mode": "fan_mode",
     "swing_mode": "swing_mode",
     "preset_mode": "preset",
@@ -60,5 +72,5 @@ _ENUMS: Mapping[str, str] = {
 _ACTIONS: Mapping[str, str] = {"idle": "idle", "heat": "heating", "cool": "cooling", "fan_only": "fan"}
 
 FEATURES_OF_CLIMATE = frozenset(
-    {"running_state", *_ENUMS.values(), *(name for names in _NUMBERS.values() for name in names)}
+    {"running_state", "system_mode", *_ENUMS.values(), *(name for names in _NUMBERS.values() for name in names)}
 )

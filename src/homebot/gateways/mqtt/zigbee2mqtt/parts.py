@@ -27,6 +27,7 @@ from homebot.gateways.mqtt.zigbee2mqtt.generic import build_generic
 from homebot.gateways.mqtt.zigbee2mqtt.light import FEATURES_OF_LIGHT, build_light
 from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
 from homebot.gateways.mqtt.zigbee2mqtt.lock import FEATURES_OF_LOCK, build_lock
+from homebot.gateways.mqtt.zigbee2mqtt.program import is_program
 from homebot.gateways.mqtt.zigbee2mqtt.siren import build_siren
 
 __all__ = ["build_parts"]
@@ -34,7 +35,7 @@ __all__ = ["build_parts"]
 
 def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
     """Describe the parts of a device, each id once. One that the bridge does not know shows what it says as it is."""
-    lines = Lines(device.topic, device.is_awake)
+    lines = Lines(device.topic, device.is_awake, device.can_fade, device.bare_endpoints)
     exposes = read_exposes(device.exposes)
     return with_own_ids(_described(device, lines, exposes), _MOST_PARTS) or (_unknown(lines),)
 
@@ -52,10 +53,11 @@ _FEATURES: Mapping[str, frozenset[str]] = {
 _MOST_PARTS = 500
 
 
-def _described(device: BridgeDevice, lines: Lines, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
+def _described(device: BridgeDevice, whole: Lines, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
     beside = _beside(exposes)
     has_thermometer = any(one.name in ("temperature", "local_temperature") and one.is_said for one in exposes)
     for expose in exposes:
+        lines = whole.of(expose)
         if expose.type in SPECIFIC_TYPES:
             yield _specific(device, lines, expose, beside)
             if expose.type == "climate" and not has_thermometer and (thermometer := build_thermometer(lines, expose)):
@@ -70,11 +72,14 @@ def _described(device: BridgeDevice, lines: Lines, exposes: tuple[Expose, ...]) 
             rest = [] if expose is beside.get("effect") else [expose]
         yield from (part for one in rest if (part := build_generic(lines, one)) is not None)
     if device.has_updates and exposes:
-        yield _update(lines)
+        yield _update(whole)
 
 
 def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
-    """What stands beside a part and belongs to it: the effects of the lamp, and how the motor of a cover turns."""
+    """What stands beside a part and belongs to it.
+
+    The effects of the lamp, how the motor of a cover turns, and whether a thermostat follows its program.
+    """
     found: dict[str, Expose] = {}
     has_lamp = any(one.type == "light" and not one.endpoint for one in exposes)
     for one in exposes:
@@ -84,6 +89,8 @@ def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
             found.setdefault("effect", one)
         if one.name in ("motor_state", "moving") and one.is_said:
             found.setdefault(f"motor{one.suffix}", one)
+        if is_program(one):
+            found.setdefault("program", one)
     return found
 
 
@@ -109,7 +116,7 @@ def _specific(device: BridgeDevice, lines: Lines, expose: Expose, beside: Mappin
         case "fan":
             return build_fan(part, lines, expose, device.model)
         case _:
-            return build_climate(part, lines, expose)
+            return build_climate(part, lines, expose, beside.get("program"))
 
 
 _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
