@@ -13,7 +13,6 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
 from homebot.devices.report import Report
 from homebot.discovery import DeviceIndex
-from homebot.discovery.parts import MAX_COMPARED
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]
@@ -396,18 +395,15 @@ def test_parts_beyond_a_thousand_are_left_out_and_that_is_told(
     assert device.conflicts == ("2 further parts are left out, for a device has 1,000 at most",)
 
 
-def test_many_parts_that_two_conventions_tell_of_are_held_against_each_other_within_bounds(
+def test_many_parts_that_two_conventions_tell_of_find_each_other(
     index: DeviceIndex, announce: Announce, part: MakePart
 ) -> None:
-    """Those that come late stay parts of their own."""
     for convention, ids in (("zigbee2mqtt", (IEEE,)), ("homeassistant", (IEEE, "id:lamp"))):
-        sensors = [part("x_sensor", "measurement", id=f"s{n}", name=f"Sensor {n}") for n in range(200)]
+        sensors = [part("x_sensor", "measurement", id=f"s{n}", name=f"Sensor {n}") for n in range(800)]
         index.observe(announce("many", *sensors, convention=convention, ids=ids))
 
     (device,) = index.devices()
-    merged = [one for one in device.parts if len(one.routes) > 1]
-    assert [one.id for one in merged] == [f"s{n}" for n in range(MAX_COMPARED // 200)]
-    assert len(device.parts) == 400 - len(merged)
+    assert [(one.id, len(one.routes)) for one in device.parts] == [(f"s{n}", 2) for n in range(800)]
 
 
 def test_a_device_that_tells_more_of_who_it_is_is_described_anew(

@@ -173,7 +173,7 @@ def test_a_device_of_the_file_is_as_it_was_but_unconfirmed(announce: Announce, p
     index = DeviceIndex(forget_after=1000.0)
     lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp", at=5, confirmed=True)
     own = announce("z", part("light", "on_off", id="s"), convention="zigbee2mqtt", ids=("mac:aabbccddeeff",), at=6)
-    for one in (lamp, own, announce("l", part(id="l"), ids=("mac:aabbccddeeff",), name="Renamed", at=7)):
+    for one in (lamp, own, announce("l", lamp.parts[0], ids=("mac:aabbccddeeff",), name="Renamed", at=7)):
         index.observe(one)
     entry = index.entry("lamp")
     assert entry is not None
@@ -187,7 +187,7 @@ def test_a_device_of_the_file_is_as_it_was_but_unconfirmed(announce: Announce, p
     assert (device.first_seen.sec, device.expires.sec) == (5, 12600)
     assert [len(one.routes) for one in device.parts] == [2]
     assert device.evidence == index.devices()[0].evidence
-    after.observe(announce("l", part(id="l"), ids=("mac:aabbccddeeff",), name="Renamed", at=9001))
+    after.observe(announce("l", lamp.parts[0], ids=("mac:aabbccddeeff",), name="Renamed", at=9001))
     assert after.take_changes() == ()
 
 

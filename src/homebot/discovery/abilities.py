@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from homebot.devices.device import EVERYTHING
 from homebot.devices.part import Capability, Part
+from homebot.discovery.matching import SETTING
 
-__all__ = ["taken_by", "united"]
+__all__ = ["decided", "taken_by", "united"]
 
 
 def united(parts: Sequence[Part]) -> Part:
@@ -22,6 +23,22 @@ def united(parts: Sequence[Part]) -> Part:
             found[capability.name] = capability if known is None else _joined(known, capability)
     capabilities = tuple(found.values())
     return best if capabilities == best.capabilities else best.model_copy(update={"capabilities": capabilities})
+
+
+def decided(parts: Sequence[Part]) -> Part:
+    """Return what *parts*, best first, are together: as :func:`united`, and a setting where one of them says so.
+
+    Who knows the category decides for all, and of a setting for the type as well: Home Assistant knows no setting that
+    is on or off, it calls that a switch.
+    """
+    whole = united(parts)
+    knows = next((one for one in parts if one.category), whole)
+    is_setting = knows.service_type == SETTING
+    service_type, advertised = (SETTING, knows.advertised) if is_setting else (whole.service_type, whole.advertised)
+    if (knows.category, service_type) == (whole.category, whole.service_type):
+        return whole
+    changes = {"category": knows.category, "service_type": service_type, "advertised": advertised}
+    return whole.model_copy(update=changes)
 
 
 def taken_by(part: Part, whole: Part) -> tuple[str, ...]:

@@ -1,0 +1,280 @@
+"""Which parts that different sources tell of are one part of the device. Pure.
+
+Two parts are one where they can do the same and one of these says so, the surest first, and says it of no other pair:
+
+1. the id of the one is the id of the other but for what all ids of its source begin and end with;
+2. a topic on which, in both sources, nobody else is told anything (or, of sensors, nobody else speaks);
+3. one name;
+4. the id of the one stands in the id of the other, and both speak on one topic;
+5. they are the only ones of their type, and that is no setting.
+
+Whatever fits two others equally well fits none: two parts too many are a nuisance, two commands crossed move a motor.
+Nothing depends on the order in which parts or sources came.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from typing import TypeAlias
+
+from homebot.devices.part import Capability, Part
+from homebot.devices.query.folding import fold
+
+__all__ = ["SETTING", "Candidate", "candidates", "match"]
+
+MAX_WORDS = 24
+"""Words of an id that count, the first ones."""
+
+SETTING = "x_setting"
+"""Device type of what somebody sets and nobody switches."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A part among the others of its source.
+
+    Attributes:
+        part: The part.
+        name: Its name, folded.
+        words: Its id in words.
+        prefix: How many of them, from the first, all ids of its source begin with.
+        suffix: How many of them, to the last, all ids of its source end with.
+        topics: Where nobody else of its source is told anything; where nobody else speaks, if it is told nothing.
+        is_alone: Whether it is the only one of its type in its source, settings aside.
+    """
+
+    part: Part
+    name: str
+    words: tuple[str, ...]
+    prefix: int
+    suffix: int
+    topics: frozenset[str]
+    is_alone: bool
+
+
+def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candidate, ...]:
+    """Return the *parts* of one source, each beside the others.
+
+    Args:
+        parts: All that the source tells of.
+        identifiers: Who the device is to the source: ids of parts are often made of that.
+    """
+    ids = [tuple(fold(part.id).split()[:MAX_WORDS]) for part in parts]
+    known = frozenset(chain.from_iterable(fold(one.partition(":")[2]).split() for one in identifiers))
+    prefix, suffix = _shared_ends(set(ids))
+    writes = Counter(topic for part in parts for topic in part.writes)
+    reads = Counter(topic for part in parts for topic in part.reads)
+    types = Counter(part.service_type for part in parts if not part.category)
+    found = []
+    for part, words in zip(parts, ids, strict=True):
+        used = writes if part.writes else reads
+        found.append(
+            Candidate(
+                part=part,
+                name=fold(part.name),
+                words=words,
+                prefix=max(prefix, _leading(words, known)),
+                suffix=max(suffix, _leading(words[::-1], known)),
+                topics=frozenset(topic for topic in part.writes or part.reads if used[topic] == 1),
+                is_alone=not part.category and types[part.service_type] == 1,
+            )
+        )
+    return tuple(found)
+
+
+def match(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> dict[int, int]:
+    """Return which of *groups* each of *others* is, by their numbers.
+
+    Args:
+        groups: Parts of the device; each as the sources before describe it, one or more.
+        others: The parts of a further source.
+    """
+    levels: defaultdict[_Level, set[_Pair]] = defaultdict(set)
+    for level, pair in chain(
+        _by_id(groups, others), _by_topic(groups, others), _by_name(groups, others), _by_type(groups, others)
+    ):
+        levels[level].add(pair)
+    found: dict[int, int] = {}
+    taken: set[int] = set()
+    for level in sorted(levels, reverse=True):
+        pairs = [pair for pair in levels[level] if pair[0] not in taken and pair[1] not in found]
+        fits = Counter(group for group, _ in pairs), Counter(other for _, other in pairs)
+        for group, other in pairs:
+            if fits[0][group] == fits[1][other] == 1:
+                found[other] = group
+                taken.add(group)
+    return found
+
+
+_Level: TypeAlias = tuple[int, int]
+"""How sure it is: the kind of evidence, then how many letters say so."""
+
+_Pair: TypeAlias = tuple[int, int]
+"""Numbers of a group and of a part of the further source."""
+
+_BY_TYPE, _BY_PART_OF_ID, _BY_NAME, _BY_TOPIC, _BY_ID = range(5)
+
+_Members: TypeAlias = Mapping[tuple[str, ...], list[tuple[int, Candidate]]]
+
+
+def _by_id(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
+    members = [(number, one) for number, group in enumerate(groups) for one in group]
+    mine, theirs = _by_words(members), _by_words(enumerate(others))
+    for number, other in enumerate(others):
+        for group, one, start in _inside(mine, other.words, at_most=len(other.words)):
+            if level := _id_level(one, other, start):
+                yield level, (group, number)
+    for group, one in members:
+        for number, other, start in _inside(theirs, one.words, at_most=len(one.words) - 1):
+            if level := _id_level(other, one, start):
+                yield level, (group, number)
+
+
+def _by_words(numbered: Iterable[tuple[int, Candidate]]) -> _Members:
+    found: defaultdict[tuple[str, ...], list[tuple[int, Candidate]]] = defaultdict(list)
+    for number, one in numbered:
+        if one.words:
+            found[one.words].append((number, one))
+    return found
+
+
+def _inside(members: _Members, words: tuple[str, ...], at_most: int) -> Iterator[tuple[int, Candidate, int]]:
+    """Those whose id stands in *words*, and where."""
+    for length in {len(one) for one in members if len(one) <= at_most}:
+        for start in range(len(words) - length + 1):
+            for number, one in members.get(words[start : start + length], ()):
+                yield number, one, start
+
+
+def _id_level(short: Candidate, long: Candidate, start: int) -> _Level | None:
+    if not _can_be_one(short.part, long.part):
+        return None
+    letters = sum(map(len, short.words))
+    before, behind = start, len(long.words) - start - len(short.words)
+    if behind <= long.suffix and (before <= long.prefix or before - _named_by_type(long, start) <= long.prefix):
+        return _BY_ID, letters
+    is_sure = (
+        _is_equal(short.part, long.part)
+        and short.part.service_type == long.part.service_type
+        and (short.part.category == long.part.category or not (short.part.writes or long.part.writes))
+        and not set(short.part.reads).isdisjoint(long.part.reads)
+        and not (short.name and long.name and short.name != long.name)
+    )
+    return (_BY_PART_OF_ID, letters) if is_sure else None
+
+
+def _named_by_type(long: Candidate, start: int) -> int:
+    """How many words before *start* only say what kind of part it is, as in ``0x17_switch_child_lock``."""
+    for kind in (long.part.advertised, long.part.service_type):
+        words = tuple(fold(kind).split())
+        if words and long.words[max(0, start - len(words)) : start] == words:
+            return len(words)
+    return 0
+
+
+def _by_topic(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
+    told = defaultdict(list)
+    for number, other in enumerate(others):
+        for topic in other.topics:
+            told[topic, bool(other.part.writes)].append((number, other))
+    for number, group in enumerate(groups):
+        for one in group:
+            for topic in one.topics:
+                for other_number, other in told.get((topic, bool(one.part.writes)), ()):
+                    if _is_equal(one.part, other.part) and _can_be_one(one.part, other.part):
+                        yield (_BY_TOPIC, 0), (number, other_number)
+
+
+def _by_name(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
+    named = defaultdict(list)
+    for number, other in enumerate(others):
+        if other.name:
+            named[other.name].append((number, other))
+    for number, group in enumerate(groups):
+        for one in group:
+            for other_number, other in named.get(one.name, ()) if one.name else ():
+                if _can_be_one(one.part, other.part):
+                    yield (_BY_NAME, 0), (number, other_number)
+
+
+def _by_type(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
+    alone = {other.part.service_type: (number, other) for number, other in enumerate(others) if other.is_alone}
+    for number, group in enumerate(groups):
+        for one in group:
+            other_number, other = alone.get(one.part.service_type, (0, None))
+            if other is not None and one.is_alone and _is_one_of_its_type(one, other):
+                yield (_BY_TYPE, 0), (number, other_number)
+
+
+def _is_one_of_its_type(one: Candidate, other: Candidate) -> bool:
+    """Two loads are; of two sensors it is known only where neither has another name than what it measures."""
+    if one.part.service_type.startswith("x_") or not _can_be_one(one.part, other.part):
+        return False
+    if one.part.writes or other.part.writes:
+        return True
+    return _is_equal(one.part, other.part) and (
+        one.name == other.name or (not one.name and _is_plain(other)) or (not other.name and _is_plain(one))
+    )
+
+
+def _is_plain(one: Candidate) -> bool:
+    return one.name in {fold(capability.name) for capability in one.part.capabilities}
+
+
+def _can_be_one(one: Part, other: Part) -> bool:
+    """Whether nothing contradicts in what the two can do, and what they are for."""
+    mine, theirs = _abilities(one), _abilities(other)
+    shared = mine.keys() & theirs.keys()
+    if (mine and theirs and not shared) or not all(_agree(mine[name], theirs[name]) for name in shared):
+        return False
+    is_told = bool(one.writes or other.writes)
+    if one.service_type != other.service_type:
+        is_setting = SETTING in (one.service_type, other.service_type)
+        return bool(shared) and mine.keys() == theirs.keys() and (is_setting or not is_told)
+    if one.service_type.startswith("x_") or not is_told:
+        return mine.keys() <= theirs.keys() or theirs.keys() <= mine.keys()
+    return (not one.category) == (not other.category)
+
+
+def _is_equal(one: Part, other: Part) -> bool:
+    return _abilities(one).keys() == _abilities(other).keys()
+
+
+def _abilities(part: Part) -> dict[str, Capability]:
+    return {one.name: one for one in part.capabilities}
+
+
+def _agree(one: Capability, other: Capability) -> bool:
+    """Whether what both tell or take can be the same: in one unit, and where they are told words, in the same."""
+    if one.unit and other.unit and one.unit != other.unit:
+        return False
+    if not (one.settable and other.settable and one.options and other.options):
+        return True
+    if one.name == "option":
+        return set(one.options) == set(other.options)
+    return not set(one.options).isdisjoint(other.options)
+
+
+def _shared_ends(ids: set[tuple[str, ...]]) -> tuple[int, int]:
+    """How many words all *ids* begin with, and end with; none where there is one id only."""
+    return (_common(ids), _common({one[::-1] for one in ids})) if len(ids) > 1 else (0, 0)
+
+
+def _common(ids: set[tuple[str, ...]]) -> int:
+    """How many words all *ids* begin with, before the last word of the shortest."""
+    count = 0
+    for column in zip(*(one[:-1] for one in ids), strict=False):
+        if len(set(column)) > 1:
+            break
+        count += 1
+    return count
+
+
+def _leading(words: tuple[str, ...], known: frozenset[str]) -> int:
+    count = 0
+    while count < len(words) and words[count] in known:
+        count += 1
+    return count
