@@ -55,7 +55,7 @@ class RuntimeHealth:
     def _troubles(self) -> Iterator[str]:
         for name, crash in sorted(self._supervisor.crashes.items()):
             if crash.state == "given up":
-                yield f"{name} kept crashing and was given up ({crash.last}); mend it and start homebot anew"
+                yield f"{name} kept crashing and was given up; mend it and start homebot anew ({crash.last})"
             elif crash.state == "restarting":
                 yield f"{name} crashed ({crash.last}) and is about to be started anew"
 
