@@ -40,7 +40,7 @@ class Outbox:
         if state is None:
             raise LinkError(f"gateway {gateway} is not running")
         if not state.acts:
-            raise RefusedError(f"publishing through {gateway}", ONLY_OBSERVES)
+            raise RefusedError(f"publishing through {gateway}", state.reason or ONLY_OBSERVES)
         if state.state != "active":
             raise LinkError(f"gateway {gateway} is unavailable: {state.reason}")
         await self._door.advertise(GatewayNames(gateway).out, RawCommand.ros_type)

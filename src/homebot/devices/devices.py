@@ -61,7 +61,7 @@ class Devices:
         self._gateways: dict[str, Client[SubscribeToTopicRequest, SubscribeToTopicResponse]] = {}
         self._commands: dict[str, Publisher[RawCommand]] = {}
         self._states: dict[str, Subscription[GatewayState]] = {}
-        self._acting: dict[str, bool] = {}
+        self._observing: dict[str, str] = {}
         self._limit = LogLimit(node.graph.clock)
         self._handles: Handles | None = None
 
@@ -157,8 +157,8 @@ class Devices:
         for endpoint in endpoints:
             _check(endpoint)
             out = self._out(endpoint.gateway)
-            if not self._acts(endpoint.gateway):
-                raise RefusedError(f"a command to {device.id}", ONLY_OBSERVES)
+            if why_not := self._why_not(endpoint.gateway):
+                raise RefusedError(f"a command to {device.id}", why_not)
             if out.subscription_count:
                 address = told_at(device, endpoint, payload)
                 await out.send(RawCommand(address=address, payload=payload))
@@ -242,16 +242,16 @@ class Devices:
             )
         return self._commands[gateway]
 
-    def _acts(self, gateway: str) -> bool:
-        """Whether *gateway* sends commands, by its last word; one that has not spoken yet is trusted."""
+    def _why_not(self, gateway: str) -> str:
+        """Why *gateway* sends no commands, by its last word; empty where it does, or has not spoken yet."""
         if gateway not in self._states:
             names = GatewayNames(gateway)
             self._states[gateway] = self._node.create_subscription(
                 GatewayState, names.state, qos_profile=qos_profile_latched, from_node=names.node
             )
         if (state := self._states[gateway].take()) is not None:
-            self._acting[gateway] = state.acts
-        return self._acting.get(gateway, True)
+            self._observing[gateway] = "" if state.acts else state.reason or ONLY_OBSERVES
+        return self._observing.get(gateway, "")
 
     def _subscribe(self, topic: str, missed: tuple[RawMessage, ...]) -> None:
         """No other task runs between the gateway's answer and this, so nothing is lost and nothing comes twice."""

@@ -10,6 +10,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.devices import GatewayNames, GatewayState, Sighting
+from homebot.devices.gateway_state import ONLY_OBSERVES
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, qos_profile_latched
 
 __all__ = ["Gateway"]
@@ -32,10 +33,12 @@ class Gateway(ABC):
         node: That node.
         names: Its names on the graph.
         acts: Whether it sends commands to devices; a gateway that only observes says no to all of them.
+        observes_because: Why it only observes, where it does, in words.
     """
 
     Settings: ClassVar[type[BaseModel]]
     acts: bool = True
+    observes_because: str = ONLY_OBSERVES
 
     def __init__(self, node: Node, settings: BaseModel) -> None:  # noqa: ARG002  # what every gateway is given
         self.node = node
@@ -66,4 +69,6 @@ class Gateway(ABC):
 
     def report(self, state: Literal["active", "unavailable"], reason: str = "") -> None:
         """Tell the graph how the gateway is."""
+        if not reason and not self.acts and self.observes_because != ONLY_OBSERVES:
+            reason = self.observes_because
         self._states.publish(GatewayState(state=state, reason=reason, acts=self.acts))

@@ -242,6 +242,13 @@ class MqttConnection:
         """Tell the broker that these messages are in good hands; see `MqttClient.ack`."""
         self._client.ack(messages)
 
+    async def announce_online(self) -> None:
+        """Say "online" again, as where another client of the same status topic left; no link, no word."""
+        try:
+            await self._announce(ONLINE)
+        except LinkError:
+            return  # it is said on the next link
+
     def drop(self) -> None:
         """Cut the link without a word, as a power failure does; the next try is made as after any loss."""
         self._client.drop()

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from homebot.devices.command import Command, SendCommandResponse
-from homebot.devices.gateway_state import ONLY_OBSERVES
 from homebot.devices.value import PlainValue
 from homebot.devices.words import meaning, told
 from homebot.errors import HomebotError, LinkError, RefusedError
+from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.channels import Channel, Channels
 from homebot.gateways.mqtt.claim import Voice
 from homebot.gateways.mqtt.claims import Claims
@@ -32,7 +32,7 @@ class Commands:
         tribunal: Judges conventions that fail.
         counters: Of the gateway.
         reserved: The topics on which no device is told anything.
-        acts: Whether anything is sent at all.
+        gateway: Says whether anything is sent at all.
     """
 
     def __init__(
@@ -44,8 +44,7 @@ class Commands:
         tribunal: Tribunal,
         counters: GatewayCounters,
         reserved: ReservedTopics,
-        *,
-        acts: bool,
+        gateway: Gateway,
     ) -> None:
         self._claims = claims
         self._channels = channels
@@ -54,7 +53,7 @@ class Commands:
         self._tribunal = tribunal
         self._counters = counters
         self._reserved = reserved
-        self._acts = acts
+        self._gateway = gateway
 
     async def serve(self, command: Command) -> SendCommandResponse:
         """Answer the service: send *command*, and say what became of it when the broker has it."""
@@ -89,8 +88,8 @@ class Commands:
         await self._publish(self._written(voice, *meaning(said, voice.described.part), 0.0))
 
     def _permit(self, key: str) -> None:
-        if not self._acts:
-            raise RefusedError(f"a command to {key[:100]}", ONLY_OBSERVES)
+        if not self._gateway.acts:
+            raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
 
     def _publications(
         self, key: str, part_id: str, capability: str, value: PlainValue, transition: float

@@ -16,6 +16,7 @@ from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthRe
 from homebot.devices.words import read_words_address
 from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
+from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.announcements import Announcements
 from homebot.gateways.mqtt.board import Board
 from homebot.gateways.mqtt.channels import Channels
@@ -60,10 +61,12 @@ class DescribedDevices:
         connection: Its connection.
         counters: Its counters.
         stale_after: Seconds of silence after which a device counts as stale.
+        lease: Lets the gateway act while no other homebot does.
 
     Attributes:
         commands: Brings commands to them.
         offers: What homebot itself offers to others.
+        lease: Says whether another homebot acts instead.
         plain: Hears the words of devices that a layout knows.
         tribunal: Judges those who break the rules.
     """
@@ -79,7 +82,9 @@ class DescribedDevices:
         connection: MqttConnection,
         counters: GatewayCounters,
         stale_after: float,
+        lease: ActingLease,
     ) -> None:
+        self.lease = lease
         self.conventions = conventions
         self._owner = gateway.node.full_name
         self._connection = connection
@@ -108,7 +113,7 @@ class DescribedDevices:
             on_question=self._subscriber.question,
         )
         self.commands = Commands(
-            self._claims, channels, self.plain, connection, self.tribunal, counters, reserved, acts=gateway.acts
+            self._claims, channels, self.plain, connection, self.tribunal, counters, reserved, gateway
         )
         self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.tribunal)
         gateway.node.create_service(SendCommand, gateway.names.send_command, self.commands.serve, concurrent=True)
@@ -242,7 +247,8 @@ class DescribedDevices:
         )
         troubled = (one for one in self.conventions if isinstance(one, TroubledConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.troubles())
-        return HealthResponse(counts=counts, quarantined=self.tribunal.confined(), troubles=troubles)
+        rivals = (self.lease.trouble,) if self.lease.trouble else ()
+        return HealthResponse(counts=counts, quarantined=self.tribunal.confined(), troubles=(*rivals, *troubles))
 
 
 def _publishers(conventions: tuple[Convention, ...], gateway: str, connection: MqttConnection) -> tuple[Publisher, ...]:

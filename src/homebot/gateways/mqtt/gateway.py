@@ -19,12 +19,12 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
-from homebot.devices.gateway_state import ONLY_OBSERVES
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.words import read_words_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.base import Gateway
 from homebot.gateways.listeners import Listeners
+from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.board import REFRESH, stamps
 from homebot.gateways.mqtt.channels import Channel, Channels, begin_of
 from homebot.gateways.mqtt.claims import Route
@@ -109,6 +109,9 @@ class MqttGateway(Gateway):
         self._connection = MqttConnection(
             settings.options(), make_client, status_topic=status_topic, clock=self._clock, random=random
         )
+        self._lease = ActingLease(
+            self, self._connection, settings.root, f"{node.name} on {computer or platform.node()}", random
+        )
         self._described = DescribedDevices(
             self,
             understood.conventions,
@@ -119,6 +122,7 @@ class MqttGateway(Gateway):
             self._connection,
             self.counters,
             settings.stale_after,
+            self._lease,
         )
         self._plain = self._described.plain
         self._warn = self._described.tribunal.warn
@@ -147,7 +151,8 @@ class MqttGateway(Gateway):
             await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in layouts))
             await connection.subscribe(*(Subscription(one, no_local=True) for one in announcements), every_link=True)
             report = LinkReport(self, connection, self._listening_to(), (*layouts, *announcements))
-            for work in (report.watch, self._described.serve, self._watch_nodes, partial(self._receive, connection)):
+            receive = partial(self._receive, connection)
+            for work in (report.watch, self._described.serve, self._lease.serve, self._watch_nodes, receive):
                 tasks.start_soon(run_as, self.node.full_name, work)
             await report.wait_for_first_try()
             task_status.started()
@@ -190,6 +195,9 @@ class MqttGateway(Gateway):
             if work >= _TURN:
                 work = 0
                 await anyio.lowlevel.checkpoint()
+            if self._lease.owns(message.topic):
+                self._lease.take(message)
+                continue
             route, channel = self._described.route(message.topic), self._channels.get(message.topic)
             if len(message.payload) > self._settings.max_payload:
                 work += await self._take_long(message, route)
@@ -357,7 +365,7 @@ class MqttGateway(Gateway):
     async def _publish(self, command: RawCommand) -> None:
         validate_topic(command.address)
         if not self.acts:
-            raise RefusedError("the command", ONLY_OBSERVES)
+            raise RefusedError("the command", self.observes_because)
         payload = command.payload.encode()
         self._plain.told(command.address, command.payload)
         await self._connection.publish(command.address, payload, qos=command.qos, retain=command.retain)

@@ -11,6 +11,7 @@ from functools import partial
 
 import anyio
 
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.command import Command
 from homebot.devices.offer import Offer, OfferReport
 from homebot.devices.value import PlainValue
@@ -34,9 +35,6 @@ MAX_OFFERS = 1000
 
 MAX_EVENTS = 1000
 """Events that wait for the link; of more, the oldest go."""
-
-_EVENTS = frozenset({"press", "scan"})
-"""Capabilities that tell what happens and is over."""
 
 _QOS = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -128,7 +126,7 @@ class Offers:
         known = self._known.setdefault(offer.id, {})
         known.update(changed)
         self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, changed))
-        for key in [key for key in changed if key[1] in _EVENTS]:
+        for key in [key for key in changed if key[1] in EVENTS]:
             del known[key]
 
     def _say_states(self, offer: Offer) -> None:

@@ -1,0 +1,205 @@
+"""Which of several homebots of one home at one broker acts: the one that was there first. The others observe.
+
+Each that wants to act asks on ``homebot/acting/HOME`` on every new link, and acts at once unless another answers that
+it does. One that was answered asks again every few seconds: where the other is gone, nobody answers. There is nothing
+to clean up after a crash, and no clock to agree on. Of several that ask at the same moment the smallest id is first.
+"""
+
+from __future__ import annotations
+
+import secrets
+from random import Random
+from typing import Literal
+
+import anyio
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from homebot.devices.gateway_state import ONLY_OBSERVES
+from homebot.errors import HomebotError
+from homebot.gateways.base import Gateway
+from homebot.log import LogLimit
+from homebot.mqtt.client import Subscription
+from homebot.mqtt.connection import OFFLINE, ConnectionState, LinkPhase, MqttConnection
+from homebot.mqtt.message import MqttMessage
+
+__all__ = ["ActingLease"]
+
+YIELDED = "gateway.another_acts"
+RESUMED = "gateway.acts_again"
+RIVAL = "gateway.another_observes"
+NOT_ASKED = "gateway.lease_not_asked"
+
+ANSWER_WITHIN = 2.0
+"""Seconds in which another homebot that acts would have answered."""
+
+ASK_EVERY = 5.0
+"""Seconds until one that only observes asks again."""
+
+_LONGEST = 1000
+
+
+class _Word(BaseModel):
+    """What is said on the topic."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    says: Literal["ask", "act"]
+    id: str = Field(min_length=1, max_length=64)
+    name: str = Field(default="", max_length=200)
+
+
+class ActingLease:
+    """Lets a gateway act while no other homebot does.
+
+    Args:
+        gateway: The gateway; its :attr:`~Gateway.acts` and its reason follow.
+        connection: Its connection.
+        home: The home; empty for all homes of the broker.
+        name: What this one is called in the log of the other, for example the computer's name.
+        random: Source of its id; a seeded one makes every run the same.
+
+    Attributes:
+        rival: What the homebot is called that acts instead; empty while none does.
+    """
+
+    def __init__(
+        self, gateway: Gateway, connection: MqttConnection, home: str, name: str, random: Random | None = None
+    ) -> None:
+        self._gateway = gateway
+        self._connection = connection
+        self._home = home
+        self._topic = f"homebot/acting/{home or '_'}"
+        self._wants = gateway.acts
+        self._id = secrets.token_hex(8) if random is None else f"{random.getrandbits(64):016x}"
+        self._name = name[:100]
+        self._limit = LogLimit(gateway.node.graph.clock)
+        self._sure_of: ConnectionState | None = None
+        self._is_candidate = False
+        self._answer = anyio.Event()
+        self._restate = anyio.Event()
+        self.rival = ""
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong, in words; empty where nothing is."""
+        if not self.rival:
+            return ""
+        where = f"home {self._home}" if self._home else "this broker"
+        return f"another homebot ({self.rival}) acts on {where}; stop one of the two, or set act = false here"
+
+    def owns(self, topic: str) -> bool:
+        """Whether what comes on *topic* is for :meth:`take`."""
+        return topic in {self._topic, self._connection.status_topic}
+
+    def take(self, message: MqttMessage) -> None:
+        """Take what homebots say to each other. What was kept is of before."""
+        if message.retain or len(message.payload) > _LONGEST:
+            return
+        if message.topic == self._connection.status_topic:
+            if message.payload == OFFLINE:  # the will of another one of the same name: we are here
+                self._restate.set()
+            return
+        try:
+            word = _Word.model_validate_json(message.payload)
+        except ValidationError:
+            return
+        if word.id == self._id or not self._wants:
+            return
+        is_first = self._id < word.id
+        if word.says == "act" and not (self._is_sure and is_first):
+            self._is_candidate, self._sure_of = False, None
+            self._yield_to(word)
+        elif self._is_sure or (self._is_candidate and is_first):
+            self._answer.set()
+            if word.says == "ask" and self._is_sure:
+                self._tell_rival(word)
+        elif self._is_candidate:  # it may have come too late to hear our question, and would hear nothing of us
+            self._is_candidate = False
+            self._yield_to(word)
+
+    async def serve(self) -> None:
+        """Ask, answer, and say again who is online, until cancelled."""
+        topics = [self._topic] if self._wants else []
+        if self._connection.status_topic is not None:
+            topics.append(self._connection.status_topic)
+        try:
+            await self._connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in topics))
+        except HomebotError as exc:
+            self._warn_once(exc)
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._restate_status)
+            if self._wants:
+                tasks.start_soon(self._answer_others)
+                tasks.start_soon(self._ask_on_each_link)
+
+    @property
+    def _is_sure(self) -> bool:
+        """Whether nobody answered on this link: while the one before was down another may have begun."""
+        return self._sure_of is not None and self._sure_of is self._connection.state
+
+    async def _ask_on_each_link(self) -> None:
+        async for state in self._connection.states():
+            if state.phase is not LinkPhase.CONNECTED:
+                continue
+            while self._connection.state is state:
+                if not self._is_sure:
+                    await self._ask(state)
+                await anyio.sleep(ASK_EVERY)
+
+    async def _ask(self, state: ConnectionState) -> None:
+        self._is_candidate = True
+        await self._say("ask")
+        await anyio.sleep(ANSWER_WITHIN)
+        if self._is_candidate and self._connection.state is state:
+            self._resume()
+            self._sure_of = state
+        self._is_candidate = False
+
+    async def _answer_others(self) -> None:
+        while True:
+            await self._answer.wait()
+            self._answer = anyio.Event()
+            if self._is_sure or self._is_candidate:
+                await self._say("act")
+
+    async def _restate_status(self) -> None:
+        while True:
+            await self._restate.wait()
+            self._restate = anyio.Event()
+            await self._connection.announce_online()
+
+    async def _say(self, says: Literal["ask", "act"]) -> None:
+        word = _Word(says=says, id=self._id, name=self._name)
+        try:
+            await self._connection.publish(self._topic, word.model_dump_json().encode(), qos=1)
+        except HomebotError as exc:
+            self._warn_once(exc)
+
+    def _yield_to(self, word: _Word) -> None:
+        is_new = not self.rival
+        self.rival = word.name or word.id
+        if is_new:
+            self._gateway.acts, self._gateway.observes_because = False, self.trouble
+            self._gateway.report("active", self.trouble)
+            self._gateway.node.log.warning(YIELDED, message=f"only observing: {self.trouble}", rival=self.rival)
+
+    def _resume(self) -> None:
+        if not self.rival:
+            return
+        rival, self.rival = self.rival, ""
+        self._gateway.acts, self._gateway.observes_because = True, ONLY_OBSERVES
+        self._gateway.report("active")
+        self._gateway.node.log.info(RESUMED, message=f"acting again: the homebot {rival} is gone", rival=rival)
+
+    def _tell_rival(self, word: _Word) -> None:
+        if self._limit.allows(RIVAL) is not None:
+            name = word.name or word.id
+            self._gateway.node.log.warning(
+                RIVAL, message=f"another homebot ({name}) wants to act here as well; it only observes", rival=name
+            )
+
+    def _warn_once(self, exc: HomebotError) -> None:
+        if self._limit.allows(NOT_ASKED) is not None:
+            self._gateway.node.log.warning(
+                NOT_ASKED, message=f"whether another homebot acts cannot be asked on {self._topic}: {exc}"
+            )
