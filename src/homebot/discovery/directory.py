@@ -6,7 +6,7 @@ Sightings and reports are taken in as they come; what they changed is told in po
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
@@ -52,6 +52,12 @@ FOREIGN = "discovery.foreign_sighting"
 
 BURST = 50
 """Lines of each kind of change in ten seconds; a flood of devices is counted rather than told."""
+
+_SLICE = 0.01
+"""Seconds of work after which other tasks get their turn: to take in a device may take milliseconds."""
+
+_FEW = 10
+"""Changes told, and devices made findable, between two looks at the time."""
 
 _TURN = 100
 """Changes made in one go before other tasks get their turn."""
@@ -168,7 +174,23 @@ class Directory:
         self._sources[topic] = source
         while (kept := source.take()) is not None:
             take(kept)
-        self._node.create_task(lambda: source.run(take, concurrent=False))
+        self._node.create_task(lambda: source.run(self._with_pauses(take), concurrent=False))
+
+    def _with_pauses(self, take: Callable[[MessageT], None]) -> Callable[[MessageT], Awaitable[None] | None]:
+        """Return what takes messages in, and pauses after each hundredth of a second of work."""
+        clock, spent = self._clock, 0.0
+
+        def taken(message: MessageT) -> Awaitable[None] | None:
+            nonlocal spent
+            began = clock.monotonic()
+            take(message)
+            spent += clock.monotonic() - began
+            if spent < _SLICE:
+                return None
+            spent = 0.0
+            return anyio.lowlevel.checkpoint()
+
+        return taken
 
     def _is_own(self, gateway: str, message: Sighting | Report) -> bool:
         """Whether *gateway* speaks for itself; one that speaks for another is told of, and not believed."""
@@ -216,7 +238,7 @@ class Directory:
         while True:
             await self._happened.wait()
             self._happened = anyio.Event()
-            while self._tell(_TURN) or self.index.sort(_TURN):
+            while self._tell(_FEW) or self.index.sort(_FEW):
                 await anyio.lowlevel.checkpoint()
 
     async def _expire(self) -> None:

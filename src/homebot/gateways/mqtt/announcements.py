@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 
+import anyio.lowlevel
+
+from homebot.clock import Clock
 from homebot.errors import WireError
 from homebot.gateways.mqtt.board import Board
 from homebot.gateways.mqtt.claim import Claim
 from homebot.gateways.mqtt.claims import Change, Claims
-from homebot.gateways.mqtt.convention import Convention
+from homebot.gateways.mqtt.convention import Convention, SlicedConvention
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.description import Described, Question, Withdrawn
+from homebot.gateways.mqtt.description import Described, Heard, Question, Withdrawn
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.timekeeper import Timekeeper
 from homebot.gateways.mqtt.tribunal import Tribunal
@@ -30,10 +33,28 @@ Zigbee2MQTT renames a device by taking it back and announcing it two seconds lat
 """
 
 
+SLICE = 0.01
+"""Seconds that one message is worked on before others get their turn."""
+
+MOST_HEARD = 100_000
+"""Steps of one message: a convention that never ends must not hold the gateway."""
+
+_END = object()
+
+
+def _steps(convention: Convention, message: MqttMessage) -> Iterator[Heard | None]:
+    """A generator, so that what a convention raises at once is raised at the first step as well."""
+    if isinstance(convention, SlicedConvention):
+        yield from convention.take_slices(message.topic, message.payload, retained=message.retain)
+    else:
+        yield from convention.take(message.topic, message.payload, retained=message.retain)
+
+
 class Announcements:
     """The way from announcements to sightings.
 
     Args:
+        clock: Says when others should have a turn.
         claims: What stands.
         reserved: The topics on which no device is told anything.
         board: Where it is told.
@@ -47,6 +68,7 @@ class Announcements:
 
     def __init__(
         self,
+        clock: Clock,
         claims: Claims,
         reserved: ReservedTopics,
         board: Board,
@@ -57,6 +79,7 @@ class Announcements:
         on_removal: Callable[[], None],
         on_question: Callable[[Question], None],
     ) -> None:
+        self._clock = clock
         self._claims = claims
         self._reserved = reserved
         self._board = board
@@ -67,27 +90,49 @@ class Announcements:
         self._on_removal = on_removal
         self._on_question = on_question
 
-    def take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
-        """Take *message* as an announcement to *conventions*; of the quarantined only that something is gone."""
+    async def take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
+        """Take *message* as an announcement to *conventions*; of the quarantined only that something is gone.
+
+        What one message tells is handled in slices of a few milliseconds, between which others get their turn.
+        """
         if message.payload and self._tribunal.is_confined(message.topic):
             self._counters.announcements_ignored += 1
             return
         self._counters.announcements += 1
         for convention in conventions:
-            try:
-                for heard in convention.take(message.topic, message.payload, retained=message.retain):
-                    match heard:
-                        case Described():
-                            self._describe(heard, message)
-                        case Withdrawn():
-                            self._withdraw(convention, heard)
-                        case Question():
-                            self._on_question(heard)
-            except WireError as exc:
+            steps = _steps(convention, message)
+            slice_ends, told = self._clock.monotonic() + SLICE, 0
+            while told <= MOST_HEARD and self._step(steps, convention, message):
+                told += 1
+                if self._clock.monotonic() >= slice_ends:
+                    # Out of the reach of the faults of conventions: a cancellation here is meant for the gateway.
+                    await anyio.lowlevel.checkpoint()
+                    slice_ends = self._clock.monotonic() + SLICE
+            if told > MOST_HEARD:
                 self._counters.announcements_rejected += 1
-                self._tribunal.accuse(message.topic, REJECTED, f"no announcement to {convention.name}: {exc}")
-            except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-                self._tribunal.failed(message.topic, convention.name, exc)
+                why = f"{convention.name} heard more than {MOST_HEARD:,} things in one message"
+                self._tribunal.accuse(message.topic, REJECTED, why)
+
+    def _step(self, steps: Iterator[Heard | None], convention: Convention, message: MqttMessage) -> bool:
+        """Handle the next of what a message tells; return whether more may come."""
+        try:
+            match next(steps, _END):
+                case Described() as described:
+                    self._describe(described, message)
+                case Withdrawn() as withdrawn:
+                    self._withdraw(convention, withdrawn)
+                case Question() as question:
+                    self._on_question(question)
+                case end:
+                    return end is not _END
+        except WireError as exc:
+            self._counters.announcements_rejected += 1
+            self._tribunal.accuse(message.topic, REJECTED, f"no announcement to {convention.name}: {exc}")
+            return False
+        except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+            self._tribunal.failed(message.topic, convention.name, exc)
+            return False
+        return True
 
     def _describe(self, described: Described, message: MqttMessage) -> None:
         described, reserved = self._reserved.without(described)

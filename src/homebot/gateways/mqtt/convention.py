@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
 
@@ -21,6 +21,7 @@ __all__ = [
     "Publisher",
     "PublishingConvention",
     "ReservingConvention",
+    "SlicedConvention",
     "TopicLayout",
     "TroubledConvention",
 ]
@@ -134,6 +135,19 @@ class ReservingConvention(Protocol):
 
     def reserved(self) -> tuple[str, ...]:
         """Return the filters of the topics on which no announcement may have its device told anything."""
+        ...
+
+
+@runtime_checkable
+class SlicedConvention(Protocol):
+    """A convention of which one message may tell of many devices, so that it is better taken with pauses."""
+
+    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[Heard | None]:
+        """Do what :meth:`Convention.take` does, in steps of a few milliseconds: None where others may have a turn.
+
+        Raises:
+            WireError: As :meth:`Convention.take`.
+        """
         ...
 
 

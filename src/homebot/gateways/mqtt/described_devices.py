@@ -97,11 +97,13 @@ class DescribedDevices:
         self._topics = StateTopics(self.filters(), other_filters)
         self._claims = Claims(gateway.node.name, conventions, self._topics, _tree(other_filters))
         self._last_words = LastWords()
+        self._taking = anyio.Lock()
         self._missed: list[tuple[str, Voice | Witness]] = []
         self._states = States(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
         self._subscriber = Subscriber(self._topics, self._claims, conventions, self.tribunal, counters)
         reserved = ReservedTopics(conventions, layouts)
         self._announcements = Announcements(
+            gateway.node.graph.clock,
             self._claims,
             reserved,
             self._board,
@@ -171,8 +173,9 @@ class DescribedDevices:
         """Take a message as nothing but an announcement; what homebot itself offers is none."""
         if self.offers.owns(message.topic):
             return
-        self._announcements.take(message, route.conventions)
-        missed, self._missed = self._missed, []
+        async with self._taking:  # one that we published ourselves waits until a long one is taken
+            await self._announcements.take(message, route.conventions)
+            missed, self._missed = self._missed, []
         for topic, reader in missed:
             if topic != message.topic:
                 await self._make_up_for(topic, reader)

@@ -4,11 +4,21 @@ from __future__ import annotations
 
 import json
 import math
+import re
+from collections.abc import Iterator
 from typing import NoReturn
 
 from homebot.errors import WireError
 
-__all__ = ["MAX_ANNOUNCEMENT_BYTES", "MAX_STATE_BYTES", "clean_text", "parse_json", "parse_object", "shown"]
+__all__ = [
+    "MAX_ANNOUNCEMENT_BYTES",
+    "MAX_STATE_BYTES",
+    "clean_text",
+    "parse_json",
+    "parse_list",
+    "parse_object",
+    "shown",
+]
 
 MAX_ANNOUNCEMENT_BYTES = 256 * 1024
 """Longest announcement of one device; one with a hundred parts has about 100 kB."""
@@ -48,6 +58,40 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES) -> object:
     return value
 
 
+def parse_list(payload: bytes, limit: int) -> Iterator[object]:
+    """Yield the items of the JSON list that *payload* is, one after the other: a long list takes long.
+
+    Raises:
+        WireError: As :func:`parse_json`, or it is JSON but no list; what was yielded before that is no list either.
+    """
+    if len(payload) > limit or not payload.lstrip(_SPACES).startswith(b"["):
+        value = parse_json(payload, limit)
+        raise WireError(f"{shown(value)} is no list")
+    try:
+        text = payload.decode()
+        at = _after_spaces(text, text.index("[") + 1)
+        if text[at : at + 1] == "]":
+            _check_end(text, at + 1)
+            return
+        while True:
+            value, end = _DECODER.raw_decode(text, at)
+            _check_depth(text[at:end], [value])
+            if text.find("\\u", at, end) >= 0:
+                _check_surrogates(value)
+            yield value
+            at = _after_spaces(text, end)
+            if text[at : at + 1] == "]":
+                _check_end(text, at + 1)
+                return
+            if text[at : at + 1] != ",":
+                raise json.JSONDecodeError("Expecting ',' delimiter", text, at)
+            at = _after_spaces(text, at + 1)
+    except RecursionError:
+        raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels") from None
+    except ValueError as error:
+        raise WireError(f"{shown(payload)} is no JSON: {error}") from None
+
+
 def parse_object(payload: bytes | str, limit: int = MAX_ANNOUNCEMENT_BYTES) -> dict[str, object]:
     """Return the JSON object that *payload* is.
 
@@ -83,6 +127,20 @@ def shown(value: object) -> str:
         if value is None or isinstance(value, bool) or (isinstance(value, int) and abs(value) < _MOST_DIGITS):
             text = str(value)
     return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}…"
+
+
+_SPACES = b" \t\n\r"
+_NO_SPACE = re.compile(r"[^ \t\n\r]")
+
+
+def _after_spaces(text: str, at: int) -> int:
+    found = _NO_SPACE.search(text, at)
+    return len(text) if found is None else found.start()
+
+
+def _check_end(text: str, at: int) -> None:
+    if (end := _after_spaces(text, at)) < len(text):
+        raise json.JSONDecodeError("Extra data", text, end)
 
 
 _JOINERS = "\u200c\u200d"

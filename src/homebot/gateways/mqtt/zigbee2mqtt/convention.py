@@ -5,6 +5,7 @@ Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
@@ -13,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import Described, Heard, Publication, Withdrawn
-from homebot.gateways.mqtt.payload import clean_text, parse_json, parse_object, shown
+from homebot.gateways.mqtt.payload import clean_text, parse_list, parse_object, shown
 from homebot.gateways.mqtt.zigbee2mqtt.availability import AvailabilityRule, read_availability_rule
 from homebot.gateways.mqtt.zigbee2mqtt.bridge_device import BridgeDevice, ieee_address, read_bridge_device
 from homebot.gateways.mqtt.zigbee2mqtt.parts import build_parts
@@ -90,44 +91,53 @@ class Zigbee2Mqtt:
             if is_told
         )
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:  # noqa: ARG002 - a list counts as much when it was kept
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
         """Take a list of devices and return what it tells of each. A broken entry costs that device alone."""
+        return tuple(one for one in self.take_slices(topic, payload, retained=retained) if one is not None)
+
+    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[Heard | None]:  # noqa: ARG002 - as above
+        """Do what :meth:`take` does, in steps: the list of a house of hundreds takes a second."""
         base, _, last = topic.rpartition("/bridge/")
         if base not in self._devices:
-            return ()
+            return
         try:
             if last == "devices":
-                return self._take_devices(base, topic, payload)
-            return self._take_info(base, payload) if last == "info" and payload else ()
+                yield from self._take_devices(base, topic, payload)
+            elif last == "info" and payload:
+                yield from self._take_info(base, payload)
         except WireError:
             self.rejected += 1
             raise
 
-    def _take_devices(self, base: str, topic: str, payload: bytes) -> tuple[Heard, ...]:
+    def _take_devices(self, base: str, topic: str, payload: bytes) -> Iterator[Heard | None]:
         before = self._devices[base]
         self._listless.pop(base, None)
         if not payload:
             self._devices[base] = {}
-            return tuple(Withdrawn(one.described.key, "its bridge's list was removed") for one in before.values())
-        entries = parse_json(payload, MAX_BRIDGE_BYTES)
-        if not isinstance(entries, list):
-            raise WireError(f"{topic}: {shown(entries)} is no list of devices")
-        if len(entries) > MAX_DEVICES:
-            raise WireError(f"{topic}: it lists {len(entries)} devices; {MAX_DEVICES} is the limit")
-        devices = self._known(base, topic, entries)
+            yield from (Withdrawn(one.described.key, "its bridge's list was removed") for one in before.values())
+            return
+        entries: list[object] = []
+        for entry in parse_list(payload, MAX_BRIDGE_BYTES):
+            entries.append(entry)
+            if len(entries) > MAX_DEVICES:
+                raise WireError(f"{topic}: it lists more than {MAX_DEVICES} devices, which is the limit")
+            yield None
+        devices: dict[str, _Known] = {}
+        for _ in self._describe_all(base, topic, entries, devices):
+            yield None
         self._devices[base] = devices
         listed = {ieee_address(entry) for entry in entries}
-        gone = tuple(_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
-        return (*gone, *(one.described for one in devices.values()))
+        yield from (_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
+        yield from (one.described for one in devices.values())
 
-    def _known(self, base: str, topic: str, entries: list[object]) -> dict[str, _Known]:
-        """Describe the entries. What was known of a device stays where its entry is broken now."""
-        found: dict[str, _Known] = {}
+    def _describe_all(self, base: str, topic: str, entries: list[object], found: dict[str, _Known]) -> Iterator[None]:
+        """Describe the entries into *found*. What was known of a device stays where its entry is broken now."""
         topics: set[str] = set()
         problems = []
         room = MAX_PARTS
         via = _bridge_name(entries)
         for entry in entries:
+            yield
             ieee = ieee_address(entry)
             try:
                 device = _read(base, entry, topics, is_known=ieee in found, room=room)
@@ -146,7 +156,6 @@ class Zigbee2Mqtt:
         if problems and not found:
             raise problems[0]
         self.rejected += len(problems)
-        return found
 
     def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> Described:
         return Described(
@@ -161,13 +170,13 @@ class Zigbee2Mqtt:
             owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
         )
 
-    def _take_info(self, base: str, payload: bytes) -> tuple[Heard, ...]:
+    def _take_info(self, base: str, payload: bytes) -> Iterator[Heard | None]:
         """Take how the bridge is set up, and describe anew the devices whose availability is told otherwise now."""
         if base in self._listless:
             self._listless[base] = True
         rule = read_availability_rule(parse_object(payload, MAX_BRIDGE_BYTES))
         if rule == self._rules[base]:
-            return ()
+            return
         self._rules[base] = rule
         changed = {
             ieee: _Known(one.topic, replace(one.described, availability=availability))
@@ -175,7 +184,7 @@ class Zigbee2Mqtt:
             if (availability := rule.availability(base, ieee, one.topic)) != one.described.availability
         }
         self._devices[base].update(changed)
-        return tuple(one.described for one in changed.values())
+        yield from (one.described for one in changed.values())
 
 
 @dataclass(frozen=True, slots=True)

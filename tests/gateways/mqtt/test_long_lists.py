@@ -1,0 +1,152 @@
+"""A message that tells of hundreds of devices: taken in slices, bounded, and with the same result."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import AbstractAsyncContextManager
+from itertools import repeat
+from pathlib import Path
+from typing import Any
+
+import anyio
+import anyio.lowlevel
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.gateways.mqtt.conftest import SimpleConvention
+
+from homebot.discovery import Directory, DirectorySettings
+from homebot.errors import WireError
+from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
+from homebot.gateways.mqtt.description import Heard, Publication, Question
+from homebot.gateways.mqtt.payload import parse_json, parse_list
+from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.graph import Graph, Node
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.options import MqttOptions
+
+TOPIC = "zigbee2mqtt/bridge/devices"
+FIXTURE = Path(__file__).parent / "fixtures" / "zigbee2mqtt.jsonl"
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
+    max_leaves=20,
+)
+
+
+def house_of(count: int) -> bytes:
+    """Return the list of a bridge with *count* devices of real models."""
+    rows = [json.loads(line) for line in FIXTURE.read_text(encoding="utf-8").splitlines()]
+    entries = [one for row in rows for topic, text in row["messages"] if topic == TOPIC for one in json.loads(text)]
+    devices = [
+        {**entries[number % len(entries)], "ieee_address": f"0x{number:016x}", "friendly_name": f"device {number}"}
+        for number in range(count)
+    ]
+    return json.dumps(devices).encode()
+
+
+def taken(text: bytes) -> object:
+    try:
+        return list(parse_list(text, 1_000_000))
+    except WireError:
+        return "no list"
+
+
+@given(JSON, st.sampled_from([None, 1]))
+def test_a_list_is_read_item_by_item_as_in_one_go(value: object, indent: int | None) -> None:
+    text = json.dumps(value, indent=indent).encode()
+    try:
+        whole = parse_json(text, 1_000_000)
+    except WireError:
+        whole = None
+    assert taken(text) == (whole if isinstance(whole, list) else "no list")
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        (b" [ ] ", []),
+        (b"[1,2]", [1, 2]),
+        (b"[1,]", "no list"),
+        (b"[1 2]", "no list"),
+        (b"[1]x", "no list"),
+        (b"[", "no list"),
+        (b"[1", "no list"),
+        (b"[NaN]", "no list"),
+        (b"\xff[", "no list"),
+        (b"[" * 100_000, "no list"),
+        (b'["\\ud800"]', "no list"),
+        (b"[" + b"[" * 70 + b"]" * 71, "no list"),
+        (b"", "no list"),
+    ],
+)
+def test_what_is_no_list_is_refused(text: bytes, found: object) -> None:
+    assert taken(text) == found
+
+
+def test_a_broken_end_costs_the_whole_list_and_nothing_changes() -> None:
+    """It was cut somewhere, and what is missing is not gone."""
+    convention = Zigbee2Mqtt(Zigbee2MqttSettings())
+    whole = house_of(20)
+    assert len(convention.take(TOPIC, whole, retained=True)) == 20
+    with pytest.raises(WireError):
+        convention.take(TOPIC, house_of(10)[:-1], retained=True)
+    assert convention.rejected == 1
+    assert len(convention.take(TOPIC, whole, retained=True)) == 20
+
+
+def test_a_long_list_is_taken_in_many_steps() -> None:
+    convention = Zigbee2Mqtt(Zigbee2MqttSettings())
+    steps = list(convention.take_slices(TOPIC, house_of(100), retained=True))
+    assert steps.count(None) >= 200
+    assert len(steps) - steps.count(None) == 100
+
+
+async def test_others_get_their_turns_while_a_large_bridge_is_taken() -> None:
+    """In real time; at least one turn for every ten devices, from the message until all are known."""
+    count = 200
+    graph, turns = Graph(), 0
+    async with (
+        MemoryBroker() as broker,
+        Node(graph, "mqtt", namespace="/gateway") as gateway_node,
+        Node(graph, "discovery") as directory_node,
+        MqttConnection(MqttOptions.from_url(broker.url), broker.make_client, status_topic=None) as wire,
+        anyio.create_task_group() as tasks,
+    ):
+        await wire.wait_connected()
+        gateway = MqttGateway(gateway_node, MqttGatewaySettings(url=broker.url), make_client=broker.make_client)
+        directory = Directory(directory_node, DirectorySettings())
+        await tasks.start(directory.serve)
+        await tasks.start(gateway.serve)
+        await wire.publish(TOPIC, house_of(count), qos=1)
+        while not len(directory.index):
+            await anyio.lowlevel.checkpoint()
+            turns += 1 if gateway.counters.announcements else 0
+        with anyio.fail_after(60):
+            while len(directory.index) < count:
+                await anyio.lowlevel.checkpoint()
+                turns += 1
+        tasks.cancel_scope.cancel()
+    assert turns >= count / 10
+
+
+class Endless(SimpleConvention):
+    """Never stops telling."""
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[Heard]:  # type: ignore[override]  # that is its fault
+        if payload == b"endless":
+            return repeat(Question("lamp", (Publication("ask/lamp", b""),)))
+        return iter(super().take(topic, payload, retained=retained))
+
+
+@pytest.mark.virtual_time
+async def test_a_convention_that_never_ends_costs_its_message_alone(
+    make_house: Callable[..., AbstractAsyncContextManager[Any]],
+) -> None:
+    async with make_house(conventions=(f"{__name__}:Endless",)) as house:
+        await house.say("hello/lamp", "endless")
+        assert house.gateway.counters.announcements_rejected == 1
+        await house.announce("other")
+        assert [one.key for one in house.sighted()] == ["simple:other"]
