@@ -24,7 +24,7 @@ from homebot.log import configure_logging
 from homebot.mqtt.broker import Broker, BrokerStats
 from homebot.mqtt.packets import Connack, Connect, Packet, PacketReader, ProtocolVersion, encode
 
-__all__ = ["AttackedBroker", "Client", "Toll", "attacked_broker"]
+__all__ = ["PASSWORD", "AttackedBroker", "Client", "Toll", "attacked_broker"]
 
 PASSWORD = "right"
 

@@ -10,9 +10,19 @@ from collections.abc import Iterator
 from itertools import product
 
 import pytest
-from tests.system.broker_probe import AttackedBroker, Toll, attacked_broker, closing, is_closed
+from tests.system.broker_probe import PASSWORD, AttackedBroker, Toll, attacked_broker, closing, is_closed
 
-from homebot.mqtt.packets import Connect, FilterRequest, Pingreq, Pingresp, Publish, Suback, Subscribe, encode
+from homebot.mqtt.packets import (
+    Connect,
+    FilterRequest,
+    Pingreq,
+    Pingresp,
+    Publish,
+    ReasonCode,
+    Suback,
+    Subscribe,
+    encode,
+)
 
 pytestmark = [
     pytest.mark.system,
@@ -174,3 +184,22 @@ def test_a_flood_of_small_messages_to_many_stops_nobody(broker: AttackedBroker) 
             publisher.socket.sendall(encode(Publish("t")) * 2700)
         withstood(broker, before, "10,800 messages to 200 clients that do not read")
     recovered(broker, before)
+
+
+def test_passwords_are_guessed_slowly_and_a_known_client_comes_in_at_once() -> None:
+    with attacked_broker(user="u") as broker:
+        before = broker.toll()
+        broker.client("lamp", username="u", password=PASSWORD.encode()).close()
+        guesses = [encode(Connect("guesser", username="u", password=str(number).encode())) for number in range(2000)]
+        began = time.monotonic()
+        sockets = [broker.open(guess) for guess in guesses]
+        with closing(sockets):
+            honest = broker.client("lamp", username="u", password=PASSWORD.encode())
+            assert honest.connack.reason is ReasonCode.SUCCESS
+            honest.close()
+            toll = broker.toll()
+            took = time.monotonic() - began
+            print(f"\n2,000 guesses in {took:.1f} s: {toll.stats.logins_failed} were looked at; {toll}")
+            assert toll.stats.logins_failed <= 4 + took / 0.5
+            assert toll.turn < LONGEST_TURN
+        recovered(broker, before)

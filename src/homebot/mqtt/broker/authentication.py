@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
+import secrets
 from collections.abc import Mapping
 from typing import final
 
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["Authentication", "is_loopback"]
+
+
+_NOBODYS = bytes(32)
 
 
 @final
@@ -20,27 +24,34 @@ class Authentication:
         credentials: Passwords by user name; None or empty lets everybody in.
     """
 
-    __slots__ = ("_passwords",)
+    __slots__ = ("_digests", "_key")
 
     def __init__(self, credentials: Mapping[str, str] | None = None) -> None:
-        self._passwords = {user: password.encode() for user, password in (credentials or {}).items()}
+        self._key = secrets.token_bytes(32)
+        self._digests = {user: self._digest(password.encode()) for user, password in (credentials or {}).items()}
 
     @property
     def required(self) -> bool:
         """Whether a password is asked for."""
-        return bool(self._passwords)
+        return bool(self._digests)
 
     def check(self, username: str | None, password: bytes | None) -> ReasonCode:
-        """Success, 0x87 where nothing was presented, or 0x86; takes as long for an unknown user."""
-        if not self._passwords:
+        """Success, 0x87 where nothing was presented, or 0x86.
+
+        It takes as long for an unknown user, and for a password of whatever length and beginning.
+        """
+        if not self._digests:
             return ReasonCode.SUCCESS
         if username is None:
             return ReasonCode.NOT_AUTHORIZED
-        known = self._passwords.get(username)
-        right = hmac.compare_digest(b"" if known is None else known, password or b"")
+        known = self._digests.get(username)
+        right = hmac.compare_digest(known or _NOBODYS, self._digest(password or b""))
         if right and known is not None:
             return ReasonCode.SUCCESS
         return ReasonCode.BAD_USER_NAME_OR_PASSWORD
+
+    def _digest(self, password: bytes) -> bytes:
+        return hmac.digest(self._key, password, "sha256")
 
 
 def is_loopback(host: str) -> bool:

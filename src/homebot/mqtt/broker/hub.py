@@ -17,6 +17,7 @@ from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.deadlines import Deadlines
 from homebot.mqtt.broker.exchange import Exchange
 from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.login_throttle import LoginThrottle
 from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.policy import Policy, RefusedFilters
 from homebot.mqtt.broker.sessions import Sessions
@@ -56,6 +57,7 @@ class Hub:
         work: How much may be done now of what can take long.
         turn: What is done in one turn of the event loop by messages that go to many, or are compared with many filters.
         waiting_logins: Connections that have not logged in.
+        throttle: How long they have to wait after wrong passwords.
         unread_logins: Their incomplete packets.
         unread: The incomplete packets of the others.
     """
@@ -83,6 +85,7 @@ class Hub:
         self._on_message = on_message
         self.peers: dict[str, Peer] = {}
         self.waiting_logins = WaitingLogins(limits.max_waiting_logins)
+        self.throttle = LoginThrottle(clock)
         self.unread_logins = UnreadPackets(max(limits.max_unread_login_bytes, limits.max_connect_size))
         self.unread = UnreadPackets(max(limits.max_unread_bytes, limits.max_packet_size), _CUT_BY_A_READ)
         self._log_limit = LogLimit(clock, burst=_WARNINGS)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from math import inf
 
 from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.login_throttle import Applicant
+from homebot.mqtt.broker.words import host_of
 from homebot.mqtt.packets import (
     MAX_PACKET_SIZE,
     Connack,
@@ -16,7 +18,7 @@ from homebot.mqtt.packets import (
     encode,
 )
 
-__all__ = ["Login", "accept", "expiry_of", "refusal", "welcome"]
+__all__ = ["Login", "accept", "expiry_of", "may_try_at", "refusal", "welcome"]
 
 _NEVER = 0xFFFF_FFFF
 _DEFAULT_RECEIVE_MAXIMUM = 65_535
@@ -49,13 +51,24 @@ class Login:
     problem_information: bool
 
 
-def refusal(connect: Connect, hub: Hub) -> ReasonCode:
+def may_try_at(connect: Connect, hub: Hub, address: str) -> float:
+    """When the password of *connect* may be looked at, on the clock's monotonic scale; often that is over."""
+    applicant = _applicant(connect, hub, address)
+    return 0.0 if applicant is None else hub.throttle.until(applicant)
+
+
+def refusal(connect: Connect, hub: Hub, address: str) -> ReasonCode:
     """Why *connect* is refused; success where it is not."""
     if connect.properties.authentication_method is not None:
         return ReasonCode.BAD_AUTHENTICATION_METHOD
     if connect.properties.authentication_data is not None:
         return ReasonCode.PROTOCOL_ERROR
     verdict = hub.authentication.check(connect.username, connect.password)
+    applicant = _applicant(connect, hub, address)
+    if applicant is not None and verdict.failed:
+        _note_wrong_password(applicant, hub)
+    elif applicant is not None:
+        hub.throttle.succeeded(applicant)
     if verdict.failed:
         return verdict
     if not connect.client_id and not connect.clean_start and connect.version is ProtocolVersion.V311:
@@ -116,6 +129,26 @@ def welcome(login: Login, hub: Hub, *, session_present: bool) -> Connack:
 def expiry_of(seconds: int) -> float:
     """A session expiry interval as a number to count with: 0xFFFFFFFF is infinite."""
     return inf if seconds == _NEVER else float(seconds)
+
+
+def _applicant(connect: Connect, hub: Hub, address: str) -> Applicant | None:
+    """Who shows a password to a broker that asks for one."""
+    if connect.username is None or not hub.authentication.required:
+        return None
+    return Applicant(host_of(address), connect.username, connect.client_id)
+
+
+def _note_wrong_password(applicant: Applicant, hub: Hub) -> None:
+    hub.counters.logins_failed += 1
+    failures, delay = hub.throttle.failed(applicant)
+    if delay:
+        hub.warn(
+            "broker.logins_slowed",
+            f"{failures} wrong passwords came from {applicant.host}; the next is looked at in {delay:g} s",
+            host=applicant.host,
+            failures=failures,
+            delay=delay,
+        )
 
 
 def _can_be_welcomed(connect: Connect, hub: Hub) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 from homebot.mqtt.broker import login
+from homebot.mqtt.broker.deadlines import Deadline
 from homebot.mqtt.broker.farewell import goodbye, unread_connect_answer
 from homebot.mqtt.broker.filter_requests import Subscribing, Unsubscribing
 from homebot.mqtt.broker.holding import Holding
@@ -67,6 +68,8 @@ class Peer:
         self._reader = PacketReader(ProtocolVersion.V311, hub.limits.max_connect_size)
         self._client: _Client | None = None
         self._log = PeerLog(hub, link)
+        self._connect: Connect | None = None  # that has to wait
+        self._retry: Deadline | None = None
         self.failure: PacketError | None = None
         self._started = False
         self._closed = False
@@ -99,12 +102,15 @@ class Peer:
             return
         self._heard_at = self._hub.clock.monotonic()
         try:
-            if not self._started:
+            if self._client is None:
                 self._check_start(data)
-            for packet in self._reader.feed(data):
-                self._handle(packet)
-                if self._closed:
-                    return
+                self._reader.feed(data)
+                self._take_login()
+            else:
+                for packet in self._reader.feed(data):
+                    self._handle(packet)
+                    if self._closed:
+                        return
         except PacketError as error:
             self._fail(error)
             return
@@ -176,21 +182,46 @@ class Peer:
 
     def _check_start(self, data: bytes) -> None:
         """Something else than MQTT, such as a browser, is not left waiting for the rest of a packet."""
-        self._started = True
-        if data[:1] != _CONNECT:
+        if not self._started and data[:1] != _CONNECT:
             raise _protocol_error(f"the first byte is 0x{data[0]:02x}, not that of CONNECT")
+        self._started = True
+
+    def _take_login(self) -> None:
+        """Take the CONNECT, and what came with it unless the CONNECT has to wait."""
+        while not self._closed and self._connect is None and (packet := self._reader.pop()) is not None:
+            self._handle(packet)
+
+    def _wait_to_log_in(self, packet: Connect, until: float) -> None:
+        """Others of this host had wrong passwords; ``connect_timeout`` goes on."""
+        self._hub.counters.logins_slowed += 1
+        self._connect = packet
+        self._link.pause_reading()
+        self._retry = self._hub.deadlines.at(until, self._log_in_again)
+
+    def _log_in_again(self) -> None:
+        packet, self._connect = self._connect, None
+        if packet is None:
+            return
+        self._link.resume_reading()
+        try:
+            self._handle(packet)
+            self._take_login()
+        except PacketError as error:
+            self._fail(error)
 
     def _login(self, packet: Packet) -> None:
         if not isinstance(packet, Connect):
             raise _protocol_error(f"{type(packet).__name__} came before CONNECT")
         hub = self._hub
-        self._silence.cancel()
         self._reader.version = packet.version
-        verdict = login.refusal(packet, hub)
+        until = login.may_try_at(packet, hub, self.address)
+        if until > hub.clock.monotonic():
+            self._wait_to_log_in(packet, until)
+            return
+        self._silence.cancel()
+        verdict = login.refusal(packet, hub, self.address)
         if verdict.failed:
-            hub.counters.connections_refused += 1
-            self._log.refused(packet.client_id, verdict)
-            self._shut(encode(Connack(reason=verdict), packet.version))
+            self._refuse(packet, verdict)
             return
         self._reader.max_packet_size = hub.limits.max_packet_size
         self._reader.max_control_size = hub.limits.max_control_size
@@ -218,6 +249,11 @@ class Peer:
         outbound.send(login.welcome(wanted, hub, session_present=present))
         self._expect_signs_of_life()
         session.resume(outbound, wanted.receive_maximum)
+
+    def _refuse(self, packet: Connect, reason: ReasonCode) -> None:
+        self._hub.counters.connections_refused += 1
+        self._log.refused(packet.client_id, reason)
+        self._shut(encode(Connack(reason=reason), packet.version))
 
     def _taken(self, client: _Client, packet: Pubrec) -> None:
         reason = client.session.taken(packet.packet_id, packet.reason)
@@ -302,6 +338,9 @@ class Peer:
             self._silence = self._hub.deadlines.at(due, self._expect_signs_of_life)
 
     def _no_connect(self) -> None:
+        if self._connect is not None:
+            self._refuse(self._connect, ReasonCode.QUOTA_EXCEEDED)
+            return
         self._fail(PacketError("no CONNECT came", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
 
     def _give_up_unread(self) -> None:
@@ -352,6 +391,9 @@ class Peer:
         self._closed = True
         self._hub.counters.connections_closed += 1
         self._silence.cancel()
+        self._connect = None
+        if self._retry is not None:
+            self._retry.cancel()
         self._holding.stop()
         self._filters = None
         self._holding.paused = False

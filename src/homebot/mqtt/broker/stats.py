@@ -27,6 +27,8 @@ class Counters:
         subscriptions_refused: Subscriptions refused for want of room.
         retained_refused: Messages not retained for want of room.
         sessions_evicted: Sessions pushed out for want of room.
+        logins_failed: Passwords that were wrong.
+        logins_slowed: Attempts to log in that had to wait, after wrong passwords from their host.
         logins_pushed_out: Connections closed before their login, because others needed the place.
         unread_given_up: Connections closed because their packet stayed incomplete while there was no room for others.
         holds: Times a publisher was held back for a slow client.
@@ -49,6 +51,8 @@ class Counters:
     subscriptions_refused: int = 0
     retained_refused: int = 0
     sessions_evicted: int = 0
+    logins_failed: int = 0
+    logins_slowed: int = 0
     logins_pushed_out: int = 0
     unread_given_up: int = 0
     holds: int = 0
@@ -89,6 +93,8 @@ class BrokerStats:
     subscriptions_refused: int
     retained_refused: int
     sessions_evicted: int
+    logins_failed: int
+    logins_slowed: int
     logins_pushed_out: int
     unread_given_up: int
     holds: int

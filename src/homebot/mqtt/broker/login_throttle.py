@@ -1,0 +1,81 @@
+"""A growing delay for hosts that guess passwords. No I/O."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple, final
+
+from homebot.clock import Clock
+
+__all__ = ["Applicant", "LoginThrottle"]
+
+_FREE: Final = 3  # wrong passwords that delay nothing: people mistype
+_FIRST: Final = 0.5
+_LONGEST: Final = 8.0
+"""Seconds; less than a CONNECT may wait, so that an honest client of the same host has its chances."""
+_FORGOTTEN: Final = 600.0  # seconds after the last wrong password
+_MOST_HOSTS: Final = 1000
+_MOST_KNOWN: Final = 2000
+
+
+class Applicant(NamedTuple):
+    """Who wants to log in."""
+
+    host: str
+    username: str | None
+    client_id: str
+
+
+class _Guesser:
+    __slots__ = ("failed_at", "failures", "until")
+
+    def __init__(self) -> None:
+        self.failures = 0
+        self.failed_at = self.until = 0.0
+
+
+@final
+class LoginThrottle:
+    """Says how long an attempt to log in has to wait, by its host.
+
+    After three wrong passwords from one host each further one delays all new attempts from there, half a second at
+    first, twice as long each time, eight seconds at most. A client that has logged in from there before does not wait,
+    until its password is wrong once. Both are remembered of a bounded number; the one that failed, or came, longest
+    ago is forgotten first.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._guessers: dict[str, _Guesser] = {}  # in the order of their last failure
+        self._known: dict[Applicant, None] = {}  # in the order of their last login
+
+    def __len__(self) -> int:
+        return len(self._guessers)
+
+    def until(self, applicant: Applicant) -> float:
+        """When the attempt may be checked, on the clock's monotonic scale; may be over."""
+        guesser = self._guessers.get(applicant.host)
+        return 0.0 if guesser is None or applicant in self._known else guesser.until
+
+    def failed(self, applicant: Applicant) -> tuple[int, float]:
+        """A password was wrong; how many were from this host, and how long the next attempt has to wait."""
+        now = self._clock.monotonic()
+        self._known.pop(applicant, None)
+        guesser = self._guessers.pop(applicant.host, None)
+        if guesser is None or guesser.failed_at < now - _FORGOTTEN:
+            guesser = _Guesser()
+        self._guessers[applicant.host] = guesser
+        if len(self._guessers) > _MOST_HOSTS:
+            del self._guessers[next(iter(self._guessers))]
+        guesser.failed_at = now
+        guesser.failures += 1
+        excess = guesser.failures - _FREE
+        delay = 0.0 if excess <= 0 else min(_FIRST * 2.0 ** min(excess - 1, 10), _LONGEST)
+        guesser.until = now + delay
+        return guesser.failures, delay
+
+    def succeeded(self, applicant: Applicant) -> None:
+        """A password was right."""
+        self._known.pop(applicant, None)
+        self._known[applicant] = None
+        if len(self._known) > _MOST_KNOWN:
+            del self._known[next(iter(self._known))]

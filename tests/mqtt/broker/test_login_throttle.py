@@ -1,0 +1,141 @@
+"""Passwords cannot be guessed quickly, and who knows the password does not wait for those who guess."""
+
+from __future__ import annotations
+
+import pytest
+from tests.mqtt.broker.conftest import MemoryClient, NewHub
+
+from homebot.clock import ManualClock
+from homebot.mqtt.broker import Hub
+from homebot.mqtt.broker.login_throttle import Applicant, LoginThrottle
+from homebot.mqtt.packets import Connack, Connect, Pingreq, Pingresp, ProtocolVersion, ReasonCode
+
+BAD = ReasonCode.BAD_USER_NAME_OR_PASSWORD
+
+
+@pytest.fixture
+def hub(new_hub: NewHub) -> Hub:
+    return new_hub(credentials={"u": "right"})
+
+
+def attempt(hub: Hub, password: bytes = b"wrong", host: str = "10.0.0.66", client_id: str = "c") -> MemoryClient:
+    client = MemoryClient(hub)
+    client.link.address = f"{host}:5000"
+    client.send(Connect(client_id, username="u", password=password))
+    return client
+
+
+def answer(client: MemoryClient) -> ReasonCode | None:
+    answers = [connack.reason for connack in client.take_only(Connack)]
+    return answers[0] if answers else None
+
+
+def pass_time(hub: Hub, clock: ManualClock, seconds: float) -> None:
+    for _ in range(round(seconds * 10)):
+        clock.advance(0.1)
+        hub.deadlines.run(clock.monotonic())
+
+
+def test_who_mistypes_thrice_is_answered_at_once_and_let_in(hub: Hub) -> None:
+    assert [answer(attempt(hub)) for _ in range(3)] == [BAD] * 3
+    assert answer(attempt(hub, b"right")) is ReasonCode.SUCCESS
+
+
+def test_passwords_are_tried_ever_more_slowly(hub: Hub, clock: ManualClock) -> None:
+    """An hour of attempts, ten a second: some five hundred are looked at."""
+    began = clock.monotonic()
+    while clock.monotonic() < began + 3600:
+        attempt(hub)
+        pass_time(hub, clock, 0.1)
+    assert 400 < hub.stats.logins_failed < 520
+    assert hub.stats.logins_slowed > 30_000
+    assert len(hub.waiting_logins) <= 110
+
+
+def test_many_connections_at_once_are_no_faster(hub: Hub, clock: ManualClock) -> None:
+    for _ in range(200):
+        attempt(hub)
+    pass_time(hub, clock, 60)
+    assert hub.stats.logins_failed < 12
+    assert len(hub.waiting_logins) == 0
+
+
+def test_an_attempt_that_had_to_wait_is_answered_and_what_came_with_it_is_done(hub: Hub, clock: ManualClock) -> None:
+    for _ in range(5):
+        attempt(hub)
+        pass_time(hub, clock, 0.6)
+    honest = attempt(hub, b"right")
+    assert answer(honest) is None
+    assert not honest.link.reading
+    honest.peer.receive(b"\xc0\0")
+    pass_time(hub, clock, 1)
+    assert [type(packet) for packet in honest.take()] == [Connack, Pingresp]
+    assert honest.link.reading
+    honest.send(Pingreq())
+    assert honest.take() == [Pingresp()]
+
+
+def test_an_attempt_that_waited_too_long_is_told_so(hub: Hub, clock: ManualClock) -> None:
+    for _ in range(30):
+        attempt(hub)
+    last = attempt(hub)
+    pass_time(hub, clock, 11)
+    assert answer(last) is ReasonCode.QUOTA_EXCEEDED
+    assert last.link.closed
+
+
+def test_other_hosts_do_not_wait(hub: Hub) -> None:
+    for _ in range(30):
+        attempt(hub)
+    assert answer(attempt(hub, b"right", "10.0.0.7")) is ReasonCode.SUCCESS
+
+
+def test_a_client_that_was_in_before_does_not_wait_until_it_is_wrong_itself(hub: Hub, clock: ManualClock) -> None:
+    assert answer(attempt(hub, b"right", client_id="lamp")) is ReasonCode.SUCCESS
+    for _ in range(30):
+        attempt(hub)
+    assert answer(attempt(hub, b"right", client_id="lamp")) is ReasonCode.SUCCESS
+    assert answer(attempt(hub, b"wrong", client_id="lamp")) is BAD
+    assert answer(attempt(hub, b"right", client_id="lamp")) is None
+
+
+def test_a_waiting_attempt_whose_client_goes_is_forgotten(hub: Hub, clock: ManualClock) -> None:
+    for _ in range(5):
+        attempt(hub)
+    client = attempt(hub, b"right")
+    client.lose()
+    pass_time(hub, clock, 20)
+    assert hub.stats.clients == 0
+
+
+def test_nobody_waits_where_no_password_is_asked_for(new_hub: NewHub) -> None:
+    hub = new_hub()
+    assert [answer(attempt(hub)) for _ in range(30)] == [ReasonCode.SUCCESS] * 30
+    assert len(hub.throttle) == 0
+
+
+def test_wrong_passwords_are_forgotten_in_time_and_the_memory_for_them_is_bounded(clock: ManualClock) -> None:
+    throttle = LoginThrottle(clock)
+    lamp = Applicant("10.0.0.7", "u", "lamp")
+    for _ in range(20):
+        throttle.failed(lamp)
+    clock.advance(601)
+    assert throttle.failed(lamp) == (1, 0.0)
+    for number in range(5000):
+        throttle.failed(Applicant(f"host {number}", "u", "c"))
+        throttle.succeeded(Applicant("host", "u", str(number)))
+    assert len(throttle) == 1000
+    assert len(throttle._known) == 2000
+
+
+@pytest.mark.parametrize("version", [ProtocolVersion.V31, ProtocolVersion.V311])
+def test_older_clients_wait_as_well(hub: Hub, clock: ManualClock, version: ProtocolVersion) -> None:
+    for _ in range(6):
+        attempt(hub)
+        pass_time(hub, clock, 1.1)
+    client = MemoryClient(hub, version)
+    client.link.address = "10.0.0.66:1"
+    client.send(Connect("old", version, username="u", password=b"right"))
+    assert client.take() == []
+    pass_time(hub, clock, 8)
+    assert answer(client) is ReasonCode.SUCCESS
