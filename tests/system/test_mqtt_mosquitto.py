@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import shutil
+import signal
 import socket
 import subprocess
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -50,6 +52,10 @@ class Mosquitto:
         self._process = subprocess.Popen(
             [str(MOSQUITTO), "-c", str(self._config)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
+
+    def send_signal(self, number: int) -> None:
+        assert self._process is not None
+        self._process.send_signal(number)
 
     def stop(self) -> None:
         if self._process is not None:
@@ -204,3 +210,21 @@ async def wait_for(mosquitto: Mosquitto) -> None:
                     return
             except OSError:
                 await anyio.sleep(0.01)
+
+
+async def test_a_broker_that_is_frozen_is_noticed_and_found_again(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
+    """One and a half keep-alive intervals, and a second; the socket stays open all the time."""
+    wanted = replace(options(mosquitto, protocol=protocol), keep_alive=5)
+    async with MqttConnection(wanted, AiomqttClient, status_topic=None) as connection:
+        with anyio.fail_after(20):
+            await connection.wait_connected()
+            mosquitto.send_signal(signal.SIGSTOP)
+            began = anyio.current_time()
+            async for state in connection.states():
+                if state.phase is not LinkPhase.CONNECTED:
+                    break
+            took = anyio.current_time() - began
+            mosquitto.send_signal(signal.SIGCONT)
+            await connection.wait_connected()
+    print(f"\na frozen Mosquitto was noticed after {took:.1f} s at a keep-alive of 5 s")
+    assert took <= 5 * 1.5 + 1

@@ -1,9 +1,10 @@
 """The MQTT client port on aiomqtt 2; the one file that knows aiomqtt and the paho client below it.
 
-aiomqtt gives the login, the requests to unsubscribe, the books of own publishes of QoS 1 and 2, and the keep-alive.
+aiomqtt gives the login, the requests to unsubscribe, and the books of own publishes of QoS 1 and 2.
 Replaced, because it loses messages or waits in vain: the dialling (a cancelled one leaves a thread and a lock behind),
-the reading (one message for each turn of the loop, acknowledged before anybody has it, stopped by one bad packet), and
-the waiting for answers (a refused publish looks like a good one, a dead link like a slow one).
+the reading (one message for each turn of the loop, acknowledged before anybody has it, stopped by one bad packet), the
+keep-alive (a dead link is found out after two intervals and more), and the waiting for answers (a refused publish looks
+like a good one, a dead link like a slow one).
 
 It is longer than other files, because whatever touches the libraries stands here and nowhere else.
 
@@ -40,6 +41,7 @@ from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, Wi
 from homebot.mqtt.client import MqttCounters, PublishResult, Session, Subscription
 from homebot.mqtt.dial import dial
 from homebot.mqtt.incoming import Frame, FrameReader
+from homebot.mqtt.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.primitives import Cursor
@@ -76,6 +78,7 @@ _HOLD = 0.001  # seconds for which a single one waits for company
 _GOODBYE = 1.0
 """Seconds that a clean close may take; the broker may be gone already."""
 
+_PINGREQ: Final = b"\xc0\x00"
 _TLS_ALERT: Final = 0x15  # RFC 8446, section 5.1
 _IN_TLS: Final = "what answers there speaks TLS; is the address mqtts://?"
 _NO_MQTT: Final = "what answers there speaks no MQTT"
@@ -271,7 +274,8 @@ class _Link(aiomqtt.Client):
         self._answers: dict[int, asyncio.Future[int]] = {}
         self._grants: dict[int, asyncio.Future[tuple[int, ...]]] = {}
         self._window = anyio.Semaphore(_IN_FLIGHT, fast_acquire=True)
-        self._tick: asyncio.TimerHandle | None = None
+        self._keep_alive: KeepAlive | None = None
+        self._life_check: asyncio.TimerHandle | None = None
         self._flush_soon: asyncio.Handle | None = None
         self._held = b""
         self._release_held: asyncio.TimerHandle | None = None
@@ -493,12 +497,12 @@ class _Link(aiomqtt.Client):
         self._ahead = ReadAhead(_PORTION, _READ_AHEAD)
         self._is_reading = True
         self._loop.add_reader(sock.fileno(), self._read_ready)
-        self._tick = self._loop.call_later(1, self._keep_alive)
 
     def _on_socket_close(self, client: paho.Client, userdata: Any, sock: Any) -> None:
         self._loop.remove_reader(sock.fileno())
-        if self._tick is not None:
-            self._tick.cancel()
+        if self._life_check is not None:
+            self._life_check.cancel()
+        self._keep_alive = None
 
     def _on_socket_register_write(self, client: paho.Client, userdata: Any, sock: Any) -> None:
         # Later in this turn, so that everything said in one turn goes together; not at once, because paho may
@@ -521,9 +525,18 @@ class _Link(aiomqtt.Client):
             self._loop.add_writer(sock.fileno(), self._flush)
             self._stuck = True
 
-    def _keep_alive(self) -> None:
-        if self._client.loop_misc() == paho.MQTT_ERR_SUCCESS and self._client.socket() is not None:
-            self._tick = self._loop.call_later(1, self._keep_alive)
+    def _check_signs_of_life(self, keep_alive: KeepAlive) -> None:
+        """Instead of paho's, which looks once a second and waits for a whole interval for the answer to its ping."""
+        match keep_alive.check(self._loop.time()):
+            case LifeSign.LOST:
+                self._break(LinkError("the broker does not answer any more"))
+                return
+            case LifeSign.PING:
+                self.put(_PINGREQ)
+            case LifeSign.WAIT:
+                pass
+        if self._lost is None:
+            self._life_check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
 
     def _read_ready(self) -> None:
         sock = self._client.socket()
@@ -539,6 +552,8 @@ class _Link(aiomqtt.Client):
                 self._take_in_all_of_it()
                 self._break(self._cut(error))
                 return
+            if data and self._keep_alive is not None:
+                self._keep_alive.heard(self._loop.time())
             if data and (self._ahead.size or len(data) > _PORTION):
                 self._read_ahead(sock, data)
             else:
@@ -576,7 +591,6 @@ class _Link(aiomqtt.Client):
         if not data:
             self._break(self._cut())
             return
-        self._client._last_bytes_received = paho.time_func()  # or paho takes the link for dead
         try:
             packets = self._packets.feed(data)
         except WireError as error:
@@ -678,6 +692,9 @@ class _Link(aiomqtt.Client):
         if not session.resumed:
             client.drop_out_messages()  # or they would be published anew, minutes late
         self._receiver.begin_link(session)
+        keep_alive = KeepAlive(_keep_alive(properties, self._options), self._options.timeout, self._loop.time())
+        self._keep_alive = keep_alive
+        self._life_check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
         self._greeting.set_result(session)
 
     def _on_disconnect(
@@ -799,6 +816,12 @@ def _will(options: MqttOptions, *, with_properties: bool) -> aiomqtt.Will | None
         return None
     extra = _publish_properties(will.properties, PacketTypes.WILLMESSAGE) if with_properties else None
     return aiomqtt.Will(will.topic, will.payload, will.qos, will.retain, extra)
+
+
+def _keep_alive(properties: Properties | None, options: MqttOptions) -> float:
+    """The interval in seconds: the broker's where it gives one."""
+    seconds = getattr(properties, "ServerKeepAlive", None)
+    return float(seconds) if isinstance(seconds, int) and seconds > 0 else float(options.keep_alive)
 
 
 def _session(version: _Version, flags: paho.ConnectFlags, properties: Properties | None) -> Session:

@@ -10,6 +10,7 @@ import anyio
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.mqtt.client import Session
 from homebot.mqtt.incoming import Frame, FrameReader
+from homebot.mqtt.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.memory_link import MemorySocket
 from homebot.mqtt.memory_packets import connect_packet, disconnect_packet, session_of
 from homebot.mqtt.memory_requests import Answer, Requests
@@ -74,10 +75,8 @@ class Conversation:
         self._gone = anyio.Event()
         self._drained: anyio.Event | None = None
         self._unfinished: set[int] = set()  # hand-shakes of an earlier link that take up a place each
-        self._keep_alive = float(options.keep_alive)
+        self._keep_alive: KeepAlive | None = None
         self._check: asyncio.TimerHandle | None = None
-        self._sent_at = self._heard_at = self._loop.time()
-        self._pinged = False
 
     async def open(self, socket: MemorySocket) -> Session:
         """Say CONNECT on *socket*, which is to bring its bytes here, and wait for the answer.
@@ -132,7 +131,6 @@ class Conversation:
     def put(self, data: bytes) -> None:
         """Send finished packets."""
         if self._lost is None and self._socket is not None:
-            self._sent_at = self._loop.time()
             self._socket.write(data)
 
     async def wait_until_taken(self) -> None:
@@ -171,7 +169,8 @@ class Conversation:
 
     def data_received(self, data: bytes) -> None:
         """Bytes came from the broker."""
-        self._heard_at = self._loop.time()
+        if self._keep_alive is not None:
+            self._keep_alive.heard(self._loop.time())
         answers = bytearray()
         try:
             for frame in self._packets.feed(data):
@@ -215,7 +214,7 @@ class Conversation:
             case Puback() | Pubrec() | Pubcomp() | Suback() | Unsuback():
                 self._answered(packet)
             case Pingresp():
-                self._pinged = False
+                pass  # it was heard
             case Disconnect():
                 self._lose(farewell_error(packet.reason))
             case _:
@@ -228,7 +227,8 @@ class Conversation:
             self._lose(login_error(packet.reason))
             return
         self.granted = session = session_of(packet, self.version)
-        self._keep_alive = float(packet.properties.server_keep_alive or self._options.keep_alive)
+        seconds = packet.properties.server_keep_alive or self._options.keep_alive
+        self._keep_alive = KeepAlive(seconds, self._options.timeout, self._loop.time())
         again = self._requests.begin_link(resumed=session.resumed)
         self._unfinished = {each.packet_id for each in again if each.packet_id is not None}
         self.window = SendWindow(min(session.receive_maximum, _IN_FLIGHT) - len(again))
@@ -236,7 +236,7 @@ class Conversation:
         self._greeting.set_result(session)
         for each in again:
             self.say(each)
-        self._check = self._loop.call_later(self._keep_alive, self._check_signs_of_life)
+        self._check = self._loop.call_at(self._keep_alive.due, self._check_signs_of_life, self._keep_alive)
 
     def _answered(self, packet: Answer) -> None:
         self._requests.answered(packet)
@@ -244,17 +244,16 @@ class Conversation:
             self._unfinished.discard(packet.packet_id)
             self.window.release()
 
-    def _check_signs_of_life(self) -> None:
-        """Ask for a sign where nothing was said, or heard, for the keep-alive time."""
-        if self._pinged:
-            self._break(LinkError("the broker does not answer any more"))
-            return
-        due = min(self._sent_at, self._heard_at) + self._keep_alive
-        if due <= self._loop.time():
-            self._pinged = True
-            self.say(Pingreq())
-            due = self._loop.time() + min(self._options.timeout, self._keep_alive)
-        self._check = self._loop.call_at(due, self._check_signs_of_life)
+    def _check_signs_of_life(self, keep_alive: KeepAlive) -> None:
+        match keep_alive.check(self._loop.time()):
+            case LifeSign.LOST:
+                self._break(LinkError("the broker does not answer any more"))
+                return
+            case LifeSign.PING:
+                self.say(Pingreq())
+            case LifeSign.WAIT:
+                pass
+        self._check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
 
     def _break(self, reason: LinkError | RefusedError) -> None:
         if self._socket is not None:

@@ -58,7 +58,8 @@ class MqttOptions:
         password: Never shown by repr, logs or errors.
         client_id: Name of the client at the broker, unique there; the default is random, so a session
             that should outlive the process needs a stable one.
-        keep_alive: Longest silence in seconds before the link is checked, 5 to 65535.
+        keep_alive: Longest silence in seconds before the link is checked, 5 to 65535; a link that carries nothing any
+            more is found out after one and a half times this.
         timeout: Longest wait in seconds for the broker's answer to one request.
         session_expiry: Seconds that the broker keeps subscriptions and unacknowledged messages after the
             link is gone, 0 to 4294967295. 0 starts clean each time. MQTT 3.1.1 knows only 0 and for ever.

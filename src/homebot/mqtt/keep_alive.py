@@ -1,0 +1,59 @@
+"""When to ask a silent broker for a sign of life, and when to take it for dead. No I/O."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import final
+
+__all__ = ["KeepAlive", "LifeSign"]
+
+
+class LifeSign(Enum):
+    """What is to be done now."""
+
+    WAIT = "wait"
+    PING = "ping"
+    LOST = "lost"
+
+
+@final
+class KeepAlive:
+    """The keep-alive of one link, seen from the client.
+
+    It pings once in every interval, and as soon as nothing came for one. An answer has to come, or anything else,
+    within the time-out or half an interval, whichever is shorter: so a link that carries nothing any more is found
+    out after one and a half intervals at most.
+
+    Args:
+        interval: The keep-alive interval in seconds.
+        timeout: The longest wait for an answer, in seconds.
+        now: The time, by a clock that never goes back.
+
+    Attributes:
+        due: When to look again.
+    """
+
+    def __init__(self, interval: float, timeout: float, now: float) -> None:
+        self._interval = interval
+        self._patience = min(timeout, interval / 2)
+        self._heard_at = self._pinged_at = now
+        self._waiting = False
+        self.due = now + interval
+
+    def heard(self, now: float) -> None:
+        """Bytes came."""
+        self._heard_at = now
+        self._waiting = False
+
+    def check(self, now: float) -> LifeSign:
+        """Say what is to be done now; a ping counts as sent."""
+        if self._waiting:
+            self.due = self._pinged_at + self._patience
+            return LifeSign.LOST if self.due <= now else LifeSign.WAIT
+        self.due = min(self._heard_at, self._pinged_at) + self._interval
+        if self.due > now:
+            return LifeSign.WAIT
+        self._pinged_at = now
+        self._waiting = True
+        self.due = now + self._patience
+        return LifeSign.PING
