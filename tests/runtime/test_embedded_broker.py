@@ -8,6 +8,8 @@ from contextlib import ExitStack, suppress
 from structlog.testing import capture_logs
 
 from homebot.clock import LoopClock
+from homebot.devices.quarantine import GetHealth, HealthRequest
+from homebot.graph import Graph, Node
 from homebot.runtime.embedded_broker import FIRST_PORT, NEIGHBOURS, embedded_broker
 
 
@@ -17,7 +19,21 @@ async def test_where_all_usual_ports_are_taken_any_free_one_does() -> None:
         for port in range(FIRST_PORT, FIRST_PORT + NEIGHBOURS):
             with suppress(OSError):  # somebody else's: taken as well
                 stack.enter_context(socket.create_server(("127.0.0.1", port)))
-        async with embedded_broker(LoopClock()) as broker:
+        async with embedded_broker(Graph(LoopClock()), LoopClock()) as broker:
             assert broker.port not in range(FIRST_PORT, FIRST_PORT + NEIGHBOURS)
     (told,) = [line["message"] for line in lines if line["event"] == "runtime.broker_started"]
     assert told == f"embedded MQTT broker on {broker.url} (port 1883 was taken)"
+
+
+async def test_what_it_counts_and_lost_is_told_on_the_graph() -> None:
+    """`homebot doctor` asks every service of this type."""
+    graph = Graph(LoopClock())
+    async with embedded_broker(graph, LoopClock()) as broker, Node(graph, "asker") as node:
+        client = node.create_client(GetHealth, "/broker/health")
+        well = await client.call(HealthRequest())
+        assert well.troubles == ()
+        assert {one.name: one.count for one in well.counts}["dropped_offline"] == 0
+        broker.hub.counters.dropped_offline += 5
+        ill = await client.call(HealthRequest())
+    assert ill.troubles == ("in the last ten minutes it dropped 5 messages (5 for clients that were away too long)",)
+    assert {one.name: one.count for one in ill.counts}["dropped_offline"] == 5

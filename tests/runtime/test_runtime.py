@@ -120,6 +120,7 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
                 nodes[change.change].append(change.entity.name)
     assert nodes["added"] == [
         "/homebot",
+        "/broker",
         "/gateway/mqtt",
         "/discovery",
         "/first",

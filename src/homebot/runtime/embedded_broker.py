@@ -5,11 +5,15 @@ from __future__ import annotations
 import errno
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import asdict
+from functools import partial
 
 import structlog
 
 from homebot.clock import Clock
+from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.errors import LinkError
+from homebot.graph import Graph, Node
 from homebot.mqtt.broker import Broker, PortTakenError
 
 __all__ = ["embedded_broker"]
@@ -24,15 +28,28 @@ _log = structlog.get_logger(node="/homebot")
 
 
 @asynccontextmanager
-async def embedded_broker(clock: Clock) -> AsyncIterator[Broker]:
-    """Run the embedded broker on 127.0.0.1, port 1883 or the next free one, and say which."""
+async def embedded_broker(graph: Graph, clock: Clock) -> AsyncIterator[Broker]:
+    """Run the embedded broker on 127.0.0.1, port 1883 or the next free one, and say which.
+
+    Its counts, and what it lost lately, are told by the service ``/broker/health``.
+    """
     broker = await _started(clock)
     try:
         taken = f" (port {FIRST_PORT} was taken)" if broker.port != FIRST_PORT else ""
         _log.info(STARTED, message=f"embedded MQTT broker on {broker.url}{taken}", url=broker.url)
-        yield broker
+        async with Node(graph, "broker") as node:
+            node.create_service(GetHealth, "/broker/health", partial(_health, broker))
+            yield broker
     finally:
         await broker.stop()
+
+
+def _health(broker: Broker, _request: HealthRequest) -> HealthResponse:
+    lost = broker.losses
+    return HealthResponse(
+        counts=tuple(Count(name=name, count=count) for name, count in asdict(broker.stats).items()),
+        troubles=(f"in the last ten minutes it dropped {lost}",) if lost else (),
+    )
 
 
 async def _started(clock: Clock) -> Broker:

@@ -197,7 +197,7 @@ class Runtime:
         if self._broker is not None:
             url = self._broker.url
         else:
-            url = (await stack.enter_async_context(embedded_broker(self._clock))).url
+            url = (await stack.enter_async_context(embedded_broker(self.graph, self._clock))).url
         self.broker_url = url
         return tuple(_on_broker(gateway, url) for gateway in gateways)
 

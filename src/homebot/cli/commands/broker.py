@@ -15,6 +15,7 @@ from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.broker.authentication import is_loopback
+from homebot.mqtt.broker.losses import loss_words
 from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter
 from homebot.output import queued_output
@@ -88,10 +89,12 @@ async def _running(broker: Broker) -> AsyncIterator[None]:
         _log.info(SERVING, message=f"MQTT broker on {broker.url}; Ctrl-C stops it", url=broker.url)
         yield
     stats = broker.stats
+    words = loss_words(broker.hub.counters)
+    lost = f"; it dropped {words}" if words else ""
     _log.info(
         ENDED,
         message=f"the broker stopped; it had taken {stats.messages_received} messages from "
-        f"{stats.connections_accepted} connections and sent {stats.messages_sent}",
+        f"{stats.connections_accepted} connections and sent {stats.messages_sent}{lost}",
         connections=stats.connections_accepted,
         messages_received=stats.messages_received,
         messages_sent=stats.messages_sent,

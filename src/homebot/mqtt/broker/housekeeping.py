@@ -6,6 +6,7 @@ import asyncio
 from typing import Final, final
 
 from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.losses import LossReport
 from homebot.mqtt.broker.memory import MemoryKeeper
 
 __all__ = ["Housekeeping"]
@@ -20,8 +21,14 @@ class Housekeeping:
 
     def __init__(self, hub: Hub) -> None:
         self._hub = hub
+        self._losses = LossReport(hub.counters)
         self._memory = MemoryKeeper()
         self._timer: asyncio.TimerHandle | None = None
+
+    @property
+    def losses(self) -> str:
+        """What was lost in the last ten minutes, in words."""
+        return self._losses.lately
 
     def start(self) -> None:
         """Begin."""
@@ -35,5 +42,7 @@ class Housekeeping:
 
     def _run(self) -> None:
         counters = self._hub.counters
+        if lost := self._losses.take():
+            self._hub.warn("broker.dropped", f"the broker dropped {lost} in the last {_EVERY:g} s")
         self._memory.look(counters.connections_closed + counters.messages_received // _MESSAGES)
         self.start()

@@ -148,6 +148,11 @@ class Broker:
         return self.hub.stats
 
     @property
+    def losses(self) -> str:
+        """Which messages were lost in the last ten minutes, in words; empty where none was, or it does not run."""
+        return "" if self._housekeeping is None else self._housekeeping.losses
+
+    @property
     def hub(self) -> Hub:
         """The broker's state; it stays over restarts.
 

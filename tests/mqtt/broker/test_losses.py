@@ -1,0 +1,50 @@
+"""What the broker lost is told."""
+
+from __future__ import annotations
+
+from structlog.testing import capture_logs
+from tests.mqtt.broker.conftest import Dial
+
+from homebot.mqtt.broker import Broker, BrokerLimits
+from homebot.mqtt.broker.losses import LossReport, loss_words
+from homebot.mqtt.broker.stats import Counters
+from homebot.mqtt.packets import FilterRequest, Publish, Subscribe
+
+
+def test_losses_are_told_by_their_reasons() -> None:
+    counters = Counters(dropped_qos0=3, dropped_too_large=1, dropped_expired=7, dropped_refused=7)
+    assert loss_words(counters) == (
+        "4 messages (3 of QoS 0 for clients that read too slowly, 1 too large for their clients)"
+    )
+    assert loss_words(Counters(dropped_offline=1)) == "1 message (1 for clients that were away too long)"
+    assert loss_words(Counters()) == ""
+
+
+def test_each_loss_is_told_once_and_remembered_for_a_while() -> None:
+    counters = Counters()
+    report = LossReport(counters)
+    assert (report.take(), report.lately) == ("", "")
+    counters.dropped_overrun += 2
+    assert report.take() == "2 messages (2 for clients that stayed too slow)"
+    assert report.take() == ""
+    for _ in range(50):
+        report.take()
+    assert report.lately == "2 messages (2 for clients that stayed too slow)"
+    for _ in range(10):
+        report.take()
+    assert report.lately == ""
+
+
+async def test_a_loss_stands_in_the_log_and_in_the_brokers_own_words(dial: Dial) -> None:
+    with capture_logs() as lines:
+        async with Broker(limits=BrokerLimits(max_retained_messages=1)) as broker:
+            client = await dial(broker)
+            await client.send(Publish("a", b"x", retain=True), Publish("b", b"x", retain=True))
+            await client.call(Subscribe(1, (FilterRequest("c"),)))
+            assert broker._housekeeping is not None
+            broker._housekeeping._run()
+            broker._housekeeping._run()
+            assert broker.losses == "1 message (1 that were to be retained, for want of room)"
+        assert broker.losses == ""
+    told = [line["message"] for line in lines if line["event"] == "broker.dropped"]
+    assert told == ["the broker dropped 1 message (1 that were to be retained, for want of room) in the last 10 s"]
