@@ -60,10 +60,12 @@ class AttackedBroker:
     Attributes:
         pid: Its process.
         port: Where it listens.
+        sockets: Those that were opened to it; closed at the end.
     """
 
     def __init__(self, process: subprocess.Popen[str]) -> None:
         self.pid = process.pid
+        self.sockets: list[socket.socket] = []
         self._process = process
         self.port = int(self._answer()["port"])
 
@@ -87,6 +89,7 @@ class AttackedBroker:
     def open(self, data: bytes = b"") -> socket.socket:
         """Open a socket and send *data*."""
         opened = socket.create_connection(("127.0.0.1", self.port), timeout=30)
+        self.sockets.append(opened)
         if data:
             opened.sendall(data)
         return opened
@@ -144,7 +147,9 @@ def attacked_broker(*, user: str = "") -> Iterator[AttackedBroker]:
     process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT)
     with process:
         try:
-            yield AttackedBroker(process)
+            broker = AttackedBroker(process)
+            with closing(broker.sockets):
+                yield broker
         finally:
             process.kill()
 

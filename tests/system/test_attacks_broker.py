@@ -7,20 +7,24 @@ import socket
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import product
+from typing import Any
 
 import pytest
-from tests.system.broker_probe import PASSWORD, AttackedBroker, Toll, attacked_broker, closing, is_closed
+from tests.system.broker_probe import PASSWORD, AttackedBroker, Client, Toll, attacked_broker, closing, is_closed
 
 from homebot.mqtt.packets import (
     Connect,
     FilterRequest,
     Pingreq,
     Pingresp,
+    Properties,
     Publish,
     ReasonCode,
     Suback,
     Subscribe,
+    Will,
     encode,
 )
 
@@ -203,3 +207,109 @@ def test_passwords_are_guessed_slowly_and_a_known_client_comes_in_at_once() -> N
             assert toll.stats.logins_failed <= 4 + took / 0.5
             assert toll.turn < LONGEST_TURN
         recovered(broker, before)
+
+
+def subscribed(broker: AttackedBroker, name: str, topic: str, qos: int, **more: Any) -> Client:
+    client = broker.client(name, **more)
+    client.send(Subscribe(1, (FilterRequest(topic, qos),)))
+    assert isinstance(client.take(), Suback)
+    return client
+
+
+def test_clients_that_do_not_read_take_bounded_memory(broker: AttackedBroker) -> None:
+    before = broker.toll()
+    for turn in range(2):
+        deaf = [subscribed(broker, f"{turn}-{number}", f"deaf/{number}", 0) for number in range(200)]
+        publisher = broker.client("publisher")
+        with closing([each.socket for each in (*deaf, publisher)]):
+            for _ in range(6):
+                for number in range(200):
+                    publisher.send(Publish(f"deaf/{number}", bytes(500_000)))
+            publisher.send(Pingreq())
+            publisher.take()
+            withstood(broker, before, "600 MB for 200 clients that do not read")
+    recovered(broker, before)
+
+
+def test_clients_that_do_not_acknowledge_take_bounded_memory(broker: AttackedBroker) -> None:
+    before = broker.toll()
+    mute = [subscribed(broker, f"mute{number}", f"mute/{number}", 1) for number in range(50)]
+    publisher = broker.client("publisher")
+    with closing([each.socket for each in (*mute, publisher)]):
+        for count in range(40):
+            for number in range(50):
+                publisher.send(Publish(f"mute/{number}", bytes(100_000), 1, packet_id=count * 50 + number + 1))
+                for each in mute[number : number + 1]:
+                    each.socket.setblocking(False)
+                    with suppress(BlockingIOError, ConnectionError):
+                        while each.socket.recv(1 << 20):
+                            pass
+                publisher.take()
+        withstood(broker, before, "200 MB for 50 clients that do not acknowledge")
+    recovered(broker, before)
+
+
+def test_sessions_that_nobody_comes_back_for_take_bounded_memory(broker: AttackedBroker) -> None:
+    before = broker.toll()
+    forever = Properties(session_expiry_interval=0xFFFF_FFFF)
+    subscribed(broker, "kept", "to/kept", 1, properties=forever).close()
+    publisher = broker.client("publisher")
+    publisher.send(Publish("to/kept", b"kept", 1, packet_id=1))
+    publisher.take()
+    for number in range(400):
+        subscribed(broker, f"left{number}", f"to/left{number}", 1, properties=forever).close()
+    for count in range(3):
+        for number in range(400):
+            publisher.send(Publish(f"to/left{number}", bytes(100_000), 1, packet_id=2))
+            publisher.take()
+        print(f"\nround {count}: {broker.toll()}")
+    withstood(broker, before, "120 MB for 400 sessions without a client")
+    honest = broker.client("kept", clean_start=False, properties=forever)
+    kept = honest.take()
+    assert isinstance(kept, Publish)
+    assert kept.payload == b"kept"
+    honest.close()
+    publisher.close()
+    assert broker.toll().stats.dropped_offline > 500
+
+
+def test_retained_messages_take_bounded_memory(broker: AttackedBroker) -> None:
+    before = broker.toll()
+    publisher = broker.client("publisher")
+    for number in range(1000):
+        publisher.send(Publish(f"r/{number}", bytes(100_000), 1, True, packet_id=1))
+        publisher.take()
+    for number in range(60_000):
+        publisher.send(Publish(f"s/{number}", b"x", 0, True))
+    publisher.send(Pingreq())
+    publisher.take()
+    now = withstood(broker, before, "100 MB and 60,000 topics of retained messages")
+    assert now.stats.retained_refused > 600
+    publisher.close()
+
+
+def test_wills_take_bounded_memory(broker: AttackedBroker) -> None:
+    before = broker.toll()
+    will = Will("w", bytes(65_000), properties=Properties(will_delay_interval=1000))
+    clients = []
+    refused = 0
+    for number in range(600):
+        opened = broker.open()
+        client = Client(opened, Connect(f"w{number}", will=will, properties=Properties(session_expiry_interval=2000)))
+        refused += client.connack.reason.failed
+        clients.append(opened)
+    with closing(clients):
+        withstood(broker, before, f"600 wills of 65 kB, {refused} refused", memory=32)
+    assert refused > 400
+
+
+def test_clients_that_come_and_go_leave_nothing(broker: AttackedBroker) -> None:
+    """Each comes, subscribes, publishes and goes without a word; a third takes over the id of another."""
+    before = broker.toll()
+    began = time.monotonic()
+    for number in range(1500):
+        client = broker.client(f"c{number % 3}" if number % 3 else f"n{number}")
+        client.send(Subscribe(1, (FilterRequest(f"t/{number}/#", 1),)), Publish(f"t/{number}", bytes(1000)))
+        client.close()
+    withstood(broker, before, f"1,500 logins in {time.monotonic() - began:.1f} s", memory=16)
+    recovered(broker, before)

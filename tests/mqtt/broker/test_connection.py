@@ -36,6 +36,9 @@ class FakeTransport(asyncio.Transport):
 
     def close(self) -> None: ...
 
+    def get_write_buffer_size(self) -> int:
+        return 0
+
 
 class Wire:
     """A logged-in client on the far side of a connection."""

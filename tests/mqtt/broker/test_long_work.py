@@ -75,15 +75,15 @@ WILD = [f"{'+/' * depth}{level}/#" for depth in range(20) for level in ("a", "b"
     ("topics", "filters"),
     [
         pytest.param(
-            [f"a/{one}/b/{two}" for one in range(100) for two in range(50)],
+            [f"a/{one}/b/{two}" for one in range(25) for two in range(50)],
             [f"+/+/b/{number}" for number in range(460)],
             id="13.9 kB of filters with two wildcards",
         ),
         pytest.param([f"a/{number}" for number in range(5000)], ["#"], id="everything"),
         pytest.param([f"a/b/{number}" for number in range(2000)], WILD, id="filters that overlap"),
         pytest.param(
-            ["/".join(levels) for levels in product("ab", repeat=10)],
-            ["/".join(levels) for levels in product("a+", repeat=10)],
+            ["/".join(levels) for levels in product("ab", repeat=9)],
+            ["/".join(levels) for levels in product("a+", repeat=9)],
             id="all ways to put a plus",
         ),
         pytest.param([f"t/{number}" for number in range(3000)], [f"t/{number}" for number in range(4000)], id="plain"),
@@ -101,8 +101,14 @@ def test_no_subscribe_takes_long_at_once_and_all_retained_messages_come(
     suback, *messages = client.take()
     assert isinstance(suback, Suback)
     assert len(suback.reasons) == len(filters)
-    matched = sorted(topic for topic in topics for each in filters if matches(each, topic))
-    assert sorted(message.topic for message in messages if isinstance(message, Publish)) == matched
+    assert sorted(message.topic for message in messages if isinstance(message, Publish)) == matched(filters, topics)
+
+
+def matched(filters: list[str], topics: list[str]) -> list[str]:
+    """Each topic as often as a filter matches it."""
+    wild = [each for each in filters if "+" in each or "#" in each]
+    plain = set(filters) & set(topics)
+    return sorted([*plain, *(topic for topic in topics for each in wild if matches(each, topic))])
 
 
 def matches(name: str, topic: str) -> bool:

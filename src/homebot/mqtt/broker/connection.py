@@ -16,6 +16,7 @@ from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["Connection"]
 
+_WORTH_COUNTING = 16 * 1024  # bytes that wait for one socket
 _JOIN_AT_MOST = 128 * 1024  # write at once what has grown to this, so that the transport's limit counts
 _TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linux has it
 
@@ -55,6 +56,7 @@ class Connection(asyncio.BufferedProtocol):
         self._out: list[bytes] = []
         self._out_size = 0
         self._closing = False
+        self._is_slow = False
         self._lingering: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -101,6 +103,7 @@ class Connection(asyncio.BufferedProtocol):
         self._closing = True
         if self._lingering is not None:
             self._lingering.cancel()
+        self._note_unsent(0)
         self.peer.lost()
         self._sockets.lost(self)
 
@@ -111,6 +114,7 @@ class Connection(asyncio.BufferedProtocol):
     def resume_writing(self) -> None:
         """The socket's buffer is almost empty again."""
         self.choked = False
+        self._note_unsent(self.unsent)
         self.peer.writable()
 
     def write(self, data: bytes) -> None:
@@ -170,6 +174,27 @@ class Connection(asyncio.BufferedProtocol):
         if self._transport is not None:
             self._transport.abort()
 
+    @property
+    def unsent(self) -> int:
+        """The bytes that wait for the socket."""
+        return 0 if self._transport is None else self._transport.get_write_buffer_size()
+
+    def give_up(self) -> None:
+        """Cut the connection of a client that takes too little."""
+        self._hub.counters.clients_stalled += 1
+        self._hub.warn(
+            "broker.client_stalled",
+            f"the broker cut off {self.peer.words}: {self.unsent} bytes wait for its socket, more than for any other",
+            address=self.address,
+            unsent=self.unsent,
+        )
+        self.abort()
+
+    def _note_unsent(self, size: int) -> None:
+        if size >= _WORTH_COUNTING or self._is_slow:
+            self._is_slow = size >= _WORTH_COUNTING
+            self._hub.unsent.note(self, size if self._is_slow else 0)
+
     def _acknowledge(self) -> None:
         """Have TCP acknowledge what came, which no answer of ours will do now.
 
@@ -184,3 +209,6 @@ class Connection(asyncio.BufferedProtocol):
             self._out.clear()
             self._out_size = 0
             self._transport.write(data)
+            unsent = self._transport.get_write_buffer_size()
+            if unsent:
+                self._note_unsent(unsent)

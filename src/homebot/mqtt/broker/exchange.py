@@ -7,7 +7,7 @@ from typing import NamedTuple, final
 
 from homebot.clock import Clock
 from homebot.mqtt.broker.limits import BrokerLimits
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.message import BULKY, Message
 from homebot.mqtt.broker.queue import Parcel
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.retained import RetainedMessages
@@ -96,7 +96,7 @@ class Exchange:
                 refused = True
             elif chosen is not None and outcome:
                 slow.append(chosen)
-        if message.retain:
+        if message.retain or message.size >= BULKY:
             message.forget_encoded()
         if refused or not retained:
             return Receipt(ReasonCode.QUOTA_EXCEEDED, tuple(slow))

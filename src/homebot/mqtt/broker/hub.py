@@ -20,12 +20,15 @@ from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.login_throttle import LoginThrottle
 from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.policy import Policy, RefusedFilters
+from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
 from homebot.mqtt.broker.unread import UnreadPackets
+from homebot.mqtt.broker.unsent import UnsentBytes
 from homebot.mqtt.broker.waiting_logins import WaitingLogins
 from homebot.mqtt.broker.words import short
 from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.packets import ReasonCode
 
 if TYPE_CHECKING:
     from homebot.mqtt.broker.peer import Peer
@@ -59,6 +62,8 @@ class Hub:
         waiting_logins: Connections that have not logged in.
         throttle: How long they have to wait after wrong passwords.
         unread_logins: Their incomplete packets.
+        pool: What waits for all sessions.
+        unsent: What waits for all sockets.
         unread: The incomplete packets of the others.
     """
 
@@ -87,6 +92,10 @@ class Hub:
         self.waiting_logins = WaitingLogins(limits.max_waiting_logins)
         self.throttle = LoginThrottle(clock)
         self.unread_logins = UnreadPackets(max(limits.max_unread_login_bytes, limits.max_connect_size))
+        self.pool = QueuePool(limits.max_all_queued_bytes)
+        self.pool.on_overrun = self._plan_relief
+        self._is_relief_planned = False
+        self.unsent = UnsentBytes(limits.max_all_unsent_bytes)
         self.unread = UnreadPackets(max(limits.max_unread_bytes, limits.max_packet_size), _CUT_BY_A_READ)
         self._log_limit = LogLimit(clock, burst=_WARNINGS)
         self._clear()
@@ -124,6 +133,42 @@ class Hub:
         known = {key: short(fact) if isinstance(fact, str) else fact for key, fact in facts.items()}
         _log.warning(event, message=f"{message}{more}", held_back=held_back, **known)
 
+    @property
+    def will_bytes(self) -> int:
+        """The size of the wills of all clients, and of those that wait for their time."""
+        return self.sessions.will_bytes + sum(peer.will_bytes for peer in self.peers.values())
+
+    def _plan_relief(self) -> None:
+        """Soon, because whoever fills the queues is in the middle of it."""
+        if not self._is_relief_planned:
+            self._is_relief_planned = True
+            self.deadlines.at(self.clock.monotonic(), self._relieve)
+
+    def _relieve(self) -> None:
+        """While too much waits: those for whom most waits lose the oldest of it, and their connection first."""
+        self._is_relief_planned = False
+        while self.pool.is_overrun:
+            session = self.sessions.largest()
+            if session is None or not session.size:
+                return
+            if session.outbound is not None:
+                self.counters.clients_stalled += 1
+                self.warn(
+                    "broker.client_stalled",
+                    f"the broker cut off client {short(session.client_id)!r}: {session.queued} messages wait for it, "
+                    "more than for any other, and there is no room for the others",
+                    client_id=session.client_id,
+                    queued=session.queued,
+                )
+                self.peers[session.client_id].end(ReasonCode.QUOTA_EXCEEDED)
+            elif session.queued:
+                session.shrink()
+            else:
+                self.counters.sessions_evicted += 1
+                self.sessions.end(session.client_id)
+
     def _clear(self) -> None:
         self.exchange = Exchange(self.clock, self.limits, self.counters, self._on_message, self.turn)
-        self.sessions = Sessions(self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.work)
+        self.sessions = Sessions(
+            self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.work, self.pool
+        )

@@ -46,6 +46,7 @@ class Inbound:
         self._session = session
         self._outbound = outbound
         self._aliases: dict[int, str] = {}
+        self._alias_text = 0
         self._open: set[int] = set()  # QoS 2 ids taken on this connection and not released
         self._is_v5 = self.refusable = outbound.version is ProtocolVersion.V5
         self.gone = False
@@ -159,6 +160,9 @@ class Inbound:
         if alias > self._hub.limits.topic_alias_maximum:
             raise PacketError(f"topic alias {alias} is too high", code=ReasonCode.TOPIC_ALIAS_INVALID)
         if packet.topic:
+            self._alias_text += len(packet.topic) - len(self._aliases.get(alias, ""))
+            if self._alias_text > self._hub.limits.max_alias_text:
+                raise PacketError("its topic aliases are too long", code=ReasonCode.QUOTA_EXCEEDED)
             self._aliases[alias] = packet.topic
         elif alias not in self._aliases:
             raise PacketError(f"topic alias {alias} was not set", code=ReasonCode.PROTOCOL_ERROR)

@@ -41,6 +41,12 @@ class BrokerLimits:
         max_queued_messages: Messages waiting for one client. While it is away the oldest is dropped; while it
             is connected but slow, publishers are held back from three quarters of this on.
         max_queued_bytes: The same in bytes of topic, payload and properties.
+        max_all_queued_bytes: Bytes of all messages that wait, a message that waits for many counted once; beyond it the
+            session for which most waits loses: first its connection, then its oldest messages.
+        max_all_unsent_bytes: Bytes waiting for all sockets; beyond it the socket for which most wait is cut.
+        max_will_bytes: The wills of all clients; a client with one more of above 1 KiB is refused (0x97).
+        max_client_id: Characters of a client id; a client with a longer one is refused (0x85).
+        max_alias_text: Characters of all topics that a client has given aliases; beyond it its connection ends (0x97).
         hold_time: How long publishers are held back for a slow client; after that its share of further
             messages is refused (0x97) until it has caught up. Publishers before MQTT 5, which cannot be refused,
             wait on; a client that acknowledges less than max_inflight messages in this time is then cut off (0x97).
@@ -72,13 +78,18 @@ class BrokerLimits:
     receive_maximum: int = 1024
     topic_alias_maximum: int = 64
     max_queued_messages: int = 10_000
-    max_queued_bytes: int = 32 * _MIB
+    max_queued_bytes: int = 16 * _MIB
+    max_all_queued_bytes: int = 32 * _MIB
+    max_all_unsent_bytes: int = 24 * _MIB
+    max_will_bytes: int = 8 * _MIB
+    max_client_id: int = 1024
+    max_alias_text: int = 32 * 1024
     hold_time: float = 10.0
     max_held_packets: int = 1024
     max_held_bytes: int = 4 * _MIB
     write_buffer: int = 2 * _MIB
     max_retained_messages: int = 50_000
-    max_retained_bytes: int = 64 * _MIB
+    max_retained_bytes: int = 32 * _MIB
     connect_timeout: float = 10.0
     linger: float = 1.0
     stop_timeout: float = 0.2

@@ -7,6 +7,7 @@ from math import inf
 
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.login_throttle import Applicant
+from homebot.mqtt.broker.sessions import will_size
 from homebot.mqtt.broker.words import host_of
 from homebot.mqtt.packets import (
     MAX_PACKET_SIZE,
@@ -20,6 +21,7 @@ from homebot.mqtt.packets import (
 
 __all__ = ["Login", "accept", "expiry_of", "may_try_at", "refusal", "welcome"]
 
+_SMALL_WILL = 1024  # bytes; those of all clients together are not worth the counting
 _NEVER = 0xFFFF_FFFF
 _DEFAULT_RECEIVE_MAXIMUM = 65_535
 
@@ -71,11 +73,9 @@ def refusal(connect: Connect, hub: Hub, address: str) -> ReasonCode:
         hub.throttle.succeeded(applicant)
     if verdict.failed:
         return verdict
-    if not connect.client_id and not connect.clean_start and connect.version is ProtocolVersion.V311:
+    if not _is_client_id(connect, hub):
         return ReasonCode.CLIENT_IDENTIFIER_NOT_VALID
-    if not connect.client_id and connect.version is ProtocolVersion.V31:
-        return ReasonCode.CLIENT_IDENTIFIER_NOT_VALID
-    if len(hub.peers) >= hub.limits.max_connections and connect.client_id not in hub.peers:
+    if not _has_room(connect, hub):
         return ReasonCode.QUOTA_EXCEEDED
     if not _can_be_welcomed(connect, hub):
         return ReasonCode.PACKET_TOO_LARGE
@@ -129,6 +129,20 @@ def welcome(login: Login, hub: Hub, *, session_present: bool) -> Connack:
 def expiry_of(seconds: int) -> float:
     """A session expiry interval as a number to count with: 0xFFFFFFFF is infinite."""
     return inf if seconds == _NEVER else float(seconds)
+
+
+def _is_client_id(connect: Connect, hub: Hub) -> bool:
+    if not connect.client_id:
+        kept = not connect.clean_start and connect.version is ProtocolVersion.V311
+        return not kept and connect.version is not ProtocolVersion.V31
+    return len(connect.client_id) <= hub.limits.max_client_id
+
+
+def _has_room(connect: Connect, hub: Hub) -> bool:
+    if len(hub.peers) >= hub.limits.max_connections and connect.client_id not in hub.peers:
+        return False
+    will = will_size(connect.will)
+    return will <= _SMALL_WILL or hub.will_bytes + will <= hub.limits.max_will_bytes
 
 
 def _applicant(connect: Connect, hub: Hub, address: str) -> Applicant | None:

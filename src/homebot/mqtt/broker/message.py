@@ -9,7 +9,11 @@ from typing import final
 from homebot.mqtt.packets import NO_PROPERTIES, Properties, ProtocolVersion, Publish
 from homebot.mqtt.packets.publish import encode_publish_parts
 
-__all__ = ["Message"]
+__all__ = ["BULKY", "Message", "size_of"]
+
+_PAIR = 160  # bytes that a user property takes beside its text
+BULKY = 8 * 1024
+"""Bytes of a message that is not kept encoded while it waits: it would take twice the memory it is counted with."""
 
 _MAX_ENCODED = 8  # two versions at three QoS, and some for subscription identifiers
 
@@ -26,11 +30,24 @@ class Message:
         properties: What goes on to subscribers: no topic alias, no subscription identifiers.
         origin: Client id of the publisher.
         expires_at: When it is worthless, on the clock's monotonic scale, or None.
+        holders: How many places it has in queues.
         order: Its number among the retained messages; only they have one.
         size: About its bytes (topic, payload and properties), for the bounds.
     """
 
-    __slots__ = ("_parts", "expires_at", "order", "origin", "payload", "properties", "qos", "retain", "size", "topic")
+    __slots__ = (
+        "_parts",
+        "expires_at",
+        "holders",
+        "order",
+        "origin",
+        "payload",
+        "properties",
+        "qos",
+        "retain",
+        "size",
+        "topic",
+    )
 
     order: int
 
@@ -51,9 +68,10 @@ class Message:
         self.properties = properties
         self.origin = origin
         self.expires_at = expires_at
+        self.holders = 0
         self.size = len(topic) + len(payload)
         if properties is not NO_PROPERTIES:
-            self.size += _size_of(properties)
+            self.size += size_of(properties)
         self._parts: dict[object, tuple[bytes, bytes]] = {}
 
     def parts(
@@ -86,7 +104,7 @@ class Message:
             packet = Publish(self.topic, self.payload, qos, retain, properties=properties)
             head, tail = encode_publish_parts(packet, version)
             parts = (head, tail) if qos else (head + tail, b"")
-            if not retain and len(self._parts) < _MAX_ENCODED:
+            if not retain and len(self._parts) < _MAX_ENCODED and (self.size < BULKY or not self.holders):
                 self._parts[key] = parts
         return parts
 
@@ -109,7 +127,8 @@ class Message:
         return None if self.expires_at is None else max(ceil(self.expires_at - now), 0)
 
 
-def _size_of(properties: Properties) -> int:
+def size_of(properties: Properties) -> int:
+    """About the bytes that *properties* take."""
     texts = (properties.content_type, properties.response_topic, properties.correlation_data)
-    pairs = sum(len(name) + len(value) for name, value in properties.user_properties)
+    pairs = sum(_PAIR + len(name) + len(value) for name, value in properties.user_properties)
     return pairs + sum(len(text) for text in texts if text is not None)

@@ -16,6 +16,9 @@ from homebot.mqtt.packets.publish import encode_publish_parts
 __all__ = ["Outbound"]
 
 
+_LONGEST_ALIASED = 512  # characters; each client remembers its topics
+
+
 @final
 class Outbound:
     """The writing half of one connection.
@@ -74,7 +77,7 @@ class Outbound:
         """
         message, qos, retain, identifiers, _ = parcel
         alias = 0
-        if self._alias_maximum:
+        if self._alias_maximum and len(message.topic) <= _LONGEST_ALIASED:
             alias = self._aliases.get(message.topic) or self._next_alias()
         if alias:
             head, tail = self._aliased(parcel, alias)

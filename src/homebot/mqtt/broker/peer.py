@@ -21,6 +21,8 @@ from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.peer_log import PeerLog
 from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.sessions import will_size
+from homebot.mqtt.broker.words import host_of
 from homebot.mqtt.packets import (
     Auth,
     Connack,
@@ -95,6 +97,11 @@ class Peer:
     def words(self) -> str:
         """How the log calls it."""
         return self._log.words
+
+    @property
+    def will_bytes(self) -> int:
+        """The size of its will."""
+        return 0 if self._client is None else will_size(self._client.will)
 
     def receive(self, data: bytes) -> None:
         """Bytes came from the client."""
@@ -229,7 +236,9 @@ class Peer:
         other = hub.peers.get(wanted.client_id)
         if other is not None:
             other.end(ReasonCode.SESSION_TAKEN_OVER)
-        session, present = hub.sessions.open(wanted.client_id, clean_start=packet.clean_start)
+        session, present = hub.sessions.open(
+            wanted.client_id, clean_start=packet.clean_start, host=host_of(self.address)
+        )
         session.expiry = wanted.expiry
         outbound = Outbound(
             self._link,

@@ -6,6 +6,7 @@ from collections import deque
 from typing import NamedTuple, final
 
 from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.broker.replay import Replay
 
 __all__ = ["MessageQueue", "Parcel"]
@@ -39,11 +40,13 @@ class MessageQueue:
     Args:
         max_messages: Bound in messages.
         max_bytes: Bound in bytes of payload and topic; a single larger message still fits into an empty queue.
+        pool: Counts what is in all queues.
     """
 
-    __slots__ = ("_bytes", "_max_bytes", "_max_messages", "_parcels", "_qos0", "_replays")
+    __slots__ = ("_bytes", "_max_bytes", "_max_messages", "_parcels", "_pool", "_qos0", "_replays")
 
-    def __init__(self, max_messages: int, max_bytes: int) -> None:
+    def __init__(self, max_messages: int, max_bytes: int, pool: QueuePool) -> None:
+        self._pool = pool
         self._parcels: deque[Parcel | Replay] = deque()
         self._replays: deque[tuple[Replay, int]] = deque()  # with what each was counted as
         self._bytes = 0
@@ -53,6 +56,11 @@ class MessageQueue:
 
     def __len__(self) -> int:
         return len(self._parcels)
+
+    @property
+    def size(self) -> int:
+        """The bytes of what waits."""
+        return self._bytes
 
     @property
     def full(self) -> bool:
@@ -84,12 +92,14 @@ class MessageQueue:
         self._parcels.append(parcel)
         self._bytes += parcel.message.size
         self._qos0 += not parcel.qos
+        self._pool.hold(parcel.message)
 
     def append_replay(self, replay: Replay) -> None:
         """Add at the end the retained messages of new subscriptions, whatever the bound says."""
         self._parcels.append(replay)
         self._replays.append((replay, replay.size))
         self._bytes += replay.size
+        self._pool.add(replay.size)
         self._qos0 += 1
 
     def count_again(self, replay: Replay) -> None:
@@ -98,16 +108,20 @@ class MessageQueue:
             size = self._replays.pop()[1]
             self._replays.append((replay, replay.size))
             self._bytes += replay.size - size
+            self._pool.add(replay.size - size)
 
     def popleft(self) -> Parcel | Replay:
         """Take the first."""
         first = self._parcels.popleft()
         if isinstance(first, Replay):
-            self._bytes -= self._replays.popleft()[1]
+            size = self._replays.popleft()[1]
+            self._bytes -= size
+            self._pool.add(-size)
             self._qos0 -= 1
         else:
             self._bytes -= first.message.size
             self._qos0 -= not first.qos
+            self._pool.release(first.message)
         return first
 
     def drop_qos0(self) -> None:
@@ -123,8 +137,9 @@ class MessageQueue:
 
     def clear(self) -> list[Parcel]:
         """Take all but what replays still had to find."""
-        parcels = [each for each in self._parcels if not isinstance(each, Replay)]
-        self._parcels.clear()
-        self._replays.clear()
-        self._bytes = self._qos0 = 0
+        parcels = []
+        while self._parcels:
+            first = self.popleft()
+            if not isinstance(first, Replay):
+                parcels.append(first)
         return parcels

@@ -17,6 +17,7 @@ from homebot.mqtt.broker.deadlines import Deadlines
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.queue import MessageQueue, Parcel
+from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscription import Subscription
@@ -29,6 +30,7 @@ __all__ = ["LARGE", "Delivery", "HeldPublisher", "Session"]
 _SENT: Final = 6  # units of work to send a retained message,
 _BYTES: Final = 1000  # and bytes of it that are one more
 _COPIED: Final = 4000  # bytes that are copied for one unit
+_SMALL: Final = 1024  # bytes; messages up to this are not counted while they are in flight, where there are few
 LARGE: Final = 64 * 1024
 """Bytes of a message whose copies are not made all at once."""
 
@@ -71,6 +73,8 @@ class Session:
         crowded: Where a session notes itself when its queue is three quarters full and its client connected; who
             reads it strikes it out.
         work: How much may be done for it now.
+        pool: Counts what waits for all sessions.
+        host: Where its client is.
     """
 
     def __init__(
@@ -81,6 +85,8 @@ class Session:
         counters: Counters,
         crowded: dict[Session, None] | None = None,
         work: WorkBudget | None = None,
+        pool: QueuePool | None = None,
+        host: str = "",
     ) -> None:
         self.client_id = client_id
         self.expiry = 0.0
@@ -95,7 +101,10 @@ class Session:
         self._clock = clock
         self._limits = limits
         self._counters = counters
-        self._queue = MessageQueue(limits.max_queued_messages, limits.max_queued_bytes)
+        self._pool = QueuePool(limits.max_all_queued_bytes) if pool is None else pool
+        self._queue = MessageQueue(limits.max_queued_messages, limits.max_queued_bytes, self._pool)
+        self._unacknowledged = 0  # bytes of large messages in flight
+        self.host = host
         self._in_flight: dict[int, Parcel | None] = {}  # None once PUBREC has come
         self._resend: deque[int] = deque()
         self._window = limits.max_inflight
@@ -105,6 +114,11 @@ class Session:
     def queued(self) -> int:
         """Number of messages that wait."""
         return len(self._queue)
+
+    @property
+    def size(self) -> int:
+        """The bytes of what waits for it, or is large and not acknowledged."""
+        return self._queue.size + self._unacknowledged
 
     @property
     def congested(self) -> bool:
@@ -274,6 +288,8 @@ class Session:
             self._forget(packet_id)
         else:
             self._in_flight[packet_id] = None
+            if parcel is not None:
+                self._count_in_flight(parcel, -1)
             self._not_again(packet_id)
         return ReasonCode.SUCCESS
 
@@ -284,10 +300,29 @@ class Session:
 
     def unsent_shares(self) -> Iterator[Parcel]:
         """Take all messages of shared subscriptions that this client has not acknowledged, for the others."""
-        parcels = [each for each in self._in_flight.values() if each is not None] + self._queue.clear()
+        parcels = [each for each in self._in_flight.values() if each is not None]
+        for parcel in parcels:
+            self._count_in_flight(parcel, -1)
+        parcels += self._queue.clear()
         self._in_flight.clear()
         self._resend.clear()
         return (each for each in parcels if each.share is not None and each.qos)
+
+    def shrink(self) -> None:
+        """Drop the oldest of what waits for an absent client, a quarter of it."""
+        wanted = self._queue.size * 3 // 4
+        while self._queue and self._queue.size > wanted:
+            self._queue.popleft()
+            self._counters.dropped_offline += 1
+
+    def _count_in_flight(self, parcel: Parcel, sign: int) -> None:
+        message = parcel.message
+        if message.size > _SMALL:
+            self._unacknowledged += sign * message.size
+            if sign > 0:
+                self._pool.hold(message)
+            else:
+                self._pool.release(message)
 
     def _keep(self, parcel: Parcel) -> Delivery:
         while self._queue and self._queue.full:
@@ -338,15 +373,20 @@ class Session:
         self._last_id = packet_id
         if outbound.publish(parcel, packet_id):
             self._in_flight[packet_id] = parcel
+            if parcel.message.size > _SMALL:
+                self._count_in_flight(parcel, 1)
 
     def _send_again(self, outbound: Outbound, packet_id: int) -> None:
         parcel = self._in_flight[packet_id]
         if parcel is not None and not outbound.publish(parcel, packet_id, dup=True):
             del self._in_flight[packet_id]
+            self._count_in_flight(parcel, -1)
 
     def _forget(self, packet_id: int) -> None:
         self.settled += 1
-        del self._in_flight[packet_id]
+        parcel = self._in_flight.pop(packet_id)
+        if parcel is not None and parcel.message.size > _SMALL:
+            self._count_in_flight(parcel, -1)
         if self._resend:
             self._not_again(packet_id)
         if self._queue or self._resend:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from math import inf
@@ -11,13 +12,14 @@ from homebot.clock import Clock
 from homebot.mqtt.broker.deadlines import Deadline, Deadlines
 from homebot.mqtt.broker.exchange import Exchange
 from homebot.mqtt.broker.limits import BrokerLimits
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.message import Message, size_of
+from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.broker.session import Session
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import Will
 
-__all__ = ["Sessions"]
+__all__ = ["Sessions", "will_size"]
 
 
 @final
@@ -31,6 +33,7 @@ class Sessions:
         limits: How many sessions there may be.
         counters: Counts those pushed out.
         work: How much may be done for them now.
+        pool: Counts what waits for all of them.
     """
 
     def __init__(
@@ -41,6 +44,7 @@ class Sessions:
         limits: BrokerLimits,
         counters: Counters,
         work: WorkBudget,
+        pool: QueuePool,
     ) -> None:
         self._exchange = exchange
         self._clock = clock
@@ -48,6 +52,7 @@ class Sessions:
         self._limits = limits
         self._counters = counters
         self._work = work
+        self._pool = pool
         self._sessions: dict[str, Session] = {}
         self._away: dict[str, _Absence] = {}  # in the order of leaving
 
@@ -62,7 +67,16 @@ class Sessions:
         """Number of messages that wait in all sessions."""
         return sum(session.queued for session in self._sessions.values())
 
-    def open(self, client_id: str, *, clean_start: bool) -> tuple[Session, bool]:
+    @property
+    def will_bytes(self) -> int:
+        """The size of the wills that wait for their time."""
+        return sum(will_size(absence.will) for absence in self._away.values())
+
+    def largest(self) -> Session | None:
+        """The one for which most bytes wait."""
+        return max(self._sessions.values(), key=lambda session: session.size, default=None)
+
+    def open(self, client_id: str, *, clean_start: bool, host: str = "") -> tuple[Session, bool]:
         """The session for a client that has just connected, and whether it was kept from before.
 
         The caller has detached a connection that used the id before.
@@ -75,8 +89,10 @@ class Sessions:
             return self._sessions[client_id], True
         if len(self._sessions) >= self._limits.max_sessions and self._away:
             self._counters.sessions_evicted += 1
-            self.end(next(iter(self._away)))
-        session = Session(client_id, self._clock, self._limits, self._counters, self._exchange.crowded, self._work)
+            self.end(self._least_missed())
+        session = Session(
+            client_id, self._clock, self._limits, self._counters, self._exchange.crowded, self._work, self._pool, host
+        )
         self._sessions[client_id] = session
         return session, False
 
@@ -118,6 +134,12 @@ class Sessions:
             absence.will = None
             self.end(client_id)
 
+    def _least_missed(self) -> str:
+        """The one left longest ago by a client of the host that has left most of them."""
+        hosts = [self._sessions[client_id].host for client_id in self._away]
+        most = Counter(hosts).most_common(1)[0][0]
+        return next(client_id for client_id, host in zip(self._away, hosts, strict=True) if host == most)
+
     def _publish_will(self, client_id: str, absence: _Absence) -> None:
         will, absence.will = absence.will, None
         if will is None:
@@ -128,6 +150,11 @@ class Sessions:
         self._exchange.publish(
             Message(will.topic, will.payload, will.qos, will.retain, properties, client_id, expires_at)
         )
+
+
+def will_size(will: Will | None) -> int:
+    """About the bytes that *will* takes."""
+    return 0 if will is None else len(will.topic) + len(will.payload) + size_of(will.properties)
 
 
 class _Absence:
