@@ -108,8 +108,12 @@ def test_services_are_listed_and_called(homebot: Any, capsys: Text) -> None:
     assert "/switch [std_srvs/srv/SetBool]\n" in capsys.readouterr().out
     assert run(homebot, "service", "call", "/switch", "{data: true}") == 0
     assert capsys.readouterr().out == "success: true\nmessage: done\n"
-    assert run(homebot, "service", "call", "--json", "switch", "std_srvs/SetBool", '{"data": false}') == 0
-    assert json.loads(capsys.readouterr().out) == {"success": False, "message": "done"}
+    assert run(homebot, "service", "call", "--json", "switch", "std_srvs/SetBool", '{"data": false}') == 1
+    out, err = capsys.readouterr()
+    assert json.loads(out) == {"success": False, "message": "done"}
+    assert err == "homebot: switch answered that it did not work: done\n"
+    assert run(homebot, "service", "call", "/rosapi/get_param", "{name: '/talker:volume'}") == 1
+    assert "/rosapi/get_param answered that it did not work: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -143,11 +147,18 @@ def test_nodes_are_listed_and_told_about(homebot: Any, capsys: Text) -> None:
 def test_devices_are_a_table_for_people(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "devices") == 0
     head, row = capsys.readouterr().out.splitlines()
-    assert head.split() == ["DEVICE", "TYPE", "GATEWAY", "ADDRESS", "STATE", "LAST", "SEEN"]
-    assert row.split()[:5] == ["lights/lamp", "lights", "mqtt", "home/lights/lamp/out", "fresh"]
+    assert head.split() == ["DEVICE", "TYPE", "GATEWAY", "LISTENS", "ON", "STATE", "LAST", "SEEN"]
+    assert row.split()[:5] == ["lights/lamp", "lights", "mqtt", "home/lights/lamp/in", "fresh"]
     assert row.endswith("d ago")
     assert run(homebot, "devices", "--type", "locks") == 0
     assert capsys.readouterr().out == "no device offers locks now\n"
+
+
+def test_a_type_that_is_none_is_a_wrong_command_line(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "devices", "--type", "lihgts") == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("homebot: 'lihgts' is no type, and no device calls itself so; did you mean lights")
 
 
 def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:

@@ -12,9 +12,11 @@ _EXAMPLES = """\
   homebot devices --json
   homebot devices --td things/
 
-SAYS is what a device last told of itself. STATE is `fresh` where it spoke itself, `unconfirmed` where only a message
-that the broker had kept or the index file speaks for it, `stale` where it has been silent for too long; and
-`unreachable` where it or its last will says that, `partly unreachable` where that is so of some of its parts.
+SAYS is what a device last told of itself. LISTENS ON is where it takes commands: publish there what it understands,
+as in `homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp/in, payload: off}'`; empty where it
+takes none. STATE is `fresh` where it spoke itself, `unconfirmed` where only a message that the broker had kept or the
+index file speaks for it, `stale` where it has been silent for too long; and `unreachable` where it or its last will
+says that, `partly unreachable` where that is so of some of its parts.
 """
 
 

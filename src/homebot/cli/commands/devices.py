@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 
 from homebot.cli.device_json import device_json
 from homebot.cli.door_client import DoorClient
@@ -14,11 +15,16 @@ from homebot.cli.thing_files import write_things
 from homebot.cli.through_door import through_door
 from homebot.cli.values import life, main_parts, says, types
 from homebot.devices import Device
+from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.query import type_is
+from homebot.devices.query.vocabulary import TYPE_WORDS
 from homebot.devices.words import read_words_address
+from homebot.similar import did_you_mean
 
 __all__ = ["list_devices"]
 
-_HEAD = ("DEVICE", "TYPE", "AREA", "SAYS", "GATEWAY", "ADDRESS", "STATE", "LAST SEEN")
+_HEAD = ("DEVICE", "TYPE", "AREA", "SAYS", "GATEWAY", "LISTENS ON", "STATE", "LAST SEEN")
+_WRONG_COMMAND_LINE = 2
 
 
 def list_devices(options: argparse.Namespace) -> int:
@@ -27,6 +33,9 @@ def list_devices(options: argparse.Namespace) -> int:
 
     async def run(door: DoorClient) -> int:
         devices = await all_devices(door, options.type)
+        if options.type and not devices and (problem := await _unknown_type(door, options.type)):
+            print(f"homebot: {problem}", file=sys.stderr)
+            return _WRONG_COMMAND_LINE
         if options.td:
             found.extend(devices)
         elif options.json:
@@ -35,7 +44,7 @@ def list_devices(options: argparse.Namespace) -> int:
             print(f"no device offers {options.type} now" if options.type else "no device was discovered yet")
         else:
             now = await house_time(door)
-            print(to_table(*without_empty({"AREA", "SAYS"}, _HEAD, [_row(one, now) for one in devices])))
+            print(to_table(*without_empty({"AREA", "SAYS", "LISTENS ON"}, _HEAD, [_row(one, now) for one in devices])))
         return 0
 
     code = through_door(options, run)
@@ -52,16 +61,28 @@ def _row(device: Device, now: float) -> tuple[str, ...]:
         device.area,
         says(device),
         first.gateway if first else "",
-        _address(device),
+        _listens_on(device),
         life(device),
         ago(device.last_seen, now),
     )
 
 
-def _address(device: Device) -> str:
-    """Where it speaks, or at least listens; words have an address of their own, which says nothing to people."""
+async def _unknown_type(door: DoorClient, word: str) -> str:
+    """Return why there cannot be devices of the type *word*; empty where there only happen to be none."""
+    if wanted_types(word) or word in DEVICE_TYPES or type_is(word).types:
+        return ""
+    own = {one for device in await all_devices(door) for one in (device.service_type, *device.service_types) if one}
+    return f"{word!r} is no type, and no device calls itself so; " + did_you_mean(
+        word, {*TYPE_WORDS, *own}, "`homebot devices` shows the types of all"
+    )
+
+
+def _listens_on(device: Device) -> str:
+    """Where it can be told something; what it says elsewhere is its own, and no place to publish on.
+
+    Words have an address of their own, which says nothing to people.
+    """
     for one in device.endpoints:
-        if one.address and read_words_address(one.address) is None:
-            return one.address
-    topics = [topic for part in main_parts(device) for topic in (*part.part.reads, *part.part.writes)]
-    return topics[0] if topics else ""
+        if one.command_address and read_words_address(one.command_address) is None:
+            return one.command_address
+    return next((topic for part in main_parts(device) for topic in part.part.writes), "")

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 
 import anyio
 
 from homebot.cli.directory import no_such_topic, topic_type
 from homebot.cli.door_client import DoorClient
+from homebot.cli.outbox import Outbox
 from homebot.cli.through_door import through_door
 
 __all__ = ["pub"]
+
+_OUT = re.compile(r"/?gateway/([^/]+)/out")
 
 
 def pub(options: argparse.Namespace) -> int:
@@ -21,6 +25,10 @@ def pub(options: argparse.Namespace) -> int:
         ros_type = options.type or await topic_type(door, options.topic)
         if not ros_type:
             raise await no_such_topic(door, options.topic)
+        gateway = _gateway_of(options.topic)
+        outbox = Outbox(door) if gateway else None
+        if outbox is not None:
+            await outbox.check(gateway)
         await door.advertise(options.topic, ros_type)
         await door.settle()
         shown = json.dumps(options.value)
@@ -28,8 +36,11 @@ def pub(options: argparse.Namespace) -> int:
         due = anyio.current_time()
         while True:
             number += 1
-            await door.publish(options.topic, options.value)
-            await door.settle()
+            if outbox is None:
+                await door.publish(options.topic, options.value)
+                await door.settle()
+            else:
+                await outbox.tell(gateway, options.value)
             print(f"publishing #{number} on {options.topic}: {shown}", flush=True)
             if number == options.times:
                 return 0
@@ -37,3 +48,9 @@ def pub(options: argparse.Namespace) -> int:
             await anyio.sleep_until(due)
 
     return through_door(options, run)
+
+
+def _gateway_of(topic: str) -> str:
+    """Return the gateway that takes commands on *topic*; empty where it is no such topic."""
+    found = _OUT.fullmatch(topic)
+    return found[1] if found else ""

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
+from collections.abc import Mapping
 
 from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
 from homebot.cli.schema import response_schema
 from homebot.cli.similar import not_found
+from homebot.cli.table import printable
 from homebot.cli.through_door import through_door
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
@@ -29,7 +32,7 @@ def list_services(options: argparse.Namespace) -> int:
 
 
 def call(options: argparse.Namespace) -> int:
-    """Call a service and print its response."""
+    """Call a service and print its response; return 1 where the response says that it did not work."""
     expected, request = options.type, options.request
     if isinstance(expected, dict):  # the type was left out
         expected, request = "", expected
@@ -41,9 +44,21 @@ def call(options: argparse.Namespace) -> int:
             print(json.dumps(response))
         else:
             print(to_yaml((await response_schema(door, ros_type)).readable(response)), end="")
-        return 0
+        return _told(options.service, response)
 
     return through_door(options, run)
+
+
+def _told(service: str, response: Mapping[str, object]) -> int:
+    """Return the exit code that *response* means, and say so where it means failure; fields as in ROS's services."""
+    for name in ("success", "successful"):
+        if response.get(name) is False:
+            reason = next(
+                (str(response[key]) for key in ("message", "reason") if response.get(key)), "it does not say why"
+            )
+            print(f"homebot: {service} answered that it did not work: {printable(reason)}", file=sys.stderr)
+            return 1
+    return 0
 
 
 async def _type(door: DoorClient, service: str, expected: str) -> str:
