@@ -168,7 +168,7 @@ def attacked(folder: Path, *arguments: str, token: str = "") -> Iterator[Attacke
     """Run ``homebot run`` with the probe and *arguments* inside *folder*, on free ports; it must end well."""
     log = folder / "homebot.log"
     environment = {name: value for name, value in os.environ.items() if not name.startswith("HOMEBOT_")}
-    environment |= {"PYTHONPATH": str(ROOT), "HOMEBOT_DATA": str(folder / "data")}
+    environment |= {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'src'}", "HOMEBOT_DATA": str(folder / "data")}
     if token:
         environment["HOMEBOT_DOOR_TOKEN"] = token
     command = [sys.executable, "-m", "homebot", "run", "--app", f"{__name__}:LoopProbe", "--door", "127.0.0.1:0"]

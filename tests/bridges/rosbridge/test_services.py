@@ -44,7 +44,8 @@ async def test_a_list_of_arguments_fills_the_fields_in_order(open_house: Any) ->
 @pytest.mark.parametrize(
     ("service", "args", "problem"),
     [
-        ("/nobody", {}, "service /nobody has no server"),
+        ("/nobody", {}, "service /nobody has no server now; /rosapi/services tells which there are$"),
+        ("/swich", {}, "service /swich has no server now; did you mean /switch?"),
         ("bad name", {}, "has a character that names may not hold"),
         ("/switch", {}, "field 'data' is missing"),
         ("/switch", {"data": "yes"}, "field 'data': .*got 'yes'"),

@@ -2,8 +2,9 @@
 
 A topic that has too much waiting loses its own oldest message first, on a keyed topic the oldest of the same key. Where
 a client has too much waiting, the topic that brings more gives up its own oldest message; where it has no other, the
-oldest message of all is dropped. So a flood on one topic costs that topic, and the newest message of each topic stays
-for as long as there is room. Each loss is counted. Nothing here does input or output.
+oldest message of all is dropped. Where too much waits for all clients, the one for which most waits loses its oldest.
+So a flood on one topic costs that topic, and the newest message of each topic stays for as long as there is room. Each
+loss is counted. Nothing here does input or output.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ class DoorBacklog:
     """What waits for all clients together.
 
     Args:
-        limit: Bytes that may wait for all clients; above it none may have more than its equal part.
+        limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest.
 
     Attributes:
         waiting: Bytes that wait. A message that waits for several clients counts for each.
@@ -42,20 +43,22 @@ class DoorBacklog:
         self.waiting = 0
         self.lost = 0
         self._limit = limit
-        self._clients = 0
+        self._clients: dict[Backlog, None] = {}
         self._last: tuple[weakref.ref[Message] | None, int] = (None, 0)
 
-    def client_came(self) -> None:
-        """Count one client more."""
-        self._clients += 1
+    def client_came(self, backlog: Backlog) -> None:
+        """Take in what waits for one client more."""
+        self._clients[backlog] = None
 
-    def client_left(self) -> None:
-        """Count one client less."""
-        self._clients -= 1
+    def client_left(self, backlog: Backlog) -> None:
+        """Forget a client."""
+        self._clients.pop(backlog, None)
 
-    def is_too_much(self, waiting: int) -> bool:
-        """Whether a client for which *waiting* bytes wait has to give up some, because there is too much for all."""
-        return self.waiting > self._limit and waiting * max(self._clients, 1) > self._limit
+    def drop_what_is_too_much(self) -> None:
+        """Drop the oldest messages of whoever has most, though never the only one."""
+        while self.waiting > self._limit:
+            if not max(self._clients, key=lambda one: one.waiting).drop_oldest():
+                return
 
     def weigh(self, message: Message) -> int:
         """Return the bytes of *message*; the same once more, for the next client, costs nothing."""
@@ -80,21 +83,26 @@ class Backlog:
         self.everybody = everybody
         self._limit = limit
         self._order: OrderedDict[_Waiting, FeedQueue] = OrderedDict()
-        everybody.client_came()
+        everybody.client_came(self)
 
     def add(self, waiting: _Waiting, queue: FeedQueue) -> None:
         """Note that *waiting* lies in *queue*; drop what is too much."""
         self._order[waiting] = queue
         self.waiting += waiting.weight
         self.everybody.waiting += waiting.weight
-        while self.waiting > self._limit or self.everybody.is_too_much(self.waiting):
+        while self.waiting > self._limit:
             if len(queue) > 1:
                 queue.drop_oldest()
-                continue
-            oldest, its_queue = next(iter(self._order.items()))
-            if oldest is waiting:
-                return
-            its_queue.drop_oldest()
+            elif not self.drop_oldest():
+                break
+        self.everybody.drop_what_is_too_much()
+
+    def drop_oldest(self) -> bool:
+        """Drop the oldest message of all, unless it is the only one; return whether that was so."""
+        if len(self._order) < 2:
+            return False
+        next(iter(self._order.values())).drop_oldest()
+        return True
 
     def remove(self, waiting: _Waiting) -> None:
         """Note that *waiting* waits no longer."""
@@ -106,7 +114,7 @@ class Backlog:
         """Let go of everything; the client has left."""
         for queue in set(self._order.values()):
             queue.close()
-        self.everybody.client_left()
+        self.everybody.client_left(self)
 
 
 class _Waiting:

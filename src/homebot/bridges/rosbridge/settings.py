@@ -26,8 +26,8 @@ class DoorSettings(BaseModel):
             oldest is dropped and counted.
         max_waiting_bytes: Bytes of messages that may wait for one slow client; then the oldest of the topic that brings
             more is dropped and counted.
-        max_waiting_bytes_of_all: Bytes of messages that may wait for all clients together; above it none may have more
-            than its equal part.
+        max_waiting_bytes_of_all: Bytes of messages that may wait for all clients together; above it the client for
+            which most waits loses its oldest.
         max_entities: Topics and services that one client may use at a time; each id of a request counts.
         max_entities_of_all: Topics and services that all clients may use together.
         max_frames_per_second: Frames that one client may send on average; one that sends more is read more slowly.

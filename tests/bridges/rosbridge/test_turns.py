@@ -1,0 +1,84 @@
+"""The door's share of the event loop: everybody's turn comes, and everything else runs in between."""
+
+from __future__ import annotations
+
+import time
+
+import anyio
+import anyio.lowlevel
+
+from homebot.bridges.rosbridge.turns import Turns
+
+BUSY = 0.006
+"""Seconds; more than the share."""
+
+
+def work() -> None:
+    until = time.perf_counter() + BUSY
+    while time.perf_counter() < until:
+        pass
+
+
+async def test_whoever_works_long_lets_everything_else_run_in_between() -> None:
+    turns = Turns()
+    rounds = 0
+
+    async def count_rounds() -> None:
+        nonlocal rounds
+        while True:
+            await anyio.lowlevel.checkpoint()
+            rounds += 1
+
+    async def flood() -> None:
+        for _ in range(5):
+            await turns.turn()
+            work()
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(count_rounds)
+        async with anyio.create_task_group() as floods:
+            for _ in range(4):
+                floods.start_soon(flood)
+        assert rounds >= 19  # of 20 pieces of work each but the first waited for a round of its own
+        tasks.cancel_scope.cancel()
+
+
+async def test_turns_go_round_in_the_order_of_asking() -> None:
+    turns = Turns()
+    got: list[str] = []
+
+    async def worker(name: str) -> None:
+        for _ in range(3):
+            await turns.turn()
+            got.append(name)
+            work()
+
+    async with anyio.create_task_group() as tasks:
+        turns.defer(work)
+        for name in "abc":
+            tasks.start_soon(worker, name)
+    assert "".join(got) == "abcabcabc"
+
+
+async def test_one_who_gives_up_costs_nobody_a_turn() -> None:
+    turns = Turns()
+    got: list[str] = []
+
+    async def worker(name: str) -> None:
+        await turns.turn()
+        got.append(name)
+
+    async with anyio.create_task_group() as tasks, anyio.create_task_group() as gone:
+        for _ in range(50):
+            turns.defer(lambda: None)
+        gone.start_soon(worker, "gone")
+        await anyio.lowlevel.checkpoint()
+        tasks.start_soon(worker, "b")
+        gone.cancel_scope.cancel()
+    assert got == ["b"]
+
+
+async def test_little_work_waits_for_nothing() -> None:
+    turns = Turns()
+    for _ in range(10):
+        assert turns.has_time()
