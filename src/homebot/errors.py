@@ -49,6 +49,7 @@ __all__ = [
     "TypeMismatchError",
     "UsageError",
     "WireError",
+    "WrongCodeError",
 ]
 
 
@@ -156,6 +157,10 @@ class RefusedError(PeerError):
         super().__init__(f"{what} was refused: {reason}")
         self.reason = reason
         self.code = code
+
+
+class WrongCodeError(RefusedError):
+    """A device wants a code, or another one; no message shows any."""
 
 
 class LinkError(HomebotError):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field
 
 from homebot.devices.value import Value
 from homebot.messages.message import Message
@@ -20,13 +22,17 @@ class Command(Message):
         capability: Which capability.
         value: What it shall be, in the vocabulary's unit.
         transition: Seconds that the change shall take, where the device can do that.
+        code: What an alarm or a lock wants to be told first; a secret, which no text about the command shows.
     """
+
+    model_config = ConfigDict(hide_input_in_errors=True)
 
     key: str
     part: str
     capability: str
     value: Value
     transition: float = 0.0
+    code: Annotated[str, Field(repr=False, max_length=255)] = ""
 
 
 class SendCommandResponse(Message):

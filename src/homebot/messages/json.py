@@ -36,20 +36,27 @@ def message_from_json(message_type: type[MessageT], value: Mapping[str, object])
     """Return the message that the JSON object *value* spells; bytes may come as base64 text or as a list.
 
     Raises:
-        TypeMismatchError: A field is missing, unknown, or of another type; the message names it and its value.
+        TypeMismatchError: A field is missing, unknown, or of another type; the message names it, and its value unless
+            the field is a secret (``Field(repr=False)``).
     """
     if not isinstance(value, Mapping):
         raise TypeMismatchError(f"not a {message_type.ros_type}: an object is wanted, got {_shown(value)}")
     try:
         return message_type.model_validate(_fields_from_json(message_type, value))
     except ValidationError as exc:
-        problem = validation_problem(exc)
+        secrets = frozenset(name for name, field in message_type.model_fields.items() if not field.repr)
+        problem = validation_problem(exc, secrets)
         raise TypeMismatchError(f"not a {message_type.ros_type}: {problem}") from exc
 
 
-def validation_problem(error: ValidationError) -> str:
-    """Return the first problem of *error* in one line: the field's path, what is wrong, and the value."""
+def validation_problem(error: ValidationError, secrets: frozenset[str] = frozenset()) -> str:
+    """Return the first problem of *error* in one line: the field's path, what is wrong, and the value.
+
+    Of the fields *secrets* the value is not shown.
+    """
     first = error.errors(include_url=False)[0]
+    if first["loc"] and first["loc"][0] in secrets:
+        return f"field {first['loc'][0]!r}: {first['msg'][:1].lower()}{first['msg'][1:]}"
     path = ".".join(str(part) for part in first["loc"])
     if first["type"] == "missing":
         return f"field {path!r} is missing"

@@ -93,6 +93,7 @@ class House:
         devices: What the app uses.
         node: The app's node.
         told: What the gateways were told: gateway, part, capability, value, transition.
+        codes: The codes that came with that.
         failing: Gateways whose service raises.
         answers: What a gateway answers instead of yes.
     """
@@ -105,6 +106,7 @@ class House:
         self.node = node
         self.devices = Devices(node)
         self.told: list[tuple[str, str, str, PlainValue, float]] = []
+        self.codes: list[str] = []
         self.failing: set[str] = set()
         self.answers: dict[str, SendCommandResponse] = {}
         self._gateways: list[Node] = []
@@ -126,6 +128,7 @@ class House:
             if name in self.answers:
                 return self.answers[name]
             self.told.append((name, command.part, command.capability, command.value.plain(), command.transition))
+            self.codes.append(command.code)
             return SendCommandResponse(success=True)
 
         node.create_service(SendCommand, GatewayNames(name).send_command, send)

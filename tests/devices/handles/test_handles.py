@@ -11,6 +11,7 @@ import pytest
 from homebot.devices.command import SendCommandResponse
 from homebot.devices.handles import (
     AirConditioner,
+    AlarmPanel,
     Closure,
     ContactSensor,
     DoorLock,
@@ -428,3 +429,43 @@ async def test_the_handles_of_a_device_are_there_without_a_directory(house: Hous
     house.says("wall", "on_off", value=True, part_id="b")
     await anyio.sleep(0.01)
     assert (left.on, right.on) == (None, True)
+
+
+@pytest.mark.parametrize(
+    ("kind", "capability", "act", "value"),
+    [
+        (AlarmPanel, "alarm", lambda it, code: it.disarm(code=code), "disarmed"),
+        (AlarmPanel, "alarm", lambda it, code: it.arm_home(code=code), "armed_home"),
+        (AlarmPanel, "alarm", lambda it, code: it.arm_away(code=code), "armed_away"),
+        (AlarmPanel, "alarm", lambda it, code: it.arm_night(code=code), "armed_night"),
+        (AlarmPanel, "alarm", lambda it, code: it.arm_vacation(code=code), "armed_vacation"),
+        (AlarmPanel, "alarm", lambda it, code: it.arm_custom_bypass(code=code), "armed_custom_bypass"),
+        (AlarmPanel, "alarm", lambda it, code: it.trigger(code=code), "triggered"),
+        (DoorLock, "lock", lambda it, code: it.lock(code=code), "locked"),
+        (DoorLock, "lock", lambda it, code: it.unlock(code=code), "unlocked"),
+        (DoorLock, "lock", lambda it, code: it.open(code=code), "open"),
+        (Handle, "alarm", lambda it, code: it.command("alarm", "disarmed", code=code), "disarmed"),
+    ],
+)
+async def test_a_code_goes_with_the_command(house: House, kind: Any, capability: str, act: Any, value: str) -> None:
+    service_type = next(iter(kind.service_types), "x_alarm_panel")
+    house.has(house.device("a", house.part(service_type, capability)))
+    house.gateway("mqtt")
+    (handle,) = await house.devices.find(kind)
+    await act(handle, "1234")
+    await act(handle, "")
+    assert house.told == [("mqtt", "", capability, value, 0.0)] * 2
+    assert house.codes == ["1234", ""]
+    with pytest.raises(RefusedError, match="it has more than 255 characters") as refused:
+        await act(handle, "7355" * 64)
+    assert "7355" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("state", "armed"),
+    [("armed_away", True), ("triggered", True), ("disarmed", False), ("pending", None), ("arming", None), (None, None)],
+)
+async def test_an_alarm_tells_whether_it_is_armed(house: House, state: str | None, armed: bool | None) -> None:  # noqa: FBT001
+    house.has(house.device("a", house.part("x_alarm_panel", "alarm"), states={"alarm": state}))
+    (panel,) = await house.devices.find(AlarmPanel)
+    assert (panel.state, panel.armed) == (state, armed)

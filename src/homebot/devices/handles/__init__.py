@@ -1,5 +1,6 @@
 """Typed handles: one class for each kind of thing in a house, with what it tells and what it can be told."""
 
+from homebot.devices.handles.alarm_panel import AlarmPanel
 from homebot.devices.handles.climate import AirConditioner, Thermostat
 from homebot.devices.handles.conditions import ContactSensor, OccupancySensor, SmokeAlarm, WaterLeakDetector
 from homebot.devices.handles.door_lock import DoorLock
@@ -22,6 +23,7 @@ from homebot.devices.handles.wanted import Kind, Place, Wanted
 
 __all__ = [
     "AirConditioner",
+    "AlarmPanel",
     "Closure",
     "ContactSensor",
     "DoorLock",

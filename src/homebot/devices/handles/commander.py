@@ -23,7 +23,9 @@ class Commander:
         self._node = node
         self._clients: dict[str, Client[Command, SendCommandResponse]] = {}
 
-    async def send(self, device: Device, part: DevicePart, capability: str, value: PlainValue, fade: float) -> None:
+    async def send(
+        self, device: Device, part: DevicePart, capability: str, value: PlainValue, fade: float, code: str = ""
+    ) -> None:
         """Make *capability* become *value* within *fade* seconds; return when the network has the command.
 
         Where a way cannot do that, and sent nothing, the next one is tried; what a gateway refuses to do at all is not
@@ -41,7 +43,7 @@ class Commander:
         is_away = False
         for route in routes:
             command = Command(
-                key=route.key, part=route.part, capability=capability, value=Value.of(value), transition=fade
+                key=route.key, part=route.part, capability=capability, value=Value.of(value), transition=fade, code=code
             )
             response = await self._call(route.gateway, command)
             if response.success:

@@ -36,29 +36,38 @@ class DoorLock(Handle):
         """Whether the bolt is out; None where that is unknown, or it is jammed or on its way."""
         return {"locked": True, "unlocked": False, "open": False, "opening": False}.get(self.state or "")
 
-    async def lock(self) -> None:
+    async def lock(self, *, code: str = "") -> None:
         """Lock it.
 
+        Args:
+            code: Where it wants one; a secret, which no log and no error shows.
+
         Raises:
-            RefusedError: It cannot be told.
+            RefusedError: It cannot be told, or wants another code.
             LinkError: No gateway of it is there now.
         """
-        await self.command("lock", "locked")
+        await self.command("lock", "locked", code=code)
 
-    async def unlock(self) -> None:
+    async def unlock(self, *, code: str = "") -> None:
         """Unlock it; the latch still holds the door.
 
+        Args:
+            code: Where it wants one; a secret, which no log and no error shows.
+
         Raises:
-            RefusedError: It cannot be told.
+            RefusedError: It cannot be told, or wants another code.
             LinkError: No gateway of it is there now.
         """
-        await self.command("lock", "unlocked")
+        await self.command("lock", "unlocked", code=code)
 
-    async def open(self) -> None:
+    async def open(self, *, code: str = "") -> None:
         """Unlock it and draw the latch, so that the door can be pushed open.
 
+        Args:
+            code: Where it wants one; a secret, which no log and no error shows.
+
         Raises:
-            RefusedError: It cannot do that.
+            RefusedError: It cannot do that, or wants another code.
             LinkError: No gateway of it is there now.
         """
-        await self.command("lock", "open")
+        await self.command("lock", "open", code=code)

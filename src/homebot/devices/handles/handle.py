@@ -113,7 +113,7 @@ class Handle:
         """Return what it last told of *capability*, in the vocabulary's unit; None for unknown."""
         return self._known.value(self._part_id, capability)
 
-    async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> None:
+    async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> None:
         """Make *capability* become *value*, in the vocabulary's unit; to say it twice changes nothing.
 
         It returns when the network has the command; that the device obeyed is not proven by it.
@@ -122,9 +122,10 @@ class Handle:
             capability: For example ``level``.
             value: What it shall be.
             transition: Seconds that the change shall take, where the device can do that.
+            code: What an alarm or a lock wants to be told first. It is a secret: no log and no error shows it.
 
         Raises:
-            RefusedError: It cannot do that, or not with this value; says what it can.
+            RefusedError: It cannot do that, or not with this value or code; says what it can.
             LinkError: No gateway of it is there now, or it has no link; it may work later.
         """
         if not (0 <= transition < math.inf):
@@ -134,7 +135,9 @@ class Handle:
         if part is None or self.is_gone:
             raise RefusedError(f"{capability} of {self.id}", "it is gone")
         self._check(capability, plain)
-        await self._commander.send(self._known.device, part, capability, plain, transition)
+        if len(code) > _LONGEST_CODE:
+            raise RefusedError(f"a code for {self.id}", f"it has more than {_LONGEST_CODE} characters")
+        await self._commander.send(self._known.device, part, capability, plain, transition, code)
 
     def _check(self, capability: str, value: PlainValue) -> None:
         what = f"{capability} of {self.id}"
@@ -179,6 +182,9 @@ class Handle:
 
 
 _REACHABLE: Mapping[str, bool | None] = {"yes": True, "no": False, "unknown": None}
+
+
+_LONGEST_CODE = 255
 
 
 def plain_value(value: PlainValue) -> PlainValue:

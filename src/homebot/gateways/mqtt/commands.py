@@ -5,15 +5,16 @@ from __future__ import annotations
 from homebot.devices.command import Command, SendCommandResponse
 from homebot.devices.value import PlainValue
 from homebot.devices.words import meaning, told
-from homebot.errors import HomebotError, LinkError, RefusedError
+from homebot.errors import HomebotError, LinkError, RefusedError, WrongCodeError
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.channels import Channel, Channels
 from homebot.gateways.mqtt.claim import Voice
 from homebot.gateways.mqtt.claims import Claims
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.description import Publication
+from homebot.gateways.mqtt.description import Publication, TakesCode
 from homebot.gateways.mqtt.plain_voices import PlainVoices
 from homebot.gateways.mqtt.reserved import ReservedTopics
+from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.gateways.mqtt.tribunal import Tribunal
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.topics import validate_topic
@@ -32,6 +33,7 @@ class Commands:
         tribunal: Judges conventions that fail.
         counters: Of the gateway.
         reserved: The topics on which no device is told anything.
+        secrets: Knows what was sent with a code.
         gateway: Says whether anything is sent at all.
     """
 
@@ -44,6 +46,7 @@ class Commands:
         tribunal: Tribunal,
         counters: GatewayCounters,
         reserved: ReservedTopics,
+        secrets: SentSecrets,
         gateway: Gateway,
     ) -> None:
         self._claims = claims
@@ -53,6 +56,7 @@ class Commands:
         self._tribunal = tribunal
         self._counters = counters
         self._reserved = reserved
+        self._secrets = secrets
         self._gateway = gateway
 
     async def serve(self, command: Command) -> SendCommandResponse:
@@ -62,15 +66,19 @@ class Commands:
             self._permit(command.key)
             is_able = False
             publications = self._publications(
-                command.key, command.part, command.capability, command.value.plain(), command.transition
+                command.key, command.part, command.capability, command.value.plain(), command.transition, command.code
             )
             is_able = True
+            if command.code:
+                publications = tuple(self._secrets.keep(one) for one in publications)
             await self._publish(publications)
         except LinkError as exc:
             self._counters.commands_failed += 1
             return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
         except HomebotError as exc:
             self._counters.commands_refused += 1
+            # No other way to the part is tried with a wrong code: it might ask for none.
+            is_able = is_able or isinstance(exc, WrongCodeError)
             return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=not is_able)
         self._counters.commands += 1
         return SendCommandResponse(success=True)
@@ -92,12 +100,14 @@ class Commands:
             raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
 
     def _publications(
-        self, key: str, part_id: str, capability: str, value: PlainValue, transition: float
+        self, key: str, part_id: str, capability: str, value: PlainValue, transition: float, code: str
     ) -> tuple[Publication, ...]:
         channel = self._channels.of(key)
         if channel is not None and self._claims.get(key) is None:
+            if code:
+                raise RefusedError(f"a command to {key[:100]}", "it takes no code")
             return (self._said(channel, part_id, capability, value),)
-        return self._written(self._voice(key, part_id), capability, value, transition)
+        return self._written(self._voice(key, part_id), capability, value, transition, code)
 
     def _said(self, channel: Channel, part_id: str, capability: str, value: PlainValue) -> Publication:
         """There is no word for a transition."""
@@ -126,9 +136,17 @@ class Commands:
         for one in publications:
             await self._connection.publish(one.topic, one.payload, qos=one.qos, retain=one.retain)
 
-    def _written(self, voice: Voice, capability: str, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def _written(
+        self, voice: Voice, capability: str, value: PlainValue, transition: float, code: str = ""
+    ) -> tuple[Publication, ...]:
+        codec = voice.described.codec
+        if code and not isinstance(codec, TakesCode):
+            raise RefusedError(f"{capability} of {voice.claim.key[:100]}", "it takes no code")
         try:
-            publications = tuple(voice.described.codec.write(capability, value, transition=transition))
+            if isinstance(codec, TakesCode) and code:
+                publications = tuple(codec.write_with_code(capability, value, code))
+            else:
+                publications = tuple(codec.write(capability, value, transition=transition))
         except RefusedError:
             raise
         except BaseException as exc:  # told by the tribunal; a plug-in's fault must not be everybody's

@@ -36,6 +36,7 @@ from homebot.gateways.mqtt.last_words import LastWord, LastWords
 from homebot.gateways.mqtt.offers import Offers
 from homebot.gateways.mqtt.plain_voices import PlainVoices
 from homebot.gateways.mqtt.reserved import ReservedTopics
+from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.gateways.mqtt.states import States
 from homebot.gateways.mqtt.subscriber import Subscriber
@@ -68,6 +69,7 @@ class DescribedDevices:
         offers: What homebot itself offers to others.
         lease: Says whether another homebot acts instead.
         plain: Hears the words of devices that a layout knows.
+        secrets: Knows what was sent with a code.
         tribunal: Judges those who break the rules.
     """
 
@@ -114,8 +116,17 @@ class DescribedDevices:
             on_removal=self._subscriber.wake,
             on_question=self._subscriber.question,
         )
+        self.secrets = SentSecrets()
         self.commands = Commands(
-            self._claims, channels, self.plain, connection, self.tribunal, counters, reserved, gateway
+            self._claims,
+            channels,
+            self.plain,
+            connection,
+            self.tribunal,
+            counters,
+            reserved,
+            self.secrets,
+            gateway,
         )
         self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.tribunal)
         gateway.node.create_service(SendCommand, gateway.names.send_command, self.commands.serve, concurrent=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, Protocol, TypeAlias
+from typing import Literal, Protocol, TypeAlias, runtime_checkable
 
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
@@ -20,6 +20,7 @@ __all__ = [
     "Heard",
     "Publication",
     "Question",
+    "TakesCode",
     "Withdrawn",
 ]
 
@@ -63,6 +64,19 @@ class Codec(Protocol):
 
         Raises:
             RefusedError: The part cannot do that, or the value is out of its bounds; says which it takes.
+        """
+        ...
+
+
+@runtime_checkable
+class TakesCode(Protocol):
+    """A codec of a part that may want a code, in addition to :class:`Codec`."""
+
+    def write_with_code(self, capability: str, value: PlainValue, code: str) -> tuple[Publication, ...]:
+        """As :meth:`Codec.write`, with a code. It is a secret: no error shows it.
+
+        Raises:
+            RefusedError: As there, or it is the wrong code, or the part takes none for that.
         """
         ...
 

@@ -198,6 +198,8 @@ class MqttGateway(Gateway):
             if self._lease.owns(message.topic):
                 self._lease.take(message)
                 continue
+            if self._described.secrets.is_one(message.topic, message.payload):
+                continue  # it has a code, which nobody who listens here is to see
             route, channel = self._described.route(message.topic), self._channels.get(message.topic)
             if len(message.payload) > self._settings.max_payload:
                 work += await self._take_long(message, route)

@@ -11,7 +11,7 @@ from typing import Generic, TypeAlias, TypeVar
 from homebot.devices.part import Capability, Category, Part
 from homebot.gateways.mqtt.description import DescribedPart, Fade, Publication
 from homebot.gateways.mqtt.readings import JsonMessage
-from homebot.gateways.mqtt.table_codec import Opener, Reader, TableCodec, Writer
+from homebot.gateways.mqtt.table_codec import CodedWriter, Opener, Reader, TableCodec, Writer
 
 __all__ = ["BytesPart", "JsonPart", "PartTable", "with_own_ids"]
 
@@ -44,6 +44,7 @@ class PartTable(Generic[MessageT]):
         self._readers: dict[str, tuple[Reader[MessageT], ...]] = {}
         self._event_readers: dict[str, tuple[Reader[MessageT], ...]] = {}
         self._writers: dict[str, Writer] = {}
+        self._coded_writers: dict[str, CodedWriter] = {}
         self._writes: dict[str, None] = {}
         self._asks: dict[Publication, None] = {}
         self._fades: tuple[Fade, ...] = ()
@@ -71,6 +72,13 @@ class PartTable(Generic[MessageT]):
         self._capabilities[name] = make(name, readable, writer is not None, unit, bounds, options)
         if writer is not None:
             self._writers[name] = writer
+
+    def offers_coded(
+        self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()
+    ) -> None:
+        """As :meth:`offers`, for what may be told with a code alone."""
+        self._capabilities[name] = Capability(name=name, readable=readable, settable=True, options=options)
+        self._coded_writers[name] = writer
 
     def reads(self, topic: str, reader: Reader[MessageT]) -> None:
         """Read every message on *topic* with *reader*."""
@@ -100,7 +108,7 @@ class PartTable(Generic[MessageT]):
     def described(self) -> DescribedPart:
         """Return the finished part."""
         part_id, service_type, name, advertised, tag, category, guessed = self._about
-        codec = TableCodec(self._opened, self._readers, self._event_readers, self._writers)
+        codec = TableCodec(self._opened, self._readers, self._event_readers, self._writers, self._coded_writers)
         part = Part(
             id=part_id,
             name=name,

@@ -13,7 +13,7 @@ from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, json_
 from homebot.gateways.mqtt.wanted import wanted_transition
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["Opener", "Reader", "TableCodec", "Writer", "json_object", "raw_bytes"]
+__all__ = ["CodedWriter", "Opener", "Reader", "TableCodec", "Writer", "json_object", "raw_bytes"]
 
 MessageT = TypeVar("MessageT")
 MessageT_co = TypeVar("MessageT_co", covariant=True)
@@ -23,6 +23,10 @@ Reader: TypeAlias = Callable[[MessageT], Readings]
 
 Writer: TypeAlias = Callable[[PlainValue, float], tuple[Publication, ...]]
 """What to publish for a value and a transition in seconds; raises RefusedError."""
+
+
+CodedWriter: TypeAlias = Callable[[PlainValue, str], tuple[Publication, ...]]
+"""What to publish for a value and a code, which is empty where none was given; raises RefusedError."""
 
 
 class Opener(Protocol[MessageT_co]):
@@ -54,9 +58,10 @@ class TableCodec(Generic[MessageT]):
         readers: By topic, or filter where the device declared one; every topic is here.
         event_readers: By topic; they are not given what the broker had kept.
         writers: By capability.
+        coded_writers: Those that take a code, by capability; they are not among *writers*.
     """
 
-    __slots__ = ("_event_readers", "_opened", "_readers", "_wild", "_writers")
+    __slots__ = ("_coded_writers", "_event_readers", "_opened", "_readers", "_wild", "_writers")
 
     def __init__(
         self,
@@ -64,7 +69,9 @@ class TableCodec(Generic[MessageT]):
         readers: Mapping[str, tuple[Reader[MessageT], ...]],
         event_readers: Mapping[str, tuple[Reader[MessageT], ...]],
         writers: Mapping[str, Writer],
+        coded_writers: Mapping[str, CodedWriter] | None = None,
     ) -> None:
+        self._coded_writers = coded_writers or {}
         self._opened = opened
         self._readers = readers
         self._event_readers = event_readers
@@ -94,11 +101,20 @@ class TableCodec(Generic[MessageT]):
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
         """Return what to publish so that *capability* becomes *value*."""
+        if capability in self._coded_writers:
+            wanted_transition(transition)
+            return self._coded_writers[capability](value, "")
         writer = self._writers.get(capability)
         if writer is None:
-            known = ", ".join(self._writers) or "nothing"
+            known = ", ".join((*self._writers, *self._coded_writers)) or "nothing"
             raise RefusedError(shown(capability), f"this part takes {known}")
         return writer(value, wanted_transition(transition))
+
+    def write_with_code(self, capability: str, value: PlainValue, code: str) -> tuple[Publication, ...]:
+        """Return what to publish so that *capability* becomes *value*, which *code* allows."""
+        if capability not in self._coded_writers:
+            raise RefusedError(shown(capability), "it takes no code")
+        return self._coded_writers[capability](value, code)
 
     def _readers_on_filters(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
         matching = tuple(wild for wild in self._wild if topic_matches(wild, topic))

@@ -3,8 +3,8 @@ from collections.abc import Mapping
 import pytest
 
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import DescribedPart
+from homebot.errors import RefusedError, WireError, WrongCodeError
+from homebot.gateways.mqtt.description import DescribedPart, TakesCode
 from homebot.gateways.mqtt.homeassistant.alarm_control_panel import build_alarm_control_panel
 from homebot.gateways.mqtt.homeassistant.config import Config
 
@@ -73,6 +73,66 @@ def test_its_code_is_in_no_description_and_no_refusal() -> None:
     with pytest.raises(RefusedError) as refused:
         part.codec.write("alarm", "disarmed")
     assert "1234" not in f"{part.part} {refused.value}"
+
+
+def told(fields: Mapping[str, object], word: str, code: str) -> list[bytes]:
+    codec = alarm(fields).codec
+    assert isinstance(codec, TakesCode)
+    return [one.payload for one in codec.write_with_code("alarm", word, code)]
+
+
+SENT = {**RING, "command_template": '{"action": "{{ action }}", "code": "{{ code }}"}'}
+
+
+@pytest.mark.parametrize(
+    ("fields", "word", "code", "payload"),
+    [
+        (CODED, "disarmed", "1234", b"DISARM"),
+        (CODED, "armed_away", "", b"ARM_AWAY"),
+        (CODED, "armed_away", "77", b"ARM_AWAY"),
+        ({**SENT, "code": "1234"}, "disarmed", "1234", b'{"action": "DISARM", "code": "1234"}'),
+        ({**SENT, "code": "REMOTE_CODE"}, "armed_home", "77", b'{"action": "ARM_HOME", "code": "77"}'),
+        ({**SENT, "code": "REMOTE_CODE_TEXT"}, "triggered", "ab", b'{"action": "TRIGGER", "code": "ab"}'),
+        (SENT, "disarmed", "5", b'{"action": "DISARM", "code": "5"}'),
+        ({**SENT, "code": "1", "code_disarm_required": False}, "disarmed", "", b'{"action": "DISARM", "code": "None"}'),
+        (
+            {**SENT, "code": "1", "code_trigger_required": False},
+            "triggered",
+            "9",
+            b'{"action": "TRIGGER", "code": "9"}',
+        ),
+    ],
+)
+def test_a_code_is_taken_as_home_assistant_does(
+    fields: Mapping[str, object], word: str, code: str, payload: bytes
+) -> None:
+    assert told(fields, word, code) == [payload]
+
+
+@pytest.mark.parametrize(
+    ("fields", "word", "code"),
+    [
+        (CODED, "disarmed", ""),
+        (CODED, "disarmed", "4321"),
+        (CODED, "triggered", "12345"),
+        ({**RING, "code": "REMOTE_CODE"}, "disarmed", ""),
+        ({**RING, "code": "REMOTE_CODE_TEXT"}, "armed_home", ""),
+        ({**RING, "code": "1"}, "armed_night", "2"),
+        ({**RING, "code": "\u00e4"}, "armed_night", "\u00fc"),
+    ],
+)
+def test_a_wrong_code_is_refused_and_shown_nowhere(fields: Mapping[str, object], word: str, code: str) -> None:
+    with pytest.raises(WrongCodeError, match=r"it wants (a|another) code$") as refused:
+        told(fields, word, code)
+    assert not code or code not in str(refused.value)
+
+
+def test_a_template_that_fails_with_a_code_does_not_show_it() -> None:
+    fields = {**RING, "command_template": "{{ code + 1 }}"}
+    with pytest.raises(RefusedError) as refused:
+        told(fields, "disarmed", "73550173")
+    chain = f"{refused.value} {refused.value.__cause__} {refused.value.__context__}"
+    assert "73550173" not in chain
 
 
 @pytest.mark.parametrize("missing", ["command_topic", "state_topic"])

@@ -6,10 +6,11 @@ Source: Home Assistant core 2025.4, ``components/mqtt/alarm_control_panel.py``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from hmac import compare_digest
 
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
+from homebot.errors import WrongCodeError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.config import Config
@@ -21,7 +22,10 @@ __all__ = ["build_alarm_control_panel"]
 
 
 def build_alarm_control_panel(config: Config) -> DescribedPart:
-    """Describe an alarm. What wants a code cannot be told: there is nowhere to have it from."""
+    """Describe an alarm. One that wants a code is told with one.
+
+    A code that the config names must be that one; where it says ``REMOTE_CODE`` the alarm itself judges any.
+    """
     source = config.required_source("state_topic")
     features = frozenset(config.options("supported_features") if config.has("supported_features") else _FEATURES)
     listens = _Listening(
@@ -36,6 +40,7 @@ def build_alarm_control_panel(config: Config) -> DescribedPart:
             for word, action in _TOLD.items()
             if config.has("code") and config.flag(f"code_{action.partition('_')[0]}_required", default=True)
         ),
+        config.text("code"),
     )
 
     def read(text: str) -> Readings:
@@ -44,7 +49,7 @@ def build_alarm_control_panel(config: Config) -> DescribedPart:
         return {"alarm": text} if text in _STATES else NOTHING
 
     entity = Entity(config, "x_alarm_panel")
-    entity.offers("alarm", readable=entity.hears(source, read), writer=listens.set, options=_STATES)
+    entity.offers_coded("alarm", listens.set, readable=entity.hears(source, read), options=_STATES)
     entity.listens_at(listens.command)
     return entity.described()
 
@@ -59,6 +64,7 @@ _TOLD = {
     "triggered": "trigger",
 }
 _FEATURES = tuple(action for action in _TOLD.values() if action != "disarm")
+_REMOTE = frozenset({"REMOTE_CODE", "REMOTE_CODE_TEXT"})
 _STATES = (*_TOLD, "pending", "arming", "disarming")
 
 
@@ -69,11 +75,18 @@ class _Listening:
     command: CommandTopic
     payloads: Mapping[str, str]
     coded: frozenset[str]
+    code: str = field(repr=False)
 
-    def set(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def set(self, value: PlainValue, code: str) -> tuple[Publication, ...]:
         word = wanted_option("alarm", value, self.payloads)
         if word in self.coded:
-            raise RefusedError(f"alarm {word}", "it wants a code")
+            self._check(word, code)
         action = self.payloads[word]
         told = action if self.command.template is None else None
-        return (self.command.publication(told, {"action": action, "code": None}),)
+        return (self.command.publication_with_code(told, code, {"action": action}),)
+
+    def _check(self, word: str, code: str) -> None:
+        if not code:
+            raise WrongCodeError(f"alarm {word}", "it wants a code")
+        if self.code not in _REMOTE and not compare_digest(code.encode(), self.code.encode()):
+            raise WrongCodeError(f"alarm {word}", "it wants another code")

@@ -50,6 +50,21 @@ class CommandTopic:
             raise RefusedError(f"a command on {self.topic}", f"it cannot be written in {self.encoding}") from None
         return Publication(self.topic, payload, self.qos, self.retain)
 
+    def publication_with_code(
+        self, value: object, code: str, variables: Mapping[str, object] = _NO_VARIABLES
+    ) -> Publication:
+        """As :meth:`publication`, with a *code* that the template may name; no error shows it.
+
+        Raises:
+            RefusedError: As there.
+        """
+        try:
+            return self.publication(value, {**variables, "code": code or None})
+        except RefusedError:
+            if not code:
+                raise
+            raise RefusedError(f"a command on {self.topic}", "its template failed with this code") from None
+
     def _rendered(self, template: Template, variables: Mapping[str, object]) -> str:
         if template.problem:
             raise RefusedError(f"a command on {self.topic}", f"its template {template.problem}")

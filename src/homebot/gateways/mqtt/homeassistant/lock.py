@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/lock.py``.
 from __future__ import annotations
 
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
+from homebot.errors import WrongCodeError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.config import Config
 from homebot.gateways.mqtt.homeassistant.entity import Entity
@@ -21,7 +21,10 @@ _STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jam
 
 
 def build_lock(config: Config) -> DescribedPart:
-    """Describe a door lock. One that wants a code cannot be told: there is nowhere to have it from."""
+    """Describe a door lock. One that wants a code is told with one, and judges it itself.
+
+    Of the config's ``code_format`` nothing is checked but that it is there: it is a stranger's regular expression.
+    """
     command = config.required_command()
     states: dict[str, str | None] = {config.text(f"state_{state}", state.upper()): state for state in _STATES}
     states[config.text("payload_reset", "None")] = None
@@ -34,12 +37,12 @@ def build_lock(config: Config) -> DescribedPart:
     def read(text: str) -> Readings:
         return {"lock": states[text]} if text.strip() and text in states else NOTHING
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        if wants_code:
-            raise RefusedError(f"lock {shown(value)}", "it wants a code")
-        return (command.publication(payloads[wanted_option("lock", value, payloads)], {"code": None}),)
+    def write(value: PlainValue, code: str) -> tuple[Publication, ...]:
+        if wants_code and not code:
+            raise WrongCodeError(f"lock {shown(value)}", "it wants a code")
+        return (command.publication_with_code(payloads[wanted_option("lock", value, payloads)], code),)
 
     entity = Entity(config, "door_lock")
-    entity.offers("lock", readable=entity.hears(config.source("state_topic"), read), writer=write)
+    entity.offers_coded("lock", write, readable=entity.hears(config.source("state_topic"), read))
     entity.listens_at(command)
     return entity.described()
