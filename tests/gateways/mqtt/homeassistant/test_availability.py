@@ -40,7 +40,8 @@ def test_a_list_has_a_template_per_topic_and_one_mode() -> None:
     assert (told.mode, bridge.topic, lamp.topic) == ("all", "z/bridge/state", "z/lamp/availability")
     assert bridge.read(b'{"state": "online"}') is True
     assert bridge.read(b'{"state": "offline"}') is False
-    assert bridge.read(b"online") is None
+    assert bridge.read(b"online") is True
+    assert bridge.read(b"[]") is None
     assert lamp.read(b"offline") is False
 
 

@@ -96,7 +96,30 @@ def test_a_source_gives_its_template_the_message_and_its_own_variables() -> None
     source = one.source("state_topic", variables={"more": 2})
     assert source is not None
     assert source.text(Said(b'{"n": 3}')) == "5"
-    assert source.text(Said(b"{}")) is None
+    assert source.without_payload().text(Said(b"{}")) is None
+
+
+@pytest.mark.parametrize(
+    ("template", "payload", "text"),
+    [
+        ("{{ value_json.state }}", b"ON", "ON"),
+        ("{{ value_json['a'].b }}", b'{"a": 1}', ""),
+        ("{{ value_json.a.b }}", b"{}", "{}"),
+        ("{{ value_json.state | is_defined }}", b"{}", "{}"),
+        ("{{ value_json.state | upper }}", b"on", "on"),
+        ("{{ value_json.x + 1 }}", b"7", "7"),
+        ("{{ value | int }}", b"x", None),
+        ("{{ value_json.x | round(1) }}", b'{"x": "y"}', None),
+        ("{{ value_json }}", b"ON", ""),
+        ("{% if value_json.a.b %}1{% endif %}", b"ON", "ON"),
+    ],
+)
+def test_what_a_template_lacks_is_made_up_for_by_the_payload(template: str, payload: bytes, text: str | None) -> None:
+    """As in Home Assistant, which passes the message over only where the values do not fit the template."""
+    source = config(state_topic="a", value_template=template).required_source("state_topic")
+    assert source.text(Said(payload)) == text
+    if text is not None and text == payload.decode():
+        assert source.without_payload().text(Said(payload)) is None
 
 
 def test_a_command_has_the_qos_retain_and_encoding_of_its_config() -> None:

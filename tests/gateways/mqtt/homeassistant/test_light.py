@@ -1,4 +1,5 @@
 from collections.abc import Mapping
+from itertools import permutations
 
 import pytest
 
@@ -47,7 +48,7 @@ def test_a_lamp_offers_what_its_modes_allow() -> None:
         (BASIC, ["on_off"]),
         ({**BASIC, "brightness_command_topic": "b"}, ["on_off", "level"]),
         ({**BASIC, "color_temp_command_topic": "b"}, ["on_off", "level", "color_temperature"]),
-        ({**BASIC, "effect_command_topic": "b"}, ["on_off"]),
+        ({**BASIC, "effect_command_topic": "b"}, ["on_off", "effect"]),
         ({**BASIC, "schema": "JSON"}, ["on_off"]),
         ({**BASIC, "schema": "json", "supported_color_modes": ["hs", "white"]}, ["on_off", "level", "color"]),
         (TEMPLATE, ["on_off"]),
@@ -131,6 +132,10 @@ def test_a_lamp_that_lists_no_effects_plays_any() -> None:
         (b'{"color_mode":"xy","color":[0.3,0.3]}', {}),
         (b'{"color_mode":"rgb","color":{"r":1,"g":2,"b":3}}', {}),
         (b'{"color":{"x":0.3,"y":0.3},"color_temp":250}', {}),
+        (b'{"color":{"x":0.701,"y":0.299}}', {"color": (0.0, 100.0), "color_temperature": None}),
+        (b'{"color_temp":250}', {"color_temperature": 4000.0, "color": None}),
+        (b'{"color":{"h":1,"s":2}}', {}),
+        (b'{"color_mode":null,"color_temp":250}', {}),
         (b'{"effect":"any\\u0007thing"}', {"effect": "any thing"}),
         (b"ON", {}),
         (b"[]", {}),
@@ -194,3 +199,42 @@ def test_numbers_beyond_all_lamps_are_survived(said: bytes) -> None:
         assert isinstance(level, float)
         assert 0 <= level <= 100
         assert "color_temperature" not in found
+
+
+MODES = {
+    **BASIC,
+    "rgb_command_topic": "a/rgb/set",
+    "rgb_state_topic": "a/rgb",
+    "color_temp_command_topic": "a/ct/set",
+    "color_temp_state_topic": "a/ct",
+    "color_mode_state_topic": "a/mode",
+    "brightness_command_topic": "a/b/set",
+    "brightness_state_topic": "a/b",
+}
+RED = (0.0, 100.0)
+
+
+@pytest.mark.parametrize("order", list(permutations(["a/rgb 255,0,0", "a/ct 250", "a/mode rgb"])))
+def test_the_colour_mode_says_what_a_lamp_shows_in_whatever_order_it_comes(order: tuple[str, ...]) -> None:
+    codec = lamp(MODES).codec
+    known: dict[str, PlainValue] = {}
+    for message in order:
+        topic, said = message.split()
+        known.update(codec.read(topic, said.encode(), retained=True))
+    assert known == {"color": RED, "color_temperature": None}
+    assert codec.read("a/mode", b"color_temp", retained=False) == {"color_temperature": 4000.0, "color": None}
+    assert codec.read("a/rgb", b"0,255,0", retained=False) == {}
+    assert codec.read("a/mode", b"ultraviolet", retained=False) == {}
+    assert codec.read("a/mode", b"rgb", retained=False) == {"color": (120.0, 100.0), "color_temperature": None}
+
+
+def test_a_lamp_whose_topics_say_no_mode_shows_what_came_last() -> None:
+    codec = lamp({key: value for key, value in MODES.items() if key != "color_mode_state_topic"}).codec
+    assert codec.read("a/rgb", b"255,0,0", retained=False) == {"color": RED, "color_temperature": None}
+    assert codec.read("a/ct", b"250", retained=False) == {"color_temperature": 4000.0, "color": None}
+
+
+def test_effects_without_a_list_are_read_and_told() -> None:
+    part = lamp({**BASIC, "effect_command_topic": "a/e/set", "effect_state_topic": "a/e"})
+    assert part.codec.read("a/e", b"sparkle", retained=False) == {"effect": "sparkle"}
+    assert ("a/e/set", b"party") in [(one.topic, one.payload) for one in part.codec.write("effect", "party")]

@@ -80,6 +80,15 @@ def test_a_lamp_is_read_in_our_units() -> None:
     assert said(lamp, color_mode="hs", color={"hue": 240, "saturation": 50})["color"] == (240.0, 50.0)
 
 
+def test_before_its_first_colour_mode_a_lamp_shows_what_it_says_alone() -> None:
+    lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
+    assert said(lamp, color_temp=370) == {"color_temperature": 2702.0, "color": None}
+    assert said(lamp, color={"x": 0.7006, "y": 0.2993}) == {"color": (0.0, 100.0), "color_temperature": None}
+    assert said(lamp, color={"hue": 240, "saturation": 50})["color"] == (240.0, 50.0)
+    assert said(lamp, color_temp=370, color={"x": 0.7006, "y": 0.2993}) == {}
+    assert said(lamp, color_temp=None, color_mode=None) == {}
+
+
 def test_a_lamp_is_told_as_home_assistant_tells_it() -> None:
     lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
     assert told(lamp, "on_off", value=False, transition=2.0) == {"state": "OFF", "transition": 2}

@@ -21,7 +21,7 @@ __all__ = ["build_event", "build_tag", "build_trigger"]
 
 def build_event(config: Config) -> DescribedPart:
     """Describe something that tells events of declared types, such as a doorbell."""
-    source = config.required_source("state_topic")
+    source = config.required_source("state_topic").without_payload()
     if not config.has("event_types"):
         raise WireError("event: event_types is None, not a list of texts")
     types = config.options("event_types")
@@ -46,7 +46,7 @@ def build_trigger(config: Config) -> DescribedPart:
         raise WireError(f"device_automation: automation_type is {shown(automation)}, not trigger")
     if not kind or not subtype:
         raise WireError("device_automation: it misses type or subtype")
-    source = config.required_source("topic")
+    source = config.required_source("topic").without_payload()
     wanted = config.text("payload")
     press = subtype if kind == "action" else f"{kind} {subtype}"
 
@@ -61,7 +61,7 @@ def build_trigger(config: Config) -> DescribedPart:
 
 def build_tag(config: Config) -> DescribedPart:
     """Describe a reader of tags: each of its messages is one that it read."""
-    source = config.required_source("topic")
+    source = config.required_source("topic").without_payload()
 
     def read(said: Said, text: str) -> Readings:
         tag = "" if said.retained else clean_text(text, _LONGEST)

@@ -42,7 +42,8 @@ def build_basic_light(config: Config) -> DescribedPart:
         assumes=_assumed(config),
     )
     effects = config.options("effect_list") if listens.effect else ()
-    lamp = Lamp(listens.modes(), read_white_range(config), listens.publish, effects)
+    has_effect = listens.effect is not None and not effects
+    lamp = Lamp(listens.modes(), read_white_range(config), listens.publish, effects, any_effect=has_effect)
     entity = Entity(config, "light")
     lamp.offer(entity, BasicState(lamp, listens.remembered).hear(config, entity).__contains__)
     entity.remembers()

@@ -30,10 +30,16 @@ class Remembered:
     Attributes:
         brightness: 1 to 255; None before the first word.
         colors: Its colour at full brightness by mode.
+        has_mode: Whether it says its colour mode.
+        mode: The mode that it said last; None before the first word.
+        shown: What it said last in each mode, as it is reported.
     """
 
     brightness: int | None = None
     colors: dict[str, Channels] = field(default_factory=dict)
+    has_mode: bool = False
+    mode: str | None = None
+    shown: dict[str, PlainValue] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +65,17 @@ class BasicState:
 
         def hear(capability: str, name: str, read: Callable[[str], Readings]) -> None:
             source = config.source(f"{name}_state_topic".lstrip("_"), f"{name or 'state'}_value_template")
+            if source is not None and name:
+                source = source.without_payload()
             if entity.hears(source, read):
                 readable.add(capability)
 
         hear("on_off", "", lambda text: {"on_off": words[text]} if text in words else NOTHING)
         if self.lamp.has_level:
             hear("level", "brightness", partial(self._level, config.integer("brightness_scale", _BYTE, least=1)))
+        mode_source = config.source("color_mode_state_topic", "color_mode_value_template")
+        if mode_source is not None and entity.hears(mode_source.without_payload(), self._mode):
+            self.remembered.has_mode = True
         if self.lamp.has_white:
             hear("color_temperature", "color_temp", partial(self._white, config.flag("color_temp_kelvin")))
         own_level = bool(config.state_topic("brightness_state_topic"))
@@ -73,7 +84,7 @@ class BasicState:
                 hear("color", mode, partial(self._color, mode, own_level or mode in ("hs", "xy")))
                 if not own_level and mode not in ("hs", "xy") and "color" in readable:
                     readable.add("level")
-        if self.lamp.effects:
+        if self.lamp.effects or self.lamp.any_effect:
             hear("effect", "effect", lambda text: {"effect": clean_text(text)} if text else NOTHING)
         return frozenset(readable)
 
@@ -81,7 +92,24 @@ class BasicState:
         kelvin = white_kelvin(whole_of(text), in_kelvin=in_kelvin)
         if kelvin is None:
             return NOTHING
-        return {"color_temperature": kelvin} | ({"color": None} if self.lamp.color_mode else {})
+        return self._shows("color_temp", kelvin)
+
+    def _mode(self, text: str) -> Readings:
+        """Take which of its values it shows; the others were said before, or will be."""
+        if text not in self.lamp.modes:
+            return NOTHING
+        self.remembered.mode = text
+        shown = self.remembered.shown.get(text)
+        return NOTHING if shown is None else self._shows(text, shown)
+
+    def _shows(self, mode: str, value: PlainValue) -> Readings:
+        """Take what it says in a colour mode; where it says the mode too, that decides whether it counts."""
+        self.remembered.shown[mode] = value
+        if self.remembered.has_mode and self.remembered.mode not in (None, mode):
+            return NOTHING
+        if mode == "color_temp":
+            return {"color_temperature": value} | ({"color": None} if self.lamp.color_mode else {})
+        return {"color": value} | ({"color_temperature": None} if self.lamp.has_white else {})
 
     def _level(self, scale: int, text: str) -> Readings:
         value = number_of(text) or 0
@@ -96,7 +124,7 @@ class BasicState:
         most = _MOST.get(mode, (_BYTE,) * len(CHANNELS[mode]))
         if channels is None or not all(0 <= one <= limit for one, limit in zip(channels, most, strict=True)):
             return NOTHING
-        found: dict[str, PlainValue] = {"color_temperature": None} if self.lamp.has_white else {}
+        found: dict[str, PlainValue] = {}
         if not own_level:
             brightness = int(max(channels))
             if not brightness:
@@ -105,7 +133,7 @@ class BasicState:
             self.remembered.brightness = brightness
             found["level"] = brightness * 100 / _BYTE
         self.remembered.colors[mode] = channels
-        return {**found, "color": to_hue_saturation(mode, channels, self.lamp.white.kelvins)}
+        return {**found, **self._shows(mode, to_hue_saturation(mode, channels, self.lamp.white.kelvins))}
 
 
 _MOST = {"hs": (360, 100), "xy": (1, 1)}

@@ -80,7 +80,10 @@ def _publish(command: CommandTopic, scale: int, in_kelvin: bool, order: LightOrd
 
 @dataclass(frozen=True, slots=True)
 class _State:
-    """Reads what the lamp says. A colour counts only where the message names its mode, as in Home Assistant."""
+    """Reads what the lamp says.
+
+    A colour counts where the message names its mode, as in Home Assistant, and where it names none but has one only.
+    """
 
     lamp: Lamp
     scale: int
@@ -98,13 +101,22 @@ class _State:
         brightness = message.get("brightness")
         if self.lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
             found["level"] = min(255, max(1, round(brightness * 255 / self.scale))) * 100 / 255
-        mode = message.get("color_mode")
+        mode = message["color_mode"] if "color_mode" in message else self._only_mode(message)
         if isinstance(mode, str) and mode in self.lamp.modes:
             found.update(self._color(mode, message))
         effect = message.get("effect")
         if isinstance(effect, str) and (self.lamp.effects or self.lamp.any_effect):
             found["effect"] = clean_text(effect)
         return found
+
+    def _only_mode(self, message: Mapping[str, object]) -> str:
+        """Return the one mode in which the message has a value; empty where it has none, or several."""
+        has_white, color = message.get("color_temp") is not None, message.get("color")
+        if has_white:
+            return "" if isinstance(color, dict) else "color_temp"
+        letters = set(color) if isinstance(color, dict) else set()
+        fitting = [mode for mode in CHANNELS if mode in self.lamp.modes and letters.issuperset(CHANNELS[mode])]
+        return max(fitting, key=lambda mode: len(CHANNELS[mode]), default="")
 
     def _color(self, mode: str, message: Mapping[str, object]) -> Readings:
         if mode == "color_temp":

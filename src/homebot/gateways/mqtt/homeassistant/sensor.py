@@ -28,7 +28,7 @@ def build_sensor(config: Config) -> DescribedPart:
     A number is reported in the unit of the vocabulary; where its own cannot be converted, in that. One of a class that
     we do not know has a meaning of its own.
     """
-    source = config.required_source("state_topic")
+    source = config.required_source("state_topic").without_payload()
     device_class = config.words("device_class")
     if device_class not in _TEXTS and (is_quantity(device_class) or any(config.has(key) for key in _NUMERIC)):
         quantity = quantity_of(device_class, config.words("unit_of_measurement", _MAX_UNIT))

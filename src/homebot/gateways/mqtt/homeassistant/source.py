@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from homebot.gateways.mqtt.homeassistant.said import Said
-from homebot.gateways.mqtt.templates import Template, TemplateError
+from homebot.gateways.mqtt.templates import Template, TemplateError, UndefinedValueError
 
 __all__ = ["Source"]
 
@@ -20,12 +20,15 @@ class Source:
         template: Finds the value; None where the whole payload is the value.
         encoding: Of the payload; see :attr:`Config.encoding`.
         variables: What else the template may name.
+        or_payload: Whether the payload itself is the value where the template wants what is not in it, for example
+            because it is no JSON. Home Assistant has it so for all but a few values.
     """
 
     topic: str
     template: Template | None = None
     encoding: str = "utf-8"
     variables: Mapping[str, object] | None = None
+    or_payload: bool = True
 
     @property
     def problem(self) -> str:
@@ -41,5 +44,11 @@ class Source:
             return context.value
         try:
             return self.template.render_value(context, self.variables)
+        except UndefinedValueError:
+            return context.value if self.or_payload else None
         except TemplateError:
             return None
+
+    def without_payload(self) -> Source:
+        """Return the same, but a message that lacks what the template wants tells nothing."""
+        return replace(self, or_payload=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NoReturn
 
-from homebot.gateways.mqtt.templates.errors import TemplateError
+from homebot.gateways.mqtt.templates.errors import UndefinedValueError
 
 __all__ = ["UNDEFINED", "Undefined"]
 
@@ -14,7 +14,7 @@ class Undefined:
     """What a name, a key or an index without a value gives.
 
     It is false, empty and equal to its like, and its text is empty. Arithmetic, order, and looking into it raise
-    :class:`TemplateError`.
+    :class:`UndefinedValueError`.
 
     Source: Jinja 3.1 documentation, Undefined Types, ``Undefined``.
     """
@@ -44,7 +44,7 @@ class Undefined:
 
     def fail(self, *_: object) -> NoReturn:
         """Raise what every use of the value raises."""
-        raise TemplateError("a value that the template uses is not in the message")
+        raise UndefinedValueError("a value that the template uses is not in the message")
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = fail
     __floordiv__ = __rfloordiv__ = __mod__ = __rmod__ = __pow__ = __rpow__ = __neg__ = __pos__ = fail

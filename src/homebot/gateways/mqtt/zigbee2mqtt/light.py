@@ -134,10 +134,24 @@ class _Lamp:
         told = {} if state is None else {state.key: state.value_on if on else state.value_off}
         return self.lines.tell({**told, **message}, transition)
 
-    def _read_color(self, message: JsonMessage) -> Readings:
-        """What a lamp shows now is named by ``color_mode``; the rest of the message is from before."""
+    def _only_mode(self, message: JsonMessage) -> str:
+        """Return the one mode in which the message has a value; empty where it has none, or several."""
         white = self.features.get("color_temp")
-        mode = message.get(f"color_mode{self.suffix}", "" if self.mode else "color_temp")
+        has_white = white is not None and message.get(white.key) is not None
+        color = message.get(self._color_property) if self.mode else None
+        if not isinstance(color, dict):
+            return "color_temp" if has_white else ""
+        return "" if has_white else next((mode for mode in _COLOR_MODES if _hue_saturation(mode, color)), "")
+
+    def _read_color(self, message: JsonMessage) -> Readings:
+        """What a lamp shows now is named by ``color_mode``; the rest of the message is from before.
+
+        Before its first one it shows what the message has alone.
+        """
+        white = self.features.get("color_temp")
+        mode = message.get(f"color_mode{self.suffix}")
+        if mode is None:
+            mode = self._only_mode(message)
         if mode == "color_temp" and white is not None:
             mired = finite_number(message.get(white.key))
             if mired is None or not 0 < mired <= _MOST_MIRED:
