@@ -609,10 +609,19 @@ async def test_an_announcement_may_be_longer_than_a_message_of_state(make_house:
 async def test_a_long_announcement_is_read_as_nothing_else(make_house: MakeHouse) -> None:
     async with make_house(max_payload=2048) as house:
         await house.announce("lamp1", state="hello/lamp1")
-        await house.announce("lamp1", state="hello/lamp1", name="x on_off=on " * 300)
-        assert len(house.sighted()) == 2
+        before = house.gateway.counters.announcements
+        await house.announce("lamp1", state="hello/lamp1", name="x on_off=on " * 90_000)
+        assert house.gateway.counters.announcements == before + 1
         assert house.told() == []
         assert house.gateway.counters.oversize == 1
+
+
+async def test_what_is_announced_may_also_be_a_state_and_as_long(make_house: MakeHouse) -> None:
+    async with make_house(max_payload=2048) as house:
+        await house.announce("lamp1", state="hello/lamp1")
+        await house.announce("lamp1", state="hello/lamp1", name="x on_off=on x" * 300)
+        assert len(house.told()) == 1
+        assert house.gateway.counters.oversize == 0
 
 
 async def test_the_message_that_makes_a_device_known_is_read_as_its_state_once(make_house: MakeHouse) -> None:

@@ -34,6 +34,7 @@ from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.filter_tree import FilterTree
 from homebot.gateways.mqtt.last_words import LastWord, LastWords
 from homebot.gateways.mqtt.offers import Offers
+from homebot.gateways.mqtt.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.gateways.mqtt.plain_voices import PlainVoices
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
@@ -174,7 +175,8 @@ class DescribedDevices:
         if route.witnesses:
             await self._states.witness(message, route.witnesses)
         if route.voices:
-            await self._states.read(message, route.voices)
+            longest = MAX_LONG_STATE_BYTES if route.conventions else MAX_STATE_BYTES
+            await self._states.read(message, route.voices, longest)
             if raw and (listeners := self._listeners.now(message.topic)):
                 raw_word = self._raw(route.voices[0], message.topic, message.payload, retained=message.retain)
                 for listener in listeners:

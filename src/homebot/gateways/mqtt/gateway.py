@@ -33,6 +33,7 @@ from homebot.gateways.mqtt.conventions import find_conventions
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.described_devices import DescribedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
+from homebot.gateways.mqtt.payload import MAX_LONG_STATE_BYTES
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import EntityKind, Node
 from homebot.isolation import run_as
@@ -241,11 +242,14 @@ class MqttGateway(Gateway):
         return channel
 
     async def _take_long(self, message: MqttMessage, route: Route | None) -> int:
-        """Only announcements may be larger than other messages; return how much work it was."""
+        """Only what comes where devices are announced may be longer than the rest; return how much work it was."""
         work = 0
         if route is not None and route.conventions:
-            await self._described.take(message, route)
             work = _ANNOUNCEMENT * len(route.conventions)
+            if len(message.payload) <= MAX_LONG_STATE_BYTES:
+                await self._described.hear(message, route, raw=False)
+                return work + len(route.voices)
+            await self._described.take(message, route)
             if not route.voices and not route.witnesses:
                 return work
         self.counters.oversize += 1

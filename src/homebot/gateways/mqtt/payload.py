@@ -12,6 +12,7 @@ from homebot.errors import WireError
 
 __all__ = [
     "MAX_ANNOUNCEMENT_BYTES",
+    "MAX_LONG_STATE_BYTES",
     "MAX_STATE_BYTES",
     "clean_text",
     "parse_json",
@@ -25,6 +26,10 @@ MAX_ANNOUNCEMENT_BYTES = 256 * 1024
 
 MAX_STATE_BYTES = 256 * 1024
 """Longest message of a device's state that is looked at."""
+
+MAX_LONG_STATE_BYTES = 1024 * 1024
+"""The same on a topic of announcements, whose messages are long: the ``bridge/info`` of a large Zigbee house tells
+states as well."""
 
 _MAX_DEPTH = 64
 _MAX_SHOWN = 60

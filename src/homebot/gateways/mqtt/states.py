@@ -74,9 +74,9 @@ class States:
                 reachability.hear(witness.index, said, retained=message.retain)
                 self._tell_reachable(witness.claim, witness.part, message.topic, retained=message.retain)
 
-    async def read(self, message: MqttMessage, voices: tuple[Voice, ...]) -> None:
+    async def read(self, message: MqttMessage, voices: tuple[Voice, ...], longest: int = MAX_STATE_BYTES) -> None:
         """Take *message* as one in which parts tell their state; one that is too long is only counted."""
-        if len(message.payload) > MAX_STATE_BYTES:
+        if len(message.payload) > longest:
             self._counters.oversize += 1
             return
         readings: list[Reading] = []

@@ -36,3 +36,21 @@ async def test_a_thermostat_that_is_announced_again_is_still_in_its_mode(
         answer = await house.command("homeassistant:climate/x", "u", "heating_setpoint", 21.0)
         assert answer.success
         assert [(one.topic, one.payload) for one in await house.heard()] == [("b/low/set", b"21.0")]
+
+
+BRIDGE = ("homebot.gateways.mqtt.homeassistant:HomeAssistantDiscovery", "homebot.gateways.mqtt.zigbee2mqtt:Zigbee2Mqtt")
+INFO = "zigbee2mqtt/bridge/info"
+
+
+@pytest.mark.parametrize("devices", [1, 2_000])
+async def test_the_info_of_a_large_bridge_tells_its_entities_their_state(make_house: MakeHouse, devices: int) -> None:
+    """It is as long as an announcement."""
+    config = {"unique_id": "v", "state_topic": INFO, "value_template": "{{ value_json.version }}"}
+    known = {f"0x{number:016x}": {"friendly_name": "x" * 150, "retain": False} for number in range(devices)}
+    info = json.dumps({"version": "2.14.1", "config": {"devices": known}})
+    assert (len(info) > 256 * 1024) == (devices > 1)
+    async with make_house(conventions=BRIDGE) as house:
+        await house.say("homeassistant/sensor/v/config", json.dumps(config))
+        await house.say(INFO, info)
+        assert [told for _, told, _ in house.told()] == [{"v.value": "2.14.1"}]
+        assert house.gateway.counters.oversize == 0

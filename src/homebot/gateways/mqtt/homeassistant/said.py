@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-from homebot.gateways.mqtt.payload import MAX_STATE_BYTES
+from homebot.gateways.mqtt.payload import MAX_LONG_STATE_BYTES
 from homebot.gateways.mqtt.templates import PayloadContext
 
 __all__ = ["Said"]
@@ -47,7 +47,7 @@ class Said:
 
 @lru_cache(maxsize=2)
 def _context(payload: bytes, encoding: str) -> PayloadContext | None:
-    if len(payload) > MAX_STATE_BYTES or not encoding:
+    if len(payload) > MAX_LONG_STATE_BYTES or not encoding:
         return None
     try:
         return PayloadContext(payload.decode(encoding))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.payload import parse_json
+from homebot.gateways.mqtt.payload import MAX_LONG_STATE_BYTES, parse_json
 from homebot.gateways.mqtt.templates.undefined import UNDEFINED
 
 __all__ = ["PayloadContext"]
@@ -30,7 +30,7 @@ class PayloadContext:
         """What the text says in JSON; :data:`UNDEFINED` where it is none that our border lets in."""
         if self._json is _UNREAD:
             try:
-                self._json = parse_json(self.value)
+                self._json = parse_json(self.value, MAX_LONG_STATE_BYTES)
             except WireError:
                 self._json = UNDEFINED
         return self._json
