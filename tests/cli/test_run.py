@@ -67,7 +67,7 @@ def test_devices_are_remembered_unless_they_are_simulated_or_nobody_wants_it(
 ) -> None:
     monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path / "data"))
     Path("homebot.toml").write_text('[home]\nname = "villa"\n[gateways.mqtt]\n[door]\nport = 0\n')
-    file = tmp_path / "data" / "villa" / "index.sqlite"
+    file = tmp_path / "data" / "villa" / "embedded" / "index.sqlite"
     assert main(["run", "--for", "0.01", "--ephemeral"]) == 0
     assert not file.exists()
     assert main(["run", "--for", "0.01"]) == 0

@@ -16,7 +16,7 @@ from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.record import entry_record, read_entry, read_tombstone, tombstone_record
-from homebot.discovery.store import VERSION, IndexFile, Records, index_path
+from homebot.discovery.store import VERSION, IndexFile, Records, index_path, take_over
 from homebot.errors import LinkError, UsageError, WireError
 
 Announce = Callable[..., Sighting]
@@ -160,12 +160,12 @@ def test_a_file_that_another_homebot_uses_is_left_to_it(path: Path) -> None:
 
 def test_the_place_is_the_users(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path))
-    assert index_path("my home/x").parent.parent == tmp_path
+    assert index_path("my home/x", "10.0.0.1:1883").parent.parent.parent == tmp_path
     monkeypatch.delenv("HOMEBOT_DATA")
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    assert index_path("h") == tmp_path / "homebot" / "h" / "index.sqlite"
+    assert index_path("h", "embedded") == tmp_path / "homebot" / "h" / "embedded" / "index.sqlite"
     monkeypatch.delenv("XDG_DATA_HOME")
-    assert index_path("h").is_relative_to(Path(os.path.expanduser("~")))  # noqa: PTH111 - what the user's shell says
+    assert index_path("h", "embedded").is_relative_to(Path(os.path.expanduser("~")))  # noqa: PTH111 - what the user's shell says
 
 
 def test_a_device_of_the_file_is_as_it_was_but_unconfirmed(announce: Announce, part: MakePart) -> None:
@@ -212,3 +212,17 @@ def test_any_other_text_is_no_record(text: str) -> None:
         read_entry("x", text)
     with pytest.raises(WireError):
         read_tombstone("x", text)
+
+
+def test_the_file_of_before_goes_to_the_first_network_that_starts(tmp_path: Path) -> None:
+    """Once, with all that SQLite keeps beside it; a file that is there already stays."""
+    old = tmp_path / "index.sqlite"
+    first, second = (tmp_path / network / "index.sqlite" for network in ("a", "b"))
+    for ending in ("", "-wal"):
+        old.with_name(old.name + ending).write_text(f"old{ending}")
+    assert take_over(first)
+    assert (first.read_text(), first.with_name("index.sqlite-wal").read_text()) == ("old", "old-wal")
+    assert not take_over(second)
+    old.write_text("another")
+    assert not take_over(first)
+    assert first.read_text() == "old"

@@ -17,7 +17,7 @@ from typing import final
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.names import escape_token
 
-__all__ = ["VERSION", "IndexFile", "Records", "index_path"]
+__all__ = ["VERSION", "IndexFile", "Records", "index_path", "take_over"]
 
 VERSION = 2
 """Of the schema, kept as SQLite's ``user_version``."""
@@ -51,9 +51,31 @@ class Records:
     tombstones: tuple[tuple[str, str], ...] = ()
 
 
-def index_path(home: str) -> Path:
-    """Return where the index of a home is kept: below ``HOMEBOT_DATA``, or the user's directory for data."""
-    return _data_directory() / escape_token(home) / "index.sqlite"
+def index_path(home: str, network: str) -> Path:
+    """Return where the index of a home is kept: below ``HOMEBOT_DATA``, or the user's directory for data.
+
+    Args:
+        home: What the home is called.
+        network: Where its devices are, for example the broker's ``host:port``: another broker has other devices, and
+            those of the first would be ghosts there.
+    """
+    return _data_directory() / escape_token(home) / escape_token(network) / "index.sqlite"
+
+
+def take_over(path: Path) -> bool:
+    """Move the index file of before there was one for each network to *path*, where nothing is yet; return whether.
+
+    The first that starts takes it: it is most probably the network that the file was made in.
+    """
+    old = path.parent.parent / path.name
+    if path.exists() or not old.exists():
+        return False
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    for ending in _FILES:
+        source = old.with_name(old.name + ending)
+        with suppress(FileNotFoundError):
+            source.rename(path.with_name(path.name + ending))
+    return True
 
 
 def _data_directory() -> Path:

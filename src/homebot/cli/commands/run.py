@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING
 
 from homebot.cli.until_told import on_an_event_loop, until_told
 from homebot.config import Config, load_config, parse_config
-from homebot.discovery.store import index_path
+from homebot.discovery.store import take_over
 from homebot.log import configure_logging
 from homebot.output import queued_output
 from homebot.production_loop import ProductionLoop
 from homebot.runtime import Runtime
+from homebot.runtime.index_place import index_place
 
 if TYPE_CHECKING:
     from homebot.house import World
@@ -51,7 +52,9 @@ def _run_apart(options: argparse.Namespace, config: Config, house: World | None,
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
     # A simulated house begins each time as it is described, so there is nothing to remember.
     is_kept = house is None and not options.ephemeral
-    index_file = index_path(config.home.name) if is_kept else None
+    index_file = index_place(config) if is_kept else None
+    if index_file is not None:
+        take_over(index_file)
     return on_an_event_loop(_run(config, house, seconds=options.seconds, index_file=index_file, lost_lines=lost_lines))
 
 

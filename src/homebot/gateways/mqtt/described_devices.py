@@ -257,6 +257,7 @@ class DescribedDevices:
         lost = self._connection.counters
         counts = (
             *self._counters.counts(),
+            Count(name="offenders_dropped", count=self.tribunal.forgotten),
             Count(name="dropped_oversize", count=lost.dropped_oversize),
             Count(name="dropped_overflow", count=lost.dropped_overflow),
             Count(name="dropped_malformed", count=lost.dropped_malformed),

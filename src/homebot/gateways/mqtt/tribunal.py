@@ -48,6 +48,11 @@ class Tribunal:
         self._limit = LogLimit(gateway.node.graph.clock)
         self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
 
+    @property
+    def forgotten(self) -> int:
+        """How many offenders were forgotten for want of room."""
+        return self._offenders.forgotten
+
     def is_confined(self, topic: str) -> bool:
         """Whether who speaks on *topic* is quarantined."""
         return self._offenders.is_confined(topic[:_LONGEST])
