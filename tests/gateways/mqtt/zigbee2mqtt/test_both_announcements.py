@@ -1,6 +1,6 @@
 """Real models, announced by ``bridge/devices`` and by Home Assistant discovery at once, as in every house with both.
 
-``fixtures/zigbee2mqtt_both.jsonl`` has a model per line; ``fixtures/README.md`` says how the messages were made:
+``both_announcements.jsonl`` has a model per line; ``../fixtures/README.md`` says how the messages were made:
 
 - ``entry``: the model in ``bridge/devices``;
 - ``device``: the device block of each of its discovery messages;
@@ -33,7 +33,7 @@ Row: TypeAlias = dict[str, Any]
 Place: TypeAlias = tuple[str, str]
 """Key of an announcement, and what the part is called there."""
 
-FIXTURE = Path(__file__).parents[1] / "fixtures" / "zigbee2mqtt_both.jsonl"
+FIXTURE = Path(__file__).with_name("both_announcements.jsonl")
 ROWS: list[Row] = [json.loads(line) for line in FIXTURE.read_text(encoding="utf-8").splitlines()]
 ORDERS = 20
 LOADS = {"switch", "plug", "light", "fan", "siren", "window_covering", "door_lock", "valve", "water_valve"}
