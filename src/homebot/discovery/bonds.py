@@ -4,6 +4,9 @@ A radio address (``eui64:``) always is. A hardware address (``mac:``) is, unless
 several devices: announcements that are each of a whole device, or whose other identifiers have nothing in common. Any
 other identifier is, unless it is a word that many devices have, or comes with different hardware addresses.
 
+A device that has a topic for itself is also known by that, and so is one that speaks and listens nowhere but below a
+topic that ends with an identifier of its: Home Assistant is told of ``BigSlowDog``, Homie of ``valetudo/BigSlowDog``.
+
 Where it does not matter who came first, it does not: the same announcements in any order are the same devices.
 """
 
@@ -179,6 +182,8 @@ class Bonds:
             self.cut += 1
             found = found[:MAX_IDENTIFIERS]
         is_own = sighting.convention in WHOLE or not any(_names_somebody(one) for one in found)
+        if place := _own_topic(sighting):
+            found = tuple(dict.fromkeys((*found, f"id:{place}")))
         sign = (key[0], sighting.convention, found, key[1] if is_own else "")
         voice = self._known.get(sign)
         if voice is None:
@@ -237,6 +242,21 @@ def _are_guests(one: Voice, other: Voice) -> bool:
         return True
     mine, others = one.others, other.others
     return bool(mine) and bool(others) and mine.isdisjoint(others)
+
+
+def _own_topic(sighting: Sighting) -> str:
+    """The topic below which all is the device's; empty where none is known."""
+    if sighting.convention in WHOLE:
+        return sighting.owns[0] if sighting.owns else ""
+    names = [one[len("id:") :] for one in sighting.identifiers if one.startswith("id:") and _names_somebody(one)]
+    if not names:
+        return ""
+    topics = [topic for part in sighting.parts for topic in (*part.reads, *part.writes)]
+    for name in names:
+        before, level, _ = topics[0].partition(f"/{name}/") if topics else ("", "", "")
+        if level and all(topic.startswith(f"{before}{level}") for topic in topics):
+            return f"{before}/{name}"
+    return ""
 
 
 def _names_somebody(identifier: str) -> bool:

@@ -381,8 +381,8 @@ class DeviceIndex:
         is_new = is_described_anew(before, sighting)
         if is_new:
             note_description(claim, before)
-            if before.identifiers != sighting.identifiers or before.convention != sighting.convention:
-                self._regroup(self._bonds.put(key, sighting), "it says anew who it is")
+            if affected := self._bonds.put(key, sighting):
+                self._regroup(affected, "it says anew who it is")
                 entry = self._owner[key]
             self._describe(entry)
             self._note("changed", entry, "it is described anew")

@@ -100,6 +100,7 @@ class House:
 
     part = staticmethod(part)
     device = staticmethod(device)
+    state = staticmethod(state)
 
     def __init__(self, graph: Graph, node: Node, directory: Node) -> None:
         self.graph = graph

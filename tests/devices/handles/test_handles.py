@@ -196,6 +196,30 @@ async def test_a_handle_tells_what_its_part_told(
     assert {name: getattr(handle, name) for name in told} == told
 
 
+@pytest.mark.parametrize(
+    ("own", "others", "expected"),
+    [
+        ({}, {"battery": 80.0}, 80.0),
+        ({"battery": 50.0}, {"battery": 80.0}, 50.0),
+        ({"battery": None}, {"battery": 80.0}, None),
+        ({}, {"battery": 80.0, "remote": 20.0}, None),
+        ({}, {"battery": None}, None),
+        ({}, {}, None),
+    ],
+)
+async def test_a_robot_tells_the_battery_of_its_device(
+    house: House, own: dict[str, PlainValue], others: dict[str, PlainValue], expected: float | None
+) -> None:
+    """Its own, where it has one; of two others nobody knows which is the robot's."""
+    robot = house.part("robotic_vacuum_cleaner", "vacuum", part_id="robot", reads=own)
+    beside = [house.part("x_battery", part_id=one, reads=["battery"], category="diagnostic") for one in others]
+    device = house.device("a", robot, *beside, states=own)
+    told = [house.state(name, "battery", value) for name, value in others.items()]
+    house.has(device.model_copy(update={"states": (*device.states, *told)}))
+    (handle,) = await house.devices.find(RoboticVacuumCleaner)
+    assert handle.battery == expected
+
+
 async def test_a_handle_is_always_up_to_date(house: House) -> None:
     """Also its name and routes; what comes late and was told before changes nothing."""
     house.has(house.device("a", house.part("light", "on_off"), on_off=False))

@@ -159,6 +159,13 @@ class Handle:
         value = self.value(capability)
         return value if isinstance(value, float) else None
 
+    def _number_of_device(self, capability: str) -> float | None:
+        """As :meth:`_number`; where the part cannot tell, what the only part of the device tells that can."""
+        if any(one.name == capability for one in self.capabilities):
+            return self._number(capability)
+        value = self._known.only_value(capability)
+        return value if isinstance(value, float) else None
+
     def _text(self, capability: str) -> str | None:
         value = self.value(capability)
         return value if isinstance(value, str) else None

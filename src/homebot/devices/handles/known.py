@@ -51,6 +51,13 @@ class KnownDevice:
         state = self._states.get((part_id, capability))
         return None if state is None else state[1].value.plain()
 
+    def only_value(self, capability: str) -> PlainValue:
+        """Return what the part last told that alone tells *capability*; None where there is none, or are several."""
+        telling = [
+            one.id for one in self.device.parts if any(found.name == capability for found in one.part.capabilities)
+        ]
+        return self.value(telling[0], capability) if len(telling) == 1 else None
+
     def current(self) -> Device:
         """Return the device with the newest that its parts told."""
         return self.device.model_copy(update={"states": tuple(state for _, state in self._states.values())})

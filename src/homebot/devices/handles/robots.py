@@ -32,8 +32,8 @@ class RoboticVacuumCleaner(Handle):
 
     @property
     def battery(self) -> float | None:
-        """Charge of its battery, in percent."""
-        return self._number("battery")
+        """Charge of its battery, in percent, also where the device tells that apart from the robot."""
+        return self._number_of_device("battery")
 
     async def start(self) -> None:
         """Let it clean.
