@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 from homebot.errors import WireError
+from homebot.strict_json import parse_strict
 
 __all__ = ["FlowValue", "parse_flow"]
 
@@ -29,7 +30,7 @@ def parse_flow(text: str) -> FlowValue:
         WireError: It is no value; the message says where it went wrong.
     """
     try:
-        value: FlowValue = json.loads(text)
+        value = cast("FlowValue", parse_strict(text))
     except (ValueError, RecursionError):
         return _Flow(text).parse()
     return value
@@ -68,6 +69,8 @@ class _Flow:
             if fields:
                 self._expect(",")
             key = self._key()
+            if key in fields:
+                raise self._error(f"the field {key[:60]!r} is there twice")
             self._expect(":")
             fields[key] = self._value()
         self._depth -= 1

@@ -58,6 +58,8 @@ def test_a_number_may_be_an_identifier() -> None:
     [
         ("", "the frame is not JSON: Expecting value"),
         ("{", "the frame is not JSON"),
+        ('{"op": "publish", "op": "advertise"}', "the frame is ambiguous: the key 'op' is there twice"),
+        ('{"op": "publish", "topic": "/a", "msg": {"data": 1, "data": 2}}', "the frame is ambiguous: the key 'data'"),
         ("[]", r"the frame is no JSON object but '\[\]'"),
         ("{}", "the frame has no field 'op'"),
         ('{"op": 3}', "the frame has no text as its field 'op' but '3'"),

@@ -503,6 +503,19 @@ async def test_a_broken_announcement_costs_itself_alone(make_house: MakeHouse) -
         assert house.gateway.counters.failures == 1
 
 
+async def test_an_announcement_that_says_a_key_twice_is_counted_and_counts_as_it_says_last(
+    make_house: MakeHouse,
+) -> None:
+    async with make_house(conventions=("homeassistant",)) as house:
+        config = '{"unique_id": "a", "command_topic": "x/lamp", "command_topic": "lamp/set", "name": "Lamp"}'
+        await house.say("homeassistant/switch/lamp/config", config)
+        (sighting,) = house.sighted()
+        assert sighting.parts[0].writes == ("lamp/set",)
+        assert house.gateway.counters.announcements_ambiguous == 1
+        await house.say("homeassistant/switch/other/config", '{"unique_id": "b", "command_topic": "other/set"}')
+        assert house.gateway.counters.announcements_ambiguous == 1
+
+
 async def test_a_part_that_fails_costs_itself_alone(make_house: MakeHouse) -> None:
     async with make_house() as house:
         await house.announce("lamp1")

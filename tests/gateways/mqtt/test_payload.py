@@ -5,13 +5,28 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.payload import clean_text, parse_json, parse_object, shown
+from homebot.gateways.mqtt.payload import clean_text, noting_duplicates, parse_json, parse_object, shown
 
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
     max_leaves=12,
 )
+
+
+def test_keys_that_are_there_twice_are_noted_or_refused() -> None:
+    """The last one counts where that is not asked for."""
+    text = '{"a": 1, "b": {"c": 1, "c": 2}, "a": 3}'
+    assert parse_json(text) == {"a": 3, "b": {"c": 2}}
+    with noting_duplicates() as keys:
+        assert parse_json(text) == {"a": 3, "b": {"c": 2}}
+        parse_json('{"a": [{"a": 1}, {"a": 2}]}')
+    assert keys == ["c", "a"]
+    with pytest.raises(WireError, match="the key 'c' is there twice"):
+        parse_json(text, unique=True)
+    with noting_duplicates() as keys:
+        parse_json("[" + ",".join(['{"x": 1, "x": 2}'] * 1000) + "]")
+    assert len(keys) == 10
 
 
 @given(json_values)

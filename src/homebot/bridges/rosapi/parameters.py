@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 from homebot.bridges.rosapi.parameter_messages import (
     DeleteParamRequest,
@@ -18,6 +19,7 @@ from homebot.bridges.rosapi.parameter_messages import (
 )
 from homebot.errors import ParameterError
 from homebot.graph import Graph, ParameterSet
+from homebot.strict_json import parse_strict
 
 __all__ = ["GraphParameters"]
 
@@ -42,7 +44,7 @@ class GraphParameters:
         """Set a value."""
         try:
             parameters, name = self._find(request.name)
-            value = json.loads(request.value)
+            value: Any = parse_strict(request.value)  # the parameter checks it
             if isinstance(parameters.get(name).value, bytes) and isinstance(value, list):
                 value = bytes(value)
             parameters.set(name, value)

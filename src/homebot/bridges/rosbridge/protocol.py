@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from homebot.errors import PeerError
 from homebot.messages.json import JsonObject, JsonValue, validation_problem
+from homebot.strict_json import DuplicateKeyError, parse_strict
 
 __all__ = [
     "ActionOperation",
@@ -334,9 +335,11 @@ def _service_response(service: str, identifier: Identifier, values: JsonValue, *
 def _load(text: str) -> object:
     _check_size(text)
     try:
-        value: object = json.loads(text)
+        value = parse_strict(text)
     except RecursionError:
         raise FrameError(f"is nested more than {MAX_NESTING} deep") from None
+    except DuplicateKeyError as exc:
+        raise FrameError(f"is ambiguous: {exc}") from exc
     except ValueError as exc:
         raise FrameError(f"is not JSON: {exc}") from exc
     if text.count("[") + text.count("{") > MAX_NESTING:

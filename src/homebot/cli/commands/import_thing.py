@@ -66,7 +66,7 @@ def _read(file: str) -> tuple[str, Thing]:
     except OSError as exc:
         raise ConfigError(file, "", f"cannot be read: {exc.strerror}") from exc
     try:
-        value = parse_json(payload, MAX_ANNOUNCEMENT_BYTES)
+        value = parse_json(payload, MAX_ANNOUNCEMENT_BYTES, unique=True)
         thing = read_thing(value)
     except WireError as exc:
         raise ConfigError(file, "", str(exc)) from exc

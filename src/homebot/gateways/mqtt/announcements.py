@@ -15,6 +15,7 @@ from homebot.gateways.mqtt.claims import Change, Claims
 from homebot.gateways.mqtt.convention import Convention, SlicedConvention
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.description import Described, Heard, Question, Withdrawn
+from homebot.gateways.mqtt.payload import noting_duplicates
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.timekeeper import Timekeeper
 from homebot.gateways.mqtt.tribunal import Tribunal
@@ -25,6 +26,7 @@ __all__ = ["Announcements"]
 REJECTED = "gateway.announcement_rejected"
 NOT_READ = "gateway.state_topic_refused"
 RESERVED = "gateway.command_topic_refused"
+AMBIGUOUS = "gateway.announcement_ambiguous"
 
 GRACE = 10.0
 """Seconds for which a device that is taken back may be announced anew before it counts as gone.
@@ -99,6 +101,16 @@ class Announcements:
             self._counters.announcements_ignored += 1
             return
         self._counters.announcements += 1
+        with noting_duplicates() as repeated:
+            await self._take(message, conventions)
+        if repeated:
+            self._counters.announcements_ambiguous += 1
+            keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
+            self._tribunal.warn(
+                AMBIGUOUS, f"{message.topic} says {keys} twice; what it says last counts", topic=message.topic
+            )
+
+    async def _take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         for convention in conventions:
             steps = _steps(convention, message)
             slice_ends, told = self._clock.monotonic() + SLICE, 0

@@ -20,6 +20,7 @@ class GatewayCounters:
         commands_refused: Commands that were refused, by us or by the broker.
         commands_failed: Commands that found no link.
         announcements: Messages in which devices were announced or taken back.
+        announcements_ambiguous: Those in whose JSON a key is twice.
         announcements_rejected: Those that broke the rules of their convention.
         announcements_ignored: Those of the quarantined.
         devices_refused: Descriptions that were one too many, or had too many parts.
@@ -40,6 +41,7 @@ class GatewayCounters:
     commands_refused: int = 0
     commands_failed: int = 0
     announcements: int = 0
+    announcements_ambiguous: int = 0
     announcements_rejected: int = 0
     announcements_ignored: int = 0
     devices_refused: int = 0

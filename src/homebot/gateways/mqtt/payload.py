@@ -6,15 +6,19 @@ import json
 import math
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import NoReturn
 
 from homebot.errors import WireError
+from homebot.strict_json import object_noting
 
 __all__ = [
     "MAX_ANNOUNCEMENT_BYTES",
     "MAX_LONG_STATE_BYTES",
     "MAX_STATE_BYTES",
     "clean_text",
+    "noting_duplicates",
     "parse_json",
     "parse_list",
     "parse_object",
@@ -35,14 +39,16 @@ _MAX_DEPTH = 64
 _MAX_SHOWN = 60
 
 
-def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES) -> object:
+def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bool = False) -> object:
     """Return what *payload* says in JSON.
 
-    Of keys that are there twice the last one counts. Numbers are ``int``, or ``float`` with an end.
+    Of keys that are there twice the last one counts, see :func:`noting_duplicates`. Numbers are ``int``, or ``float``
+    with an end.
 
     Args:
         payload: UTF-8 where it is bytes.
         limit: Longest length, in bytes or characters.
+        unique: Whether a key that is there twice is an error.
 
     Raises:
         WireError: It is too long, no JSON as RFC 8259 has it (no NaN, no Infinity), nested deeper than 64 levels, or
@@ -52,7 +58,7 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES) -> object:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
-        value: object = _DECODER.decode(text)
+        value: object = _decoder(unique=unique).decode(text)
     except RecursionError:
         raise WireError(f"JSON is nested deeper than {_MAX_DEPTH} levels") from None
     except ValueError as error:
@@ -79,7 +85,7 @@ def parse_list(payload: bytes, limit: int) -> Iterator[object]:
             _check_end(text, at + 1)
             return
         while True:
-            value, end = _DECODER.raw_decode(text, at)
+            value, end = _decoder(unique=False).raw_decode(text, at)
             _check_depth(text[at:end], [value])
             if text.find("\\u", at, end) >= 0:
                 _check_surrogates(value)
@@ -164,6 +170,43 @@ def _finite(text: str) -> float:
 
 
 _DECODER = json.JSONDecoder(parse_float=_finite, parse_constant=_refuse_constant)
+
+
+_noted: ContextVar[list[str] | None] = ContextVar("_noted", default=None)
+_MOST_NOTED = 10
+
+
+@contextmanager
+def noting_duplicates() -> Iterator[list[str]]:
+    """Give the list of the keys that were there twice in what :func:`parse_json` read meanwhile, the first ten."""
+    keys: list[str] = []
+    token = _noted.set(keys)
+    try:
+        yield keys
+    finally:
+        _noted.reset(token)
+
+
+def _note(key: str) -> None:
+    keys = _noted.get()
+    if keys is not None and len(keys) < _MOST_NOTED:
+        keys.append(key)
+
+
+def _refuse(key: str) -> NoReturn:
+    raise ValueError(f"the key {shown(key)} is there twice")
+
+
+_NOTING = json.JSONDecoder(parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=object_noting(_note))
+_UNIQUE = json.JSONDecoder(
+    parse_float=_finite, parse_constant=_refuse_constant, object_pairs_hook=object_noting(_refuse)
+)
+
+
+def _decoder(*, unique: bool) -> json.JSONDecoder:
+    if unique:
+        return _UNIQUE
+    return _DECODER if _noted.get() is None else _NOTING
 
 
 def _check_depth(text: str, value: object) -> None:
