@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -34,6 +36,32 @@ def test_a_class_of_your_own_is_found_in_the_working_directory(tmp_path: Path, m
         load_plugin("homebot.apps", "my_first_app:Yours")
     with pytest.raises(PluginError, match="not a class"):
         load_plugin("homebot.apps", "my_first_app:nothing")
+
+
+def test_a_module_of_the_working_directory_shadows_none_that_is_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It comes last, also after another was taken from there."""
+    (tmp_path / "my_second_app.py").write_text("import colorsys\n\nclass Mine: path = colorsys.__file__\n")
+    for name in ("colorsys", "chunk"):
+        (tmp_path / f"{name}.py").write_text("class Mine: pass\n")
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", [*sys.path])
+
+    found = load_plugin("homebot.apps", "my_second_app:Mine")
+    assert not found.path.startswith(str(tmp_path))
+    assert sys.path[-1] == str(tmp_path)
+    with pytest.raises(PluginError, match="has no 'Mine'"):
+        load_plugin("homebot.apps", "colorsys:Mine")
+
+
+def test_python_m_homebot_does_not_look_into_the_working_directory_first(tmp_path: Path) -> None:
+    (tmp_path / "argparse.py").write_text("raise SystemExit('this was run')\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "homebot", "--version"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_module_that_cannot_be_imported_is_told_with_its_error(

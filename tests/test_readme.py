@@ -160,6 +160,7 @@ def test_the_configuration_shown_passes_its_check(tmp_path: Path) -> None:
     found = re.search(r"```toml\n(.*?)```", README, re.DOTALL)
     assert found is not None
     password = tmp_path / "password"
+    password.touch(mode=0o600)
     password.write_text("secret\n")
     (tmp_path / "homebot.toml").write_text(found[1].replace("/etc/homebot/password", str(password)))
     done = run("homebot config check --config homebot.toml", cwd=tmp_path)

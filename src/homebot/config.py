@@ -21,20 +21,46 @@ the plug-in's model.
 
 from __future__ import annotations
 
-import tomllib
+import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import Annotated, TypeAlias, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, ValidationInfo
 from pydantic_core import PydanticSerializationError, to_json
 
 from homebot.errors import ConfigError, InvalidNameError, UsageError
+from homebot.file_access import why_not_private, why_not_trusted
 from homebot.names import validate_node_name
+from homebot.toml_file import TomlTable, read_toml
 
-__all__ = ["Config", "HomeSettings", "Table", "load_config", "parse_config", "parse_settings", "read_secret"]
+__all__ = [
+    "Config",
+    "FilePath",
+    "HomeSettings",
+    "Table",
+    "load_config",
+    "parse_config",
+    "parse_settings",
+    "read_secret",
+]
 
-Table = dict[str, object]
+Table: TypeAlias = TomlTable
+
+_HERE = Path()
+_FOLDER = "folder"
+_LONGEST_SECRET = 65_536
+_LONGEST_SHOWN = 200
+
+
+def _in_folder(path: Path, info: ValidationInfo) -> Path:
+    folder = info.context.get(_FOLDER, _HERE) if isinstance(info.context, dict) else _HERE
+    return Path(folder) / path
+
+
+FilePath: TypeAlias = Annotated[Path, AfterValidator(_in_folder)]
+"""The path of a file in a configuration; a relative one begins at the folder of the configuration's file."""
+
 ModelT = TypeVar("ModelT", bound=BaseModel)
 
 
@@ -60,6 +86,7 @@ class Config(BaseModel):
         door: Where tools reach this homebot; empty for the default.
         discovery: How long devices are remembered.
         source: The file, or what else the values came from; for messages.
+        folder: Where relative paths in it begin: the folder of the file.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -70,37 +97,37 @@ class Config(BaseModel):
     door: Table = Field(default_factory=dict)
     discovery: Table = Field(default_factory=dict)
     source: str = Field(default="configuration", exclude=True)
+    folder: Path = Field(default=_HERE, exclude=True)
 
 
 def load_config(path: Path) -> Config:
     """Read the TOML file *path*.
 
     Raises:
-        ConfigError: It cannot be read, is no TOML, or holds an unknown key or a wrong value.
+        ConfigError: It cannot be read, is no TOML, others may change it, or it holds an unknown key or a wrong value.
     """
     source = str(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as exc:
-        raise ConfigError(source, "", f"cannot be read: {_unreadable(exc)}") from exc
-    try:
-        tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as exc:
-        raise ConfigError(source, "", f"is no TOML: {exc}") from exc
-    except RecursionError as exc:
-        raise ConfigError(source, "", "is nested too deep") from exc
-    if "source" in tables:
-        raise ConfigError(source, "source", "is unknown; known are home, gateways, apps, door and discovery")
-    return parse_config(tables, source)
+    tables = read_toml(path)
+    if problem := why_not_trusted(path):
+        raise ConfigError(source, "", f"names the code that runs, so nobody else may change it: {problem}")
+    for name in ("source", "folder"):
+        if name in tables:
+            raise ConfigError(source, name, "is unknown; known are home, gateways, apps, door and discovery")
+    return parse_config(tables, source, path.parent)
 
 
-def parse_config(tables: Mapping[str, object], source: str) -> Config:
+def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE) -> Config:
     """Return the configuration that *tables* spell.
+
+    Args:
+        tables: The tables.
+        source: The file, or what else they came from; for messages.
+        folder: Where relative paths in them begin.
 
     Raises:
         ConfigError: A key is unknown or a value wrong; the error names *source*, the key and the reason.
     """
-    config = parse_settings(Config, {**tables, "source": source}, source, "")
+    config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
     for section, names in (("gateways", config.gateways), ("apps", config.apps)):
         for name in names:
             try:
@@ -110,7 +137,9 @@ def parse_config(tables: Mapping[str, object], source: str) -> Config:
     return config
 
 
-def parse_settings(model: type[ModelT], table: Mapping[str, object], source: str, key: str) -> ModelT:
+def parse_settings(
+    model: type[ModelT], table: Mapping[str, object], source: str, key: str, folder: Path = _HERE
+) -> ModelT:
     """Return *table* checked by *model*.
 
     Args:
@@ -118,19 +147,20 @@ def parse_settings(model: type[ModelT], table: Mapping[str, object], source: str
         table: The table; a ``class`` in it is passed over, it chose the model.
         source: The file, for messages.
         key: The table's dotted path, for messages.
+        folder: Where the paths in it begin that are of the type :data:`FilePath`.
 
     Raises:
         ConfigError: The first thing that is wrong: an unknown key, a wrong type, a value that may not be.
     """
     try:
         text = to_json({name: value for name, value in table.items() if name != "class"}, inf_nan_mode="constants")
-        return model.model_validate_json(text, strict=True)
+        return model.model_validate_json(text, strict=True, context={_FOLDER: folder})
     except ValidationError as exc:
         first = exc.errors(include_url=False, include_context=False)[0]
         path = ".".join(part for part in (key, *(str(part) for part in first["loc"])) if part)
         reason = _reason(_model_at(model, first["loc"][:-1]), first["type"], first["msg"])
         is_secret = any(word in path.lower() for word in _SECRET_WORDS)
-        shown = "" if is_secret or first["type"] in _TELL_ALL else f", got {first.get('input')!r}"
+        shown = "" if is_secret or first["type"] in _TELL_ALL else f", got {_shortened(first.get('input'))}"
         # The cause is left out: it would show the value of a secret.
         raise ConfigError(source, path, f"{reason}{shown}") from None
     except PydanticSerializationError:
@@ -141,12 +171,17 @@ def read_secret(path: Path) -> str:
     """Return the first line of the file *path*, without what ends it.
 
     Raises:
-        UsageError: The file cannot be read, or its first line is empty; never holds the secret.
+        UsageError: The file cannot be read, others can read or write it, or its first line is empty; never holds the
+            secret.
     """
     try:
-        secret = path.read_text(encoding="utf-8").partition("\n")[0].removesuffix("\r")
-    except (OSError, UnicodeDecodeError) as exc:
+        with path.open(encoding="utf-8") as file:
+            problem = why_not_private(path, os.fstat(file.fileno()))
+            secret = "" if problem else file.readline(_LONGEST_SECRET).partition("\n")[0].removesuffix("\r")
+    except (OSError, ValueError) as exc:
         raise UsageError(f"{path} cannot be read: {_unreadable(exc)}") from exc
+    if problem:
+        raise UsageError(problem)
     if not secret:
         raise UsageError(f"the first line of {path} is empty")
     return secret
@@ -156,8 +191,15 @@ _SECRET_WORDS = ("password", "passwd", "passphrase", "token", "url", "secret", "
 _TELL_ALL = {"extra_forbidden", "missing", "value_error"}
 
 
-def _unreadable(error: OSError | UnicodeDecodeError) -> str:
-    return (error.strerror or str(error)) if isinstance(error, OSError) else "it is not UTF-8 text"
+def _unreadable(error: OSError | ValueError) -> str:
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else str(error)
+
+
+def _shortened(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…"
 
 
 def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseModel]:
@@ -172,7 +214,7 @@ def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseM
 
 def _reason(model: type[BaseModel], kind: str, message: str) -> str:
     if kind == "extra_forbidden":
-        known = ", ".join(name for name in model.model_fields if name != "source")
+        known = ", ".join(name for name in model.model_fields if name not in {"source", "folder"})
         return f"is unknown; known are {known or 'none'}"
     if kind == "missing":
         return "is missing"

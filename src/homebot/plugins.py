@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
+import stat
 import sys
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
@@ -10,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from homebot.errors import PluginError
+from homebot.file_access import why_not_trusted
 
 __all__ = ["load_plugin", "plugin_names"]
 
@@ -29,10 +32,12 @@ def load_plugin(group: str, name: str) -> type[Any]:
 
     Args:
         group: The entry-point group, for example ``homebot.apps``.
-        name: A name in that group, or ``module:Class``; such a module is also looked for in the working directory.
+        name: A name in that group, or ``module:Class``; a module that is not installed is looked for in the working
+            directory.
 
     Raises:
-        PluginError: There is no such plug-in, importing it fails, or it is no class.
+        PluginError: There is no such plug-in, importing it fails, it is no class, or it is in a working directory that
+            others may write to.
     """
     found = _load_class(name) if ":" in name else _load_entry_point(group, name)
     if not isinstance(found, type):
@@ -53,17 +58,42 @@ def _load_entry_point(group: str, name: str) -> object:
 
 def _load_class(path: str) -> object:
     module_name, _, class_name = path.partition(":")
-    here = str(Path.cwd())
-    if here not in sys.path:
-        sys.path.insert(0, here)
     try:
+        if not _is_installed(module_name):
+            _look_here_too(path, module_name)
         module = importlib.import_module(module_name)
+    except PluginError:
+        raise
     except Exception as exc:
         raise PluginError(path, f"the module {module_name!r} cannot be imported: {_in_words(exc)}") from exc
     try:
         return getattr(module, class_name)
     except AttributeError:
         raise PluginError(path, f"the module {module_name!r} has no {class_name!r}") from None
+
+
+def _is_installed(module_name: str) -> bool:
+    package = module_name.partition(".")[0]
+    return package in sys.modules or importlib.util.find_spec(package) is not None
+
+
+def _look_here_too(path: str, module_name: str) -> None:
+    """Let modules be found in the working directory, after all others, unless somebody else may have put them there.
+
+    Raises:
+        PluginError: Somebody may.
+    """
+    here = Path.cwd()
+    package = here / module_name.partition(".")[0]
+    for place in (here, package.with_suffix(".py"), package, package / "__init__.py"):
+        problem = why_not_trusted(place) if place.exists() else ""
+        if not problem and place == here and here.stat().st_mode & stat.S_IWOTH:
+            problem = f"everybody may put files into {here}"
+        if problem:
+            raise PluginError(path, f"is not taken from the working directory: {problem}")
+    if str(here) not in sys.path:
+        sys.path.append(str(here))
+    importlib.invalidate_caches()
 
 
 def _in_words(error: Exception) -> str:

@@ -36,8 +36,9 @@ from homebot.mqtt.packets import (
 @pytest.fixture(autouse=True)
 def _folder_with_a_password(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("password").write_text("hunter2\n")
-    Path("nothing").write_text("\n")
+    for name, content in (("password", "hunter2\n"), ("nothing", "\n")):
+        Path(name).touch(mode=0o600)
+        Path(name).write_text(content)
 
 
 def broker_of(*arguments: str) -> Broker:

@@ -39,12 +39,17 @@ homebot.toml is fine: home villa
 """
 
 
+def secret(name: str, content: bytes) -> None:
+    Path(name).touch(mode=0o600)
+    Path(name).write_bytes(content)
+
+
 @pytest.fixture(autouse=True)
 def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("HOMEBOT_DOOR_TOKEN", raising=False)
-    Path("password").write_text("s3cret\n")
-    Path("token").write_text("hunter2\n")
+    secret("password", b"s3cret\n")
+    secret("token", b"hunter2\n")
 
 
 def test_a_good_file_is_told_in_four_lines(capsys: Text) -> None:
@@ -114,8 +119,8 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
     ],
 )
 def test_a_mistake_is_told_with_file_key_and_reason(capsys: Text, text: str, problem: str) -> None:
-    Path("empty").write_text("\n")
-    Path("binary").write_bytes(b"\xff")
+    secret("empty", b"\n")
+    secret("binary", b"\xff")
     Path("my_odd_app.py").write_text(
         "from homebot.apps import App\n\nclass Odd(App):\n    Settings = dict\n    async def run(self): ...\n"
     )
@@ -125,6 +130,85 @@ def test_a_mistake_is_told_with_file_key_and_reason(capsys: Text, text: str, pro
     assert captured.out == ""
     assert captured.err.startswith(f"homebot: homebot.toml: {problem}")
     assert captured.err.count("\n") == 1
+
+
+def test_relative_paths_begin_at_the_folder_of_the_file(
+    capsys: Text, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wherever homebot is started."""
+    (tmp_path / "elsewhere").mkdir()
+    Path("homebot.toml").write_text(VILLA)
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    assert main(["config", "check", "--config", "../homebot.toml"]) == 0
+    Path("homebot.toml").write_text('[door]\ntoken_file = "token"\n')
+    monkeypatch.chdir(tmp_path)
+    assert main(["config", "check", "--config", "elsewhere/homebot.toml"]) == 1
+    assert "door.token_file: elsewhere/token cannot be read" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("mode", "is_fine"), [(0o600, True), (0o400, True), (0o644, False), (0o602, False)])
+def test_a_secret_that_others_can_see_or_change_is_refused(capsys: Text, mode: int, is_fine: bool) -> None:  # noqa: FBT001 - a case
+    """And it is said how to keep it to oneself; the secret is not."""
+    Path("homebot.toml").write_text('[door]\ntoken_file = "token"\n')
+    Path("token").chmod(mode)
+    assert main(["config", "check"]) == (0 if is_fine else 1)
+    if not is_fine:
+        error = capsys.readouterr().err
+        assert "token can be read or written by others; keep it to yourself: chmod 600 'token'" in error
+        assert "hunter2" not in error
+
+
+@pytest.mark.parametrize("place", ["homebot.toml", "."])
+def test_a_configuration_that_others_can_change_is_refused(capsys: Text, place: str) -> None:
+    Path("homebot.toml").write_text('[apps.mine]\nclass = "my_own_app:Mine"\n')
+    Path("my_own_app.py").write_text("raise SystemExit('this was run')\n")
+    Path(place).chmod(0o777)
+    assert main(["config", "check"]) == 1
+    error = capsys.readouterr().err
+    assert "names the code that runs, so nobody else may change it" in error
+    assert "chmod go-w" in error
+    assert "this was run" not in error
+
+
+@pytest.mark.parametrize("place", [".", "my_own_app.py"])
+def test_code_that_others_can_change_is_refused(
+    capsys: Text, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    """From the working directory; the configuration may be anywhere."""
+    (tmp_path / "code").mkdir()
+    Path("homebot.toml").write_text('[apps.mine]\nclass = "my_own_app:Mine"\n')
+    monkeypatch.chdir(tmp_path / "code")
+    Path("my_own_app.py").write_text("raise SystemExit('this was run')\n")
+    Path(place).chmod(0o777)
+    assert main(["config", "check", "--config", "../homebot.toml"]) == 1
+    error = capsys.readouterr().err
+    assert "my_own_app:Mine': is not taken from the working directory" in error
+    assert "this was run" not in error
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("[door]\nport = " + "9" * 5000 + "\n", "is no TOML: Exceeds the limit"),
+        ("[door]\nport = " + "9" * 50 + "\n", "door.port: is a number of more than 64 bits"),
+        ('[home]\nname = "a\\u0000b"\n', "home.name: holds the character U+0000, which no text may"),
+        ('[door]\ntoken_file = "a\\u0000b"\n', "door.token_file: holds the character U+0000"),
+        ('[apps."a\\u0000b"]\n', "apps.a\\u0000b: has the character U+0000 in its name"),
+        ('[gateways.mqtt]\nconventions = ["a\\u0000b"]\n', "gateways.mqtt.conventions.0: holds the character U+0000"),
+        ("a = " + "[" * 5000, "is no"),
+    ],
+)
+@pytest.mark.parametrize("command", [("config", "check", "--config"), ("run", "--for", "0.01", "--house")])
+def test_what_no_configuration_can_hold_is_told_in_one_sentence(
+    capsys: Text, text: str, problem: str, command: tuple[str, ...]
+) -> None:
+    """Of houses too."""
+    Path("odd.toml").write_text(text)
+    assert main([*command, "odd.toml"]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith(f"homebot: odd.toml: {problem}") or "is nested too deep" in error
+    assert error.count("\n") == 1
+    assert len(error) < 500
 
 
 def test_a_byte_order_mark_is_no_mistake(capsys: Text) -> None:

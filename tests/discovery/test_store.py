@@ -44,6 +44,24 @@ def test_what_is_written_is_read(path: Path) -> None:
     assert path.parent.stat().st_mode & 0o077 == 0
 
 
+def test_a_file_that_others_may_write_is_not_used(path: Path) -> None:
+    """What stands in it may be their doing. One that they may read becomes the user's alone."""
+    file = IndexFile(path)
+    file.open(0.0)
+    file.close()
+    assert path.stat().st_mode & 0o777 == 0o600
+    path.chmod(0o644)
+    file.open(0.0)
+    file.close()
+    assert path.stat().st_mode & 0o777 == 0o600
+    for place in (path, path.parent):
+        before = place.stat().st_mode
+        place.chmod(0o777)
+        with pytest.raises(UsageError, match=r"the index file is not used: .* can be written by others; .* chmod go-w"):
+            file.open(0.0)
+        place.chmod(before)
+
+
 def test_a_file_of_version_1_is_migrated(path: Path) -> None:
     """It had no tombstones."""
     path.parent.mkdir()

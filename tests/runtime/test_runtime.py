@@ -322,6 +322,7 @@ async def test_two_embedded_brokers_take_two_ports_and_the_second_says_so() -> N
 async def test_the_token_of_the_door_comes_from_its_file(tmp_path: Path) -> None:
     """Its first line, without the line break."""
     file = tmp_path / "token"
+    file.touch(mode=0o600)
     file.write_text("hunter2\r\nsecond line\n")
     runtime = Runtime(config(door={"port": 0, "token_file": str(file)}))
     token = runtime._plan.door.token

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import final
 
 from homebot.errors import LinkError, UsageError, WireError
+from homebot.file_access import why_not_trusted
 from homebot.names import escape_token
 
 __all__ = ["VERSION", "IndexFile", "Records", "index_path", "take_over"]
@@ -200,7 +201,7 @@ class IndexFile:
         return set_aside
 
     def _open(self) -> None:
-        self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        self._make_private()
         connection = sqlite3.connect(self.path, timeout=self._patience, check_same_thread=False, isolation_level=None)
         try:
             # Two homebots of one file would overwrite each other's devices.
@@ -217,6 +218,20 @@ class IndexFile:
             raise
         connection.isolation_level = "DEFERRED"
         self._connection = connection
+
+    def _make_private(self) -> None:
+        """Have a file that is the user's alone: what others could write there would be taken for what was heard.
+
+        Raises:
+            UsageError: Others may write it, or where it is.
+        """
+        self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if problem := why_not_trusted(self.path if self.path.exists() else self.path.parent):
+            raise UsageError(f"the index file is not used: {problem}")
+        self.path.touch(mode=0o600)
+        found = self.path.stat()
+        if os.name == "posix" and found.st_mode & 0o077 and found.st_uid == os.geteuid():
+            self.path.chmod(0o600)
 
     def _version(self, connection: sqlite3.Connection) -> int:
         version = int(connection.execute("PRAGMA user_version").fetchone()[0])

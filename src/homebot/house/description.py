@@ -31,7 +31,6 @@
 from __future__ import annotations
 
 import random
-import tomllib
 from collections.abc import Mapping
 from datetime import time
 from pathlib import Path
@@ -47,6 +46,7 @@ from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.people import Habit, Person
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.world import Errand, Placed, World
+from homebot.toml_file import read_toml
 
 __all__ = ["load_world", "parse_world"]
 
@@ -63,18 +63,7 @@ def load_world(path: Path, *, seed: int | None = None) -> World:
     Raises:
         ConfigError: The file cannot be read or is no TOML, or as :func:`parse_world`.
     """
-    source = str(path)
-    try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as exc:
-        raise ConfigError(source, "", f"cannot be read: {exc.strerror or exc}") from exc
-    except UnicodeDecodeError as exc:
-        raise ConfigError(source, "", "cannot be read: it is not UTF-8 text") from exc
-    except tomllib.TOMLDecodeError as exc:
-        raise ConfigError(source, "", f"is no TOML: {exc}") from exc
-    except RecursionError as exc:
-        raise ConfigError(source, "", "is nested too deep") from exc
-    return parse_world(tables, source, seed=seed)
+    return parse_world(read_toml(path), str(path), seed=seed)
 
 
 def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None = None) -> World:

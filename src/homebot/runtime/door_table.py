@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from pydantic import SecretStr, model_validator
 
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.config import read_secret
+from homebot.config import FilePath, read_secret
 
 __all__ = ["DoorTable"]
 
@@ -16,10 +14,10 @@ class DoorTable(DoorSettings):
     """What may stand in the table.
 
     Attributes:
-        token_file: File whose first line is the token.
+        token_file: File whose first line is the token, for nobody else to read.
     """
 
-    token_file: Path | None = None
+    token_file: FilePath | None = None
 
     @model_validator(mode="after")
     def _check_token(self) -> DoorTable:

@@ -72,7 +72,7 @@ def make_plan(config: Config) -> Plan:
     base_gateway: type[Gateway] = Gateway  # type: ignore[type-abstract]  # only compared with, never made
     base_app: type[App] = App  # type: ignore[type-abstract]  # likewise
     gateways = tuple(
-        _component(base_gateway, GATEWAYS, name, table, source, f"gateways.{name}")
+        _component(base_gateway, GATEWAYS, name, table, config, f"gateways.{name}")
         for name, table in config.gateways.items()
     )
     for gateway in gateways:
@@ -83,21 +83,24 @@ def make_plan(config: Config) -> Plan:
     return Plan(
         home=config.home.name,
         gateways=gateways,
-        apps=tuple(_app(base_app, name, table, source) for name, table in config.apps.items()),
-        discovery=parse_settings(DirectorySettings, config.discovery, source, "discovery"),
-        door=_door(config.door, source),
+        apps=tuple(_app(base_app, name, table, config) for name, table in config.apps.items()),
+        discovery=parse_settings(DirectorySettings, config.discovery, source, "discovery", config.folder),
+        door=_door(config),
     )
 
 
-def _app(base: type[App], name: str, table: Table, source: str) -> Component[App]:
+def _app(base: type[App], name: str, table: Table, config: Config) -> Component[App]:
     if name in OWN_NODES:
-        raise ConfigError(source, f"apps.{name}", "is the name of a node of homebot's own; call the app something else")
-    return _component(base, APPS, name, table, source, f"apps.{name}")
+        raise ConfigError(
+            config.source, f"apps.{name}", "is the name of a node of homebot's own; call the app something else"
+        )
+    return _component(base, APPS, name, table, config, f"apps.{name}")
 
 
-def _door(table: Table, source: str) -> DoorSettings:
+def _door(config: Config) -> DoorSettings:
     """The door's settings, with the token read from where it is kept."""
-    given = parse_settings(DoorTable, table, source, "door")
+    source = config.source
+    given = parse_settings(DoorTable, config.door, source, "door", config.folder)
     try:
         door = given.settings()
     except UsageError as exc:
@@ -113,8 +116,9 @@ def _door(table: Table, source: str) -> DoorSettings:
 
 
 def _component(
-    base: type[ComponentT], group: str, name: str, table: Table, source: str, key: str
+    base: type[ComponentT], group: str, name: str, table: Table, config: Config, key: str
 ) -> Component[ComponentT]:
+    source = config.source
     wanted = table.get("class", name)
     if not isinstance(wanted, str):
         raise ConfigError(source, f"{key}.class", f"must be a text, module:Class or a plug-in's name, got {wanted!r}")
@@ -123,7 +127,7 @@ def _component(
     except PluginError as exc:
         raise ConfigError(source, f"{key}.class" if "class" in table else key, str(exc)) from exc
     _check_class(kind, base, wanted, source, key)
-    return Component(name, kind, parse_settings(kind.Settings, table, source, key))
+    return Component(name, kind, parse_settings(kind.Settings, table, source, key, config.folder))
 
 
 def _check_class(kind: type[object], base: type[ComponentT], wanted: str, source: str, key: str) -> None:

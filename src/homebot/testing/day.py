@@ -23,7 +23,6 @@
 from __future__ import annotations
 
 import copy
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -39,6 +38,7 @@ from homebot.house.description import parse_world
 from homebot.house.world import World
 from homebot.testing.day_happening import Happening
 from homebot.testing.day_text import LONGEST, read_time, write_duration, write_tables, write_time
+from homebot.toml_file import parse_toml, read_toml
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ class Day:
         Raises:
             ConfigError: As :meth:`load`.
         """
-        return cls._from_tables(_toml(text, source), source)
+        return cls._from_tables(parse_toml(text, source, any_text=True), source)
 
     def save(self, path: str | Path) -> None:
         """Write it to *path*; :meth:`load` returns the same day. Directories on the way are made.
@@ -214,14 +214,7 @@ def read_tables(path: Path) -> Table:
     Raises:
         ConfigError: It cannot be read or is no TOML.
     """
-    source = str(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as exc:
-        raise ConfigError(source, "", f"cannot be read: {exc.strerror or exc}") from exc
-    except UnicodeDecodeError as exc:
-        raise ConfigError(source, "", "cannot be read: it is not UTF-8 text") from exc
-    return _toml(text, source)
+    return read_toml(path, any_text=True)
 
 
 class _Printer(Protocol):
@@ -240,10 +233,3 @@ class _Head(BaseModel):
 
     start: str = "00:00"
     length: str | float = "24h"
-
-
-def _toml(text: str, source: str) -> Table:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as exc:
-        raise ConfigError(source, "", f"is no TOML: {exc}") from exc

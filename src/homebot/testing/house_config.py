@@ -56,7 +56,7 @@ def mqtt_gateway_of(config: Config) -> MqttGatewaySettings | None:
     """
     for name, table in config.gateways.items():
         if _is_for_mqtt(name, table):
-            return parse_settings(MqttGatewaySettings, table, config.source, f"gateways.{name}")
+            return parse_settings(MqttGatewaySettings, table, config.source, f"gateways.{name}", config.folder)
     return None
 
 

@@ -84,6 +84,7 @@ def test_two_places_for_the_password_are_one_too_many() -> None:
 def test_the_password_comes_from_the_first_line_of_its_file(tmp_path: Path) -> None:
     """A final line break is no part of it, and it shows nowhere."""
     file = tmp_path / "password"
+    file.touch(mode=0o600)
     file.write_text("s3cret\n")
     options = settings(url="mqtt://broker", user="robot", password_file=str(file)).options()
 

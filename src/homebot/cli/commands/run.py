@@ -83,7 +83,7 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
     if options.door:
         tables["door"].update(host=options.door[0], port=options.door[1])
     source = f"{base.source} and command line" if is_changed and base.source != COMMAND_LINE else base.source
-    return with_door_token(parse_config(tables, source)), house
+    return with_door_token(parse_config(tables, source, base.folder)), house
 
 
 def with_door_token(config: Config) -> Config:

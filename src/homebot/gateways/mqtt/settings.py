@@ -10,8 +10,9 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, field_validator, model_validator
 
-from homebot.config import read_secret
+from homebot.config import FilePath, read_secret
 from homebot.errors import HomebotError, UsageError
+from homebot.file_access import why_not_private
 from homebot.gateways.mqtt.conventions import announce, check_tables, default_conventions
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
@@ -45,7 +46,8 @@ class MqttGatewaySettings(BaseModel):
             device a topic ``/gateway/NAME/received_data/<device>``.
         act: Whether commands are sent; false observes only. By default true for the embedded broker alone.
         user: Login name.
-        password_file: File whose first line is the password.
+        password_file: File whose first line is the password, for nobody else to read. Relative paths begin at the
+            folder of the configuration's file.
         password_env: Environment variable that holds the password.
         ca_file: PEM file of the authorities to trust with ``mqtts``.
         cert_file: PEM file of this client's certificate.
@@ -73,11 +75,11 @@ class MqttGatewaySettings(BaseModel):
     delivery: Delivery = "inbox"
     act: bool | None = None
     user: str | None = None
-    password_file: Path | None = None
+    password_file: FilePath | None = None
     password_env: str | None = None
-    ca_file: Path | None = None
-    cert_file: Path | None = None
-    key_file: Path | None = None
+    ca_file: FilePath | None = None
+    cert_file: FilePath | None = None
+    key_file: FilePath | None = None
     client_id: str = Field(default_factory=lambda: f"homebot-{secrets.token_hex(4)}")
     protocol: MqttProtocol = "auto"
     max_payload: Annotated[int, Field(ge=1024, lt=2**28)] = 256 * 1024
@@ -155,18 +157,21 @@ class MqttGatewaySettings(BaseModel):
         return self.model_construct(_fields_set=self.model_fields_set, **(dict(self) | {"client_id": client_id}))
 
     def check_files(self) -> None:
-        """See whether the certificate files can be read.
+        """See whether the certificate files can be read, and that of the key by nobody else.
 
         Raises:
-            UsageError: One cannot; names its key.
+            UsageError: That is not so; names the setting.
         """
         for key in ("ca_file", "cert_file", "key_file"):
             file: Path | None = getattr(self, key)
             if file is not None:
                 try:
-                    file.open("rb").close()
+                    with file.open("rb") as opened:
+                        problem = why_not_private(file, os.fstat(opened.fileno())) if key == "key_file" else ""
                 except OSError as exc:
                     raise UsageError(f"{key}: {file} cannot be read: {exc.strerror}") from exc
+                if problem:
+                    raise UsageError(f"{key}: {problem}")
 
     def _password(self) -> SecretStr | None:
         if self.password_env is not None:

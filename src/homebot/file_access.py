@@ -1,0 +1,77 @@
+"""Who else may read or write a file: code, configurations and secrets that others can change or see are refused.
+
+As ssh does it. A group counts as its user's own where it has the user's name and no other member. Where there are no
+such rights, as on Windows, nothing is refused.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+__all__ = ["why_not_private", "why_not_trusted"]
+
+_GROUP_WRITES, _OTHERS_WRITE = stat.S_IWGRP, stat.S_IWOTH
+_GROUP, _OTHERS = stat.S_IRWXG, stat.S_IRWXO
+
+
+def why_not_trusted(path: Path) -> str:
+    """Return why what *path* holds may be somebody else's doing, and what to do; empty where it may not.
+
+    The file or folder and the folder that it is in must be the user's or root's, and neither these nor any folder above
+    may be written by others; above, a folder in which each keeps what is their own, such as ``/tmp``, is fine.
+    """
+    if os.name != "posix":
+        return ""
+    real = path.resolve()
+    for number, place in enumerate((real, *real.parents)):
+        try:
+            found = place.stat()
+        except OSError as exc:
+            return f"{place} cannot be looked at: {exc.strerror}"
+        if number <= 1 and found.st_uid not in {0, os.geteuid()}:
+            return f"{place} belongs to {_user(found.st_uid)}; run homebot as that user, or make the file your own"
+        is_shared = number > 0 and bool(found.st_mode & stat.S_ISVTX)
+        if not is_shared and _is_writable_by_others(found):
+            return f"{place} can be written by others; take that from them: chmod go-w '{place}'"
+    return ""
+
+
+def why_not_private(path: Path, found: os.stat_result) -> str:
+    """Return why the file *path*, which is *found* so, is no secret, and what to do; empty where it is.
+
+    What is no file, such as a pipe, is whoever's wrote it.
+    """
+    if os.name != "posix" or not stat.S_ISREG(found.st_mode):
+        return ""
+    is_seen = bool(found.st_mode & _OTHERS) or (bool(found.st_mode & _GROUP) and not _is_private_group(found))
+    return f"{path} can be read or written by others; keep it to yourself: chmod 600 '{path}'" if is_seen else ""
+
+
+def _is_writable_by_others(found: os.stat_result) -> bool:
+    if found.st_mode & _OTHERS_WRITE:
+        return True
+    return bool(found.st_mode & _GROUP_WRITES) and not _is_private_group(found)
+
+
+def _is_private_group(found: os.stat_result) -> bool:
+    import grp  # noqa: PLC0415 - only where there are groups
+    import pwd  # noqa: PLC0415 - as above
+
+    if found.st_gid == 0:
+        return True
+    try:
+        owner, group = pwd.getpwuid(found.st_uid), grp.getgrgid(found.st_gid)
+    except KeyError:
+        return False
+    return owner.pw_gid == group.gr_gid and group.gr_name == owner.pw_name and set(group.gr_mem) <= {owner.pw_name}
+
+
+def _user(uid: int) -> str:
+    import pwd  # noqa: PLC0415 - only where there are users
+
+    try:
+        return f"the user {pwd.getpwuid(uid).pw_name}"
+    except KeyError:
+        return f"the user {uid}"

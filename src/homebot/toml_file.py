@@ -1,0 +1,80 @@
+"""TOML as homebot reads it, whatever the file is about: what no table can hold is refused by its key."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import TypeAlias
+
+from homebot.errors import ConfigError
+
+__all__ = ["TomlTable", "parse_toml", "read_toml"]
+
+TomlTable: TypeAlias = dict[str, object]
+
+_MOST = 2**63
+_MAX_BYTES = 64 * 1024 * 1024
+
+
+def read_toml(path: Path, *, any_text: bool = False) -> TomlTable:
+    """Return the tables of the file *path*.
+
+    Args:
+        path: The file.
+        any_text: As for :func:`parse_toml`.
+
+    Raises:
+        ConfigError: It cannot be read, or as :func:`parse_toml`.
+    """
+    source = str(path)
+    try:
+        if path.stat().st_size > _MAX_BYTES:
+            raise ConfigError(source, "", f"is larger than {_MAX_BYTES // 1024**2} MiB")
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as exc:
+        raise ConfigError(source, "", "cannot be read: it is not UTF-8 text") from exc
+    except (OSError, ValueError) as exc:  # a path may hold what no path can
+        raise ConfigError(source, "", f"cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
+    return parse_toml(text, source, any_text=any_text)
+
+
+def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
+    """Return the tables that *text* spells.
+
+    Args:
+        text: The text.
+        source: Where it is from, for messages.
+        any_text: Whether texts may hold U+0000, as those that are told to devices.
+
+    Raises:
+        ConfigError: It is no TOML, is nested too deep, or holds a number of more than 64 bits or the character U+0000;
+            names *source*, key and reason.
+    """
+    try:
+        tables = tomllib.loads(text)
+        _check(tables, source, "", any_text=any_text)
+    except tomllib.TOMLDecodeError as exc:
+        raise ConfigError(source, "", f"is no TOML: {exc}") from exc
+    except RecursionError as exc:
+        raise ConfigError(source, "", "is nested too deep") from exc
+    except ConfigError:
+        raise
+    except ValueError as exc:  # a number of some thousand digits
+        raise ConfigError(source, "", f"is no TOML: {str(exc).partition(';')[0]}") from exc
+    return tables
+
+
+def _check(value: object, source: str, key: str, *, any_text: bool) -> None:
+    if isinstance(value, dict):
+        for name, item in value.items():
+            inner = f"{key}.{name}" if key else name
+            if "\0" in name:
+                raise ConfigError(source, inner.replace("\0", "\\u0000"), "has the character U+0000 in its name")
+            _check(item, source, inner, any_text=any_text)
+    elif isinstance(value, list):
+        for number, item in enumerate(value):
+            _check(item, source, f"{key}.{number}", any_text=any_text)
+    elif isinstance(value, str) and "\0" in value and not any_text:
+        raise ConfigError(source, key, "holds the character U+0000, which no text may")
+    elif isinstance(value, int) and not -_MOST <= value < _MOST:
+        raise ConfigError(source, key, "is a number of more than 64 bits")

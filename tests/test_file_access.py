@@ -1,0 +1,70 @@
+"""Who else may read or write a file."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from homebot.file_access import why_not_private, why_not_trusted
+
+NOBODYS_GROUP = 54_321
+
+
+def found(mode: int, *, group: int = NOBODYS_GROUP) -> os.stat_result:
+    return os.stat_result((mode, 1, 1, 1, os.geteuid(), group, 0, 0, 0, 0))
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o400, 0o700])
+def test_a_file_of_nobody_elses_is_a_secret(mode: int) -> None:
+    assert why_not_private(Path("x"), found(stat.S_IFREG | mode)) == ""
+
+
+@pytest.mark.parametrize("mode", [0o640, 0o620, 0o604, 0o602, 0o644])
+def test_a_file_that_a_group_or_others_can_see_or_change_is_none(mode: int) -> None:
+    assert "chmod 600 'x'" in why_not_private(Path("x"), found(stat.S_IFREG | mode))
+
+
+def test_a_group_of_root_alone_is_nobody_else() -> None:
+    """So systemd hands credentials to a service."""
+    assert why_not_private(Path("x"), found(stat.S_IFREG | 0o440, group=0)) == ""
+
+
+def test_what_comes_through_a_pipe_was_written_by_who_started_homebot() -> None:
+    assert why_not_private(Path("x"), found(stat.S_IFIFO | 0o644)) == ""
+
+
+def test_a_folder_above_in_which_each_keeps_what_is_theirs_is_fine(tmp_path: Path) -> None:
+    """As /tmp, where tests live; others cannot put another file there in its place."""
+    inner = tmp_path / "shared" / "mine"
+    inner.mkdir(parents=True)
+    file = inner / "x"
+    file.touch()
+    (tmp_path / "shared").chmod(0o1777)
+    assert why_not_trusted(file) == ""
+    (tmp_path / "shared").chmod(0o777)
+    assert why_not_trusted(file) == (
+        f"{tmp_path / 'shared'} can be written by others; take that from them: chmod go-w '{tmp_path / 'shared'}'"
+    )
+
+
+def test_a_link_is_as_good_as_what_it_leads_to(tmp_path: Path) -> None:
+    (tmp_path / "open").mkdir(mode=0o700)
+    (tmp_path / "open" / "x").touch()
+    (tmp_path / "link").symlink_to(tmp_path / "open" / "x")
+    assert why_not_trusted(tmp_path / "link") == ""
+    (tmp_path / "open").chmod(0o777)
+    assert "can be written by others" in why_not_trusted(tmp_path / "link")
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
+def test_a_file_of_another_user_is_not_trusted(tmp_path: Path) -> None:
+    file = tmp_path / "x"
+    file.touch()
+    os.chown(file, 54_321, -1)
+    assert why_not_trusted(file).startswith(f"{file} belongs to the user 54321; run homebot as that user")
+    os.chown(file, 0, -1)
+    os.chown(tmp_path, 54_321, -1)
+    assert why_not_trusted(file).startswith(f"{tmp_path} belongs to the user 54321")
