@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -32,3 +33,25 @@ def test_every_example_is_in_the_list() -> None:
     for entry in EXAMPLES.iterdir():
         if entry.name[0].isdigit():
             assert f"`{entry.name}" in table
+
+
+BARE = tuple(flag for name in ("asyncio", "timeout", "xdist", "cov", "anyio") for flag in ("-p", f"no:{name}"))
+"""As in an environment with no plug-in of pytest but ours and Hypothesis's: their options are unknown then."""
+
+
+@pytest.mark.parametrize("folder", ["02_window_light", "05_random_days"])
+@pytest.mark.parametrize("flags", [(), BARE, BARE[2:]], ids=["all plug-ins", "no plug-in", "pytest-asyncio alone"])
+def test_the_tests_of_an_example_pass_without_a_warning_whatever_is_installed(
+    folder: str, flags: tuple[str, ...]
+) -> None:
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-W", "error", "--strict-config", *flags]
+    done = subprocess.run(
+        command, cwd=EXAMPLES / folder, capture_output=True, text=True, timeout=50, check=False, env=unmarked()
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "warning" not in (done.stdout + done.stderr).lower()
+
+
+def unmarked() -> dict[str, str]:
+    """The environment without what coverage and pytest set for their own children."""
+    return {name: value for name, value in os.environ.items() if not name.startswith(("COV_", "PYTEST_"))}
