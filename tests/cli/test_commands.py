@@ -261,6 +261,13 @@ def test_ctrl_c_ends_quietly(homebot: Any) -> None:
     assert (process.returncode, errors) == (130, "")
 
 
+def test_ctrl_c_is_heard_where_the_tests_run_in_the_background() -> None:
+    """A shell has its background jobs ignore SIGINT, and so would whatever they start."""
+    probe = "import signal; print(signal.getsignal(signal.SIGINT) is signal.SIG_IGN)"
+    started = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    assert started.stdout == "False\n"
+
+
 def test_echo_waits_for_a_topic_that_does_not_exist_yet(homebot: Any) -> None:
     def speak() -> None:
         publisher = homebot.graph.get_node("/talker").create_publisher(String, "/later", qos_profile_latched)
