@@ -26,7 +26,6 @@ from homebot.house import World
 from homebot.house.description import load_world
 from homebot.house.lamp import Lamp
 from homebot.house.motor import CoverMotor
-from homebot.testing.background import in_background
 from homebot.testing.virtual_house import virtual_house_of
 
 FILE = Path(__file__).parents[2] / "docs" / "devices.md"
@@ -122,7 +121,7 @@ def world(tmp_path: Path) -> World:
 
 @pytest.mark.virtual_time
 async def test_the_app_that_it_shows_works(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It dims the room's lamps, closes the blinds, and dims whatever lamp of the room is turned on later."""
+    """It starts before any device is known, closes the blinds, and dims whatever lamp of the room is on or goes on."""
     program, _offering = re.findall(r"```python\n(.*?)```", FILE.read_text(), re.DOTALL)
     module = ModuleType("movie_night")
     exec(compile(program, "movie_night", "exec"), vars(module))  # noqa: S102  # what the guide shows
@@ -131,17 +130,21 @@ async def test_the_app_that_it_shows_works(world: World, monkeypatch: pytest.Mon
     assert isinstance(lamp, Lamp)
     assert isinstance(other, Lamp)
     assert isinstance(blind, CoverMotor)
-    async with virtual_house_of(world=world) as house:
+    async with virtual_house_of("movie_night:MovieNight", world=world) as house:
+        await house.run_for("1m")
+        assert (lamp.is_on, other.is_on, blind.position) == (False, False, 0.0)
+        await house.press("lamp", "on")
+        await house.press("other", "on")
         await house.run_for("10s")
-        async with Node(house.runtime.graph, "movie_night") as node, in_background(module.MovieNight(node, None).run):
-            await house.run_for("1m")
-            assert (lamp.is_on, lamp.brightness, other.is_on, blind.position) == (True, 0.2, False, 0.0)
+        assert (lamp.brightness, other.brightness) == (0.2, 1.0)
+        async with Node(house.runtime.graph, "somebody") as node:
             (handle,) = await Devices(node).find(handles.Light, name="lamp")
             await handle.turn_off()
             await house.run_for("5s")
             await handle.turn_on(level=90)
             await house.run_for("5s")
-            assert lamp.brightness == 0.2
+        assert lamp.brightness == 0.2
+        assert house.crashed == ()
 
 
 def test_the_commands_that_it_shows_are_known() -> None:
