@@ -24,14 +24,16 @@ from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 
-LAMPS = ("home425/lights/roomlights405", "home425/lights/roomlights406")
-DEVICES = (*LAMPS, "home425/windows/windowmotor405")
+LAMPS = ("home425/lights/philips165", "home425/lights/roomlights405")
+"""Sorted, as the index is."""
+
+DEVICES = (*LAMPS, "home425/windows/firstlevel1")
 PAYLOADS = {"lights": b"on", "windows": b"open"}
 
 LISTING_8_4 = {
     "/gateway/mqtt/out",
     "/gateway/mqtt/received_data/roomlights405",
-    "/gateway/mqtt/received_data/roomlights406",
+    "/gateway/mqtt/received_data/philips165",
     "/gateway/mqtt/received_topics",
     "/parameter_events",
     "/rosout",
@@ -122,6 +124,7 @@ async def test_chapter_8(broker_url: str, delivery: Delivery) -> None:
         index = run.witness.create_client(GetIndexData, GET_INDEX_DATA)
         lights = await index.call(GetIndexData.Request(service_type="lights"))
         assert lights.topics == tuple(f"{lamp}/out" for lamp in LAMPS)
+        assert [(one.gateway, one.topic) for one in lights.entries] == [("mqtt", f"{lamp}/out") for lamp in LAMPS]
         everything = await index.call(GetIndexData.Request(service_type=""))
         assert everything.topics == tuple(f"{base}/out" for base in DEVICES)
         if delivery == "mirror":

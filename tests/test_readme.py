@@ -139,7 +139,7 @@ def test_the_app_of_the_readme_runs_in_the_simulated_house() -> None:
     """From its folder, instead of the light service."""
     done = run("homebot run --app window_light:WindowLight --for 3", cwd=WINDOW_LIGHT)
     assert done.returncode == 0
-    assert "found windows/windowmotor405" in done.stderr
+    assert "found windows/firstlevel1" in done.stderr
 
 
 def test_the_test_of_the_app_passes() -> None:

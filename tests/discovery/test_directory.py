@@ -123,6 +123,10 @@ async def test_index_data_is_answered_as_the_thesis_did() -> None:
 
         lights = await ask.call(GetIndexData.Request(service_type="lights"))
         assert lights.topics == ("lights/a/out", "lights/b/out")
+        assert [(one.gateway, one.topic, one.device_id) for one in lights.entries] == [
+            ("fake", "lights/a/out", "lights/a"),
+            ("fake", "lights/b/out", "lights/b"),
+        ]
         assert lights.device_ids == ("lights/a", "lights/b")
         assert len((await ask.call(GetIndexData.Request(service_type=""))).topics) == 3
         assert (await ask.call(GetIndexData.Request(service_type="locks"))).topics == ()

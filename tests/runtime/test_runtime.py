@@ -144,7 +144,7 @@ async def test_the_simulated_house_is_discovered_and_acted_on() -> None:
                 found.add((await changes.receive()).device.id)
             while (await log.receive()).msg != "lights/roomlights405 is off":
                 pass
-    assert found == {"lights/roomlights405", "lights/roomlights406", "windows/windowmotor405"}
+    assert found == {"lights/roomlights405", "lights/philips165", "windows/firstlevel1"}
 
 
 async def test_a_simulated_house_on_a_broker_of_somebody_else_is_refused() -> None:

@@ -96,7 +96,7 @@ async def test_a_frame_at_the_door_makes_no_device_and_ends_no_app(tmp_path: Pat
     )
     for _ in range(2):
         async with running(index_file) as runtime:
-            await known(runtime, "lights/roomlights406")
+            await known(runtime, "lights/philips165")
             await forge(runtime, topic, message_to_json(forged))
             await anyio.sleep(0.2)
             assert not any("forged" in one for one in await ids(runtime))

@@ -27,7 +27,7 @@ async def thesis(seed: int) -> str:
         await house.run_for("17m")
         await house.broker.start()
         await house.run_until("12:00")
-        for lamp in ("roomlights405", "roomlights406"):
+        for lamp in ("roomlights405", "philips165"):
             await house.press(lamp, "on")
         await house.run_until("00:00")
         return str(log)

@@ -138,7 +138,7 @@ async def test_each_has_its_own(house, again):
     await house.run_for("1h")
 
 async def test_the_thesis(house):
-    assert "windowmotor405" in house.world.devices
+    assert "firstlevel1" in house.world.devices
 """
     )
     run(pytester).assert_outcomes(passed=3)

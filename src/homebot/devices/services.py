@@ -16,6 +16,7 @@ __all__ = [
     "Found",
     "GetChanges",
     "GetIndexData",
+    "IndexEntry",
     "QueryDevices",
     "SubscribeToTopic",
 ]
@@ -34,14 +35,30 @@ class GetIndexDataRequest(Message):
     service_type: str
 
 
-class GetIndexDataResponse(Message):
-    """The index entries, as the thesis's discovery layer gave them.
+class IndexEntry(Message):
+    """One way on which a device is heard: what :class:`SubscribeToTopic` needs to listen to it.
 
     Attributes:
-        topics: Where each such device speaks, one entry a device.
+        gateway: Through which gateway, for example ``mqtt``: its services and topics are below ``/gateway/<name>``.
+        topic: Where it speaks there.
+        device_id: The device's id in the index.
+    """
+
+    gateway: str
+    topic: str
+    device_id: str
+
+
+class GetIndexDataResponse(Message):
+    """The index entries, as the thesis's discovery layer gave them: pairs of gateway and topic.
+
+    Attributes:
+        entries: The pairs, sorted by device; of a device that several gateways hear, each once.
+        topics: The topic of each device's first entry, for programs that know one gateway.
         device_ids: The same devices' ids, in the same order.
     """
 
+    entries: tuple[IndexEntry, ...]
     topics: tuple[str, ...]
     device_ids: tuple[str, ...]
 

@@ -31,6 +31,7 @@ from homebot.devices.services import (
     GetChangesResponse,
     GetIndexDataRequest,
     GetIndexDataResponse,
+    IndexEntry,
     QueryDevicesRequest,
     QueryDevicesResponse,
 )
@@ -86,6 +87,11 @@ class Answers:
         self._tell()
         devices = self._index.devices(request.service_type)
         return GetIndexDataResponse(
+            entries=tuple(
+                IndexEntry(gateway=gateway, topic=topic, device_id=device.id)
+                for device in devices
+                for gateway, topic in dict.fromkeys((one.gateway, one.address) for one in device.endpoints)
+            ),
             topics=tuple(device.endpoints[0].address for device in devices),
             device_ids=tuple(device.id for device in devices),
         )

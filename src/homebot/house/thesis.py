@@ -11,4 +11,4 @@ __all__ = ["thesis_world"]
 
 def thesis_world() -> World:
     """Return the house of the thesis's experiment: two lamps, of which one is on, and a window motor."""
-    return World.of(Lamp("roomlights405", is_on=True), Lamp("roomlights406"), WindowMotor("windowmotor405"))
+    return World.of(Lamp("roomlights405", is_on=True), Lamp("philips165"), WindowMotor("firstlevel1"))
