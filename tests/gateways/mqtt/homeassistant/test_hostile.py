@@ -187,3 +187,16 @@ def test_a_long_state_is_not_looked_at() -> None:
     )
     assert isinstance(found, Described)
     assert found.parts[0].codec.read("a", b"ON" + b" " * 300_000, retained=False) == {}
+
+
+def test_a_valve_that_has_no_stop_says_so_with_null() -> None:
+    """Found by fuzzing: a payload that is null means that there is no such command."""
+    payload = json.dumps({"cmd_t": "v/set", "stat_t": "v", "payload_stop": None}).encode()
+    (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(
+        "homeassistant/valve/x/config", payload, retained=True
+    )
+    assert isinstance(found, Described)
+    (told,) = found.parts[0].codec.write("valve", "open")
+    assert told.payload == b"OPEN"
+    with pytest.raises(RefusedError):
+        found.parts[0].codec.write("valve", "stopped")

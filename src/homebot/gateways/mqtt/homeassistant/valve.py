@@ -32,7 +32,7 @@ def build_valve(config: Config) -> DescribedPart:
         word: payload for word, (key, default) in _TOLD.items() if (payload := config.payload(key, default)) is not None
     }
     if not config.has("payload_stop"):
-        del payloads["stopped"]
+        payloads.pop("stopped", None)
     if has_position:
         for key in _NO_POSITION:
             if key in config.values:

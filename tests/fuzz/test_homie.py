@@ -1,0 +1,15 @@
+"""Damaged announcements and messages of ``homie``: refused in our words, or understood."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from homebot.gateways.mqtt.homie import Homie, HomieSettings
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz
+
+
+def test_damaged_devices_are_refused_or_understood(fuzz: Fuzz, devices: Callable[[str], list[dict[str, Any]]]) -> None:
+    fuzz.convention("homie", lambda: Homie(HomieSettings()), devices("homie"))

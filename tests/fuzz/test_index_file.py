@@ -1,0 +1,81 @@
+"""A damaged index file costs what was damaged: its records are refused one by one, the file is set aside as a whole."""
+
+from __future__ import annotations
+
+import random
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from homebot.devices import Sighting
+from homebot.devices.part import Capability, Part
+from homebot.discovery import DeviceIndex
+from homebot.discovery.record import entry_record, read_entry, read_tombstone
+from homebot.discovery.store import IndexFile, Records
+from homebot.errors import LinkError, UsageError, WireError
+from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz, Mutator
+
+STONE = '{"keys": [["mqtt", "lamp"]], "hardware": ["mac:00158d0001abcdef"], "is_ghost": false, "at": 5.0}'
+
+
+def a_record() -> str:
+    """The record of a lamp."""
+    index = DeviceIndex(forget_after=1000.0)
+    lamp = Part(id="l", service_type="light", capabilities=(Capability(name="on_off", settable=True),), reads=("a",))
+    sighting = Sighting(
+        gateway="mqtt",
+        key="lamp",
+        kind="appeared",
+        why="it said so",
+        name="Lamp",
+        service_type="light",
+        address="a",
+        command_address="b",
+        parts=(lamp,),
+        seen_at=Time.from_seconds(1.0),
+        expires_at=Time.from_seconds(99.0),
+        confirmed=True,
+        identifiers=("mac:00158d0001abcdef",),
+    )
+    index.observe(sighting)
+    entry = index.entry("lamp")
+    assert entry is not None
+    return entry_record(entry)
+
+
+def test_a_damaged_index_is_refused_or_read(fuzz: Fuzz, mutator: type[Mutator], tmp_path: Path) -> None:
+    record = a_record()
+    whole = tmp_path / "whole.sqlite"
+    file = IndexFile(whole)
+    file.open(0.0)
+    file.write(Records((("lamp", record),), (("gone", STONE),)), ())
+    file.close()
+    image = whole.read_bytes()
+
+    def case(rng: random.Random) -> None:
+        mutate = mutator(rng, ("mqtt", "lamp", "sighting", "claims", "part_ids"))
+        for read, text in ((read_entry, record), (read_tombstone, STONE)):
+            with suppress(WireError):
+                read("lamp", mutate.damaged_json(text).decode(errors="replace"))
+        if rng.random() < 0.02:
+            open_damaged(mutate.damaged_bytes(image), tmp_path / f"{rng.random()}.sqlite")
+
+    fuzz.run("index file", case)
+
+
+def open_damaged(image: bytes, path: Path) -> None:
+    """Open, read and write it: whatever is wrong is told as a LinkError, or the file is set aside."""
+    path.write_bytes(image)
+    file = IndexFile(path)
+    with suppress(LinkError, UsageError, WireError):
+        file.open(1.0)
+        for device_id, text in file.read().devices:
+            with suppress(WireError):
+                read_entry(device_id, text)
+        file.write(Records((("new", "{}"),), ()), ())
+    file.close()
+    for left in path.parent.glob(f"{path.name}*"):
+        left.unlink()

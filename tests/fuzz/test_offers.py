@@ -1,0 +1,62 @@
+"""What comes on the topics of offers: commands to what was offered, of its kind and in its bounds, or nothing."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from typing import TYPE_CHECKING
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.offer import Offer
+from homebot.devices.part import Capability, Part
+from homebot.gateways.mqtt.homeassistant.publisher import HomeAssistantPublisher
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz, Mutator
+
+KINDS = {"bool": bool, "number": float, "text": str, "numbers": tuple}
+ORDERS = (
+    '{"state":"ON","brightness":102,"color":{"h":300,"s":50},"color_temp":250,"effect":"x","transition":2}',
+    '{"state":"OFF"}',
+    '{"state":"ON","tone":"a","volume_level":0.5}',
+    "ON",
+    "OFF",
+    "PRESS",
+    "LOCK",
+    "UNLOCK",
+    "OPEN",
+    "50",
+    "1e3",
+    "start",
+    "oscillate_on",
+    "heat",
+    "DISARM",
+    "jammed",
+)
+
+
+def test_any_order_is_commands_of_their_kinds(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    def case(rng: random.Random) -> None:
+        mutate = mutator(rng, ORDERS)
+        names = rng.sample(sorted(CAPABILITIES), 4) + rng.sample(["on_off", "level", "color", "lock", "position"], 2)
+        offered = {
+            name: Capability(name=name, settable=rng.random() < 0.8, options=rng.choice(((), ("a", "b"))))
+            for name in names
+        }
+        part = Part(id="p", service_type=rng.choice(sorted(DEVICE_TYPES)), capabilities=tuple(offered.values()))
+        ours = HomeAssistantPublisher("homeassistant", "hub", "s")
+        configs = ours.publications(Offer(id="o", name=mutate.word().replace("\ud800", ""), parts=(part,)))
+        for config in configs:
+            fields = json.loads(config.payload)
+            for topic in {text for key, text in fields.items() if key.endswith("command_topic")}:
+                order = mutate.damaged_json(rng.choice(ORDERS)) if rng.random() < 0.7 else rng.choice(ORDERS).encode()
+                for command in ours.take(topic, order):
+                    value = command.value.plain()
+                    assert offered[command.capability].settable
+                    assert type(value) is KINDS[CAPABILITIES[command.capability].kind]
+                    assert not isinstance(value, float) or math.isfinite(value)
+                    assert command.capability != "lock" or value in {"locked", "unlocked", "open"}
+
+    fuzz.run("offers", case)

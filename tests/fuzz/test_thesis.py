@@ -1,0 +1,53 @@
+"""Any topics and words in the thesis's layout: refused in our words, or understood."""
+
+from __future__ import annotations
+
+import math
+import random
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.ear import ear_for
+from homebot.devices.part import Part
+from homebot.devices.words import meaning, told
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.mqtt.thesis import ThesisLayout
+
+if TYPE_CHECKING:
+    from tests.fuzz.conftest import Fuzz, Mutator
+
+LEVELS = ("lights", "windows", "locks", "plugs", "fans", "thermostats", "out", "in", "", "home425", *DEVICE_TYPES)
+SPOKEN = ("on", "off", "0.4", "2700 K", "open", "closed, 0 %", "21.5", "locked", "nan", "1e999", "-5", "300 50")
+KINDS = {"bool": bool, "number": float, "text": str, "numbers": tuple}
+
+
+def test_any_topic_is_refused_or_a_device(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+    layouts = (ThesisLayout("home425"), ThesisLayout(""))
+
+    def case(rng: random.Random) -> None:
+        mutate = mutator(rng, LEVELS)
+        levels = ["home425", rng.choice(LEVELS), mutate.word(), "out"]
+        topic = "/".join(levels[: rng.choice((4, 4, 4, 2, 3))] + [mutate.word()] * rng.choice((0, 0, 0, 1, 2)))
+        with suppress(WireError):
+            announced = rng.choice(layouts).announced(topic)
+            if announced is not None and announced.part is not None:
+                check_words(mutate, announced.part)
+
+    fuzz.run("thesis", case)
+
+
+def check_words(mutate: Mutator, part: Part) -> None:
+    """What is heard is of the part's capabilities; what is told has a word that means the same, or is refused."""
+    known = {one.name for one in part.capabilities}
+    for spoken in (mutate.rng.choice(SPOKEN), mutate.damaged_text(mutate.rng.choice(SPOKEN)), mutate.word()):
+        for name, value in ear_for(part.capabilities).hear(spoken.encode(errors="replace")).items():
+            assert name in known
+            assert value is None or type(value) is KINDS[CAPABILITIES[name].kind]
+            assert not isinstance(value, float) or math.isfinite(value)
+        with suppress(RefusedError):
+            assert meaning(spoken, part)[0] in known
+    for one in part.capabilities:
+        with suppress(RefusedError):
+            meaning(told(one.name, mutate.plain(), part), part)
