@@ -35,7 +35,7 @@ def publish(homebot: Attacked, address: str, gateway: str = "mqtt") -> int:
 
 
 def test_a_command_that_is_sent_ends_well(acting: Attacked, capsys: Text) -> None:
-    assert publish(acting, "home425/windows/windowmotor405/in") == 0
+    assert publish(acting, "home425/windows/firstlevel1/in") == 0
     assert capsys.readouterr().err == ""
 
 
@@ -49,12 +49,12 @@ def test_a_command_that_the_gateway_refuses_is_told_with_its_reason(acting: Atta
 
 
 def test_a_gateway_that_only_observes_is_told(observing: Attacked, capsys: Text) -> None:
-    assert publish(observing, "home425/windows/windowmotor405/in") == 1
+    assert publish(observing, "home425/windows/firstlevel1/in") == 1
     out, err = capsys.readouterr()
     assert out == ""
     assert "was refused: the gateway only observes; start with --act, or set act = true" in err
 
 
 def test_a_gateway_that_is_not_there_is_told(acting: Attacked, capsys: Text) -> None:
-    assert publish(acting, "home425/windows/windowmotor405/in", gateway="ble") == 1
+    assert publish(acting, "home425/windows/firstlevel1/in", gateway="ble") == 1
     assert "there is no topic /gateway/ble/out" in capsys.readouterr().err
