@@ -292,6 +292,9 @@ async def test_an_endpoint_of_something_that_is_no_gateway_costs_itself_and_not_
         assert heard == ["on"]
         with pytest.raises(RefusedError, match="has a character that names may not hold"):
             await devices.tell(bad, "off")
+        await devices.tell(device, "off")
+        await anyio.wait_all_tasks_blocked()
+        assert gateway.told == [("lights/x/in", "off")]
 
 
 def _device(gateway: str) -> Device:

@@ -154,8 +154,13 @@ class Devices:
         endpoints = [endpoint for endpoint in device.endpoints if endpoint.command_address]
         if not endpoints:
             raise RefusedError(f"a command to {device.id}", "it takes none")
+        problem: RefusedError | None = None
         for endpoint in endpoints:
-            _check(endpoint)
+            try:
+                _check(endpoint)
+            except RefusedError as exc:
+                problem = exc
+                continue
             out = self._out(endpoint.gateway)
             if why_not := self._why_not(endpoint.gateway):
                 raise RefusedError(f"a command to {device.id}", why_not)
@@ -164,6 +169,8 @@ class Devices:
                 await out.send(RawCommand(address=address, payload=payload))
                 if out.subscription_count:  # else the gateway went while its queue was full
                     return others_at(device, address, payload)
+        if problem is not None:
+            raise problem
         raise LinkError(f"{device.id} was not told {payload!r}: its gateway {endpoints[0].gateway} is not running")
 
     async def _listen_at(self, endpoint: Endpoint, handler: MessageHandler) -> None:

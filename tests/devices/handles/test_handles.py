@@ -37,7 +37,7 @@ from homebot.devices.handles import (
 )
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, RefusedError, ServiceUnavailableError
+from homebot.errors import LinkError, RefusedError, ServiceUnavailableError, UsageError
 
 if TYPE_CHECKING:
     from tests.devices.handles.conftest import House
@@ -194,6 +194,25 @@ async def test_a_handle_tells_what_its_part_told(
     house.has(house.device("a", house.part(service_type, reads=states), states=states))
     (handle,) = await house.devices.find(kind)
     assert {name: getattr(handle, name) for name in told} == told
+
+
+@pytest.mark.parametrize(
+    ("capability", "problem"),
+    [
+        ("vibratoin", "'vibratoin' is no capability; did you mean vibration?"),
+        ("xyz", "'xyz' is no capability; a tells on_off"),
+        ("press", "press is an event, not a state"),
+    ],
+)
+async def test_a_value_that_cannot_be_is_an_error_rather_than_unknown(
+    house: House, capability: str, problem: str
+) -> None:
+    house.has(house.device("a", house.part("light", "on_off"), on_off=True))
+    (lamp,) = await house.devices.find(Light)
+    with pytest.raises(UsageError) as caught:
+        lamp.value(capability)
+    assert str(caught.value).startswith(problem)
+    assert lamp.value("vibration") is None
 
 
 @pytest.mark.parametrize(

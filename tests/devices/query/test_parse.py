@@ -106,6 +106,7 @@ REFUSED = {
     '"lamp': "a quotation mark that is never closed",
     "category=settings": "category is config or diagnostic, not 'settings'",
     "freshness=dead": "one of fresh, unconfirmed, stale",
+    "press=single": "press is an event, which no device has as a state; ask for `with press`",
     "?!": "no word to look for",
     "foo=bar": "'foo' at character 1 is nothing that can be asked for; known are area, brand",
     "lamp manufactuer=ikea": "'manufactuer' at character 6 is nothing that can be asked for; did you mean manufacturer",

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar, Literal, Self, Unpack
 
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, EVENTS
 from homebot.devices.device import Device, Freshness
 from homebot.devices.handles.commander import Commander
 from homebot.devices.handles.known import KnownDevice
@@ -15,7 +15,8 @@ from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
 from homebot.devices.query.folding import fold
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
+from homebot.errors import RefusedError, UsageError
+from homebot.similar import did_you_mean
 
 __all__ = ["Handle", "plain_value"]
 
@@ -110,7 +111,12 @@ class Handle:
         return any(one.name == capability and one.settable for one in self.capabilities)
 
     def value(self, capability: str) -> PlainValue:
-        """Return what it last told of *capability*, in the vocabulary's unit; None for unknown."""
+        """Return what it last told of *capability*, in the vocabulary's unit; None for unknown.
+
+        Raises:
+            UsageError: There is no such capability, or it is an event, which is no state; names what was meant.
+        """
+        self._check_name(capability)
         return self._known.value(self._part_id, capability)
 
     async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> None:
@@ -138,6 +144,14 @@ class Handle:
         if len(code) > _LONGEST_CODE:
             raise RefusedError(f"a code for {self.id}", f"it has more than {_LONGEST_CODE} characters")
         await self._commander.send(self._known.device, part, capability, plain, transition, code)
+
+    def _check_name(self, capability: str) -> None:
+        if capability in EVENTS:
+            raise UsageError(f"{capability} is an event, not a state; `follow` tells of each")
+        if capability not in CAPABILITIES and not any(one.name == capability for one in self.capabilities):
+            known = ", ".join(one.name for one in self.capabilities) or "nothing"
+            hint = did_you_mean(capability, CAPABILITIES, f"{self.id} tells {known}", cutoff=0.7)
+            raise UsageError(f"{capability!r} is no capability; {hint}")
 
     def _check(self, capability: str, value: PlainValue) -> None:
         what = f"{capability} of {self.id}"

@@ -72,6 +72,11 @@ def _not_ordered(spelled: str, name: Token) -> str:
 
 
 def _state(capability: CapabilityType, operator: Operator, value: Token) -> StateIs | And:
+    if capability.is_event:
+        raise UsageError(
+            f"{capability.name} is an event, which no device has as a state; ask for `with {capability.name}`, and "
+            f"follow the devices for what happens"
+        )
     wanted = _wanted(capability, value)
     if operator not in {"=", "!="} and not isinstance(wanted, float):
         raise UsageError(f"{capability.name} is no number; only = and != compare it")
