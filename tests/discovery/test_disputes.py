@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.discovery.disputes import MAX_TOPICS, MAX_USERS, NOBODY, Disputes, TopicUse
+from homebot.discovery.disputes import MAX_LEVELS, MAX_TOPICS, MAX_USERS, NOBODY, Disputes, TopicUse
 
 GATEWAY = "mqtt"
 
@@ -143,6 +143,19 @@ def test_a_further_topic_and_a_further_device_than_are_watched_are_told_nothing(
         disputes.put(one)
     assert disputes.owner(crowd[-2].key, "ir") == ""
     assert disputes.owner(crowd[-1].key, "ir") == NOBODY
+
+
+def test_a_topic_of_many_levels_costs_no_more_than_one_of_a_few() -> None:
+    deep = use("deep", "/".join("a" * 30_000), on="x17")
+    disputes = Disputes()
+    disputes.put(deep)
+    node, depth = disputes._roots[GATEWAY], 0
+    while node.children:
+        (node,), depth = node.children.values(), depth + 1
+    assert depth == MAX_LEVELS + 1
+    assert disputes.put(use("other", deep.writes[0], on="x18")) == {"deep"}
+    assert disputes.owner(deep.key, deep.writes[0]) == "other"
+    assert disputes.discard(deep.key) == {"other"}
 
 
 def test_whom_it_concerns_is_told_as_somebody_comes_and_goes() -> None:

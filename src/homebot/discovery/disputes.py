@@ -19,7 +19,7 @@ from typing import NamedTuple, TypeAlias, final
 from homebot.discovery.claim import NATIVE, Claim, ClaimKey
 from homebot.discovery.places import aliases_of, is_called, names, place_of, score
 
-__all__ = ["MAX_BELOW", "MAX_TOPICS", "MAX_USERS", "NOBODY", "Disputes", "TopicUse", "topic_use"]
+__all__ = ["MAX_BELOW", "MAX_LEVELS", "MAX_TOPICS", "MAX_USERS", "NOBODY", "Disputes", "TopicUse", "topic_use"]
 
 MAX_TOPICS = 1000
 """Topics that one announcement is watched on; a further one that it names is not its to use."""
@@ -29,6 +29,9 @@ MAX_USERS = 256
 
 MAX_BELOW = 1000
 """Topics below a command topic that are looked at anew when that comes or goes."""
+
+MAX_LEVELS = 20
+"""Levels of a topic that are told apart; the rest is one."""
 
 _COMMON = 3
 
@@ -116,12 +119,21 @@ class _Node:
     """
 
     parent: _Node | None = None
-    topic: str = ""
+    level: str = ""
     children: dict[str, _Node] | None = None
     users: _Uses | None = None
     speakers: _Uses | None = None
     owners: _Uses | None = None
     verdicts: dict[ClaimKey, str] | None = None
+
+    @property
+    def topic(self) -> str:
+        levels: list[str] = []
+        node: _Node = self
+        while node.parent is not None:
+            levels.append(node.level)
+            node = node.parent
+        return "/".join(reversed(levels))
 
     @property
     def is_unused(self) -> bool:
@@ -230,18 +242,18 @@ class Disputes:
         node = self._roots.get(use.key[0])
         if node is None:
             node = self._roots[use.key[0]] = _Node()
-        for level in topic.split("/"):
+        for level in topic.split("/", MAX_LEVELS):
             if node.children is None:
                 node.children = {}
             child = node.children.get(level)
             if child is None:
-                child = node.children[level] = _Node(node, f"{node.topic}/{level}" if node.parent else level)
+                child = node.children[level] = _Node(node, level)
             node = child
         return node
 
     def _find(self, gateway: str, topic: str) -> _Node | None:
         node = self._roots.get(gateway)
-        for level in topic.split("/"):
+        for level in topic.split("/", MAX_LEVELS):
             if node is None or node.children is None:
                 return None
             node = node.children.get(level)
@@ -251,7 +263,7 @@ class Disputes:
         while node.parent is not None and node.is_unused:
             parent = node.parent
             if parent.children is not None:
-                parent.children.pop(node.topic.rpartition("/")[2], None)
+                parent.children.pop(node.level, None)
             node = parent
 
 
