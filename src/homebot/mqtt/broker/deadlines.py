@@ -62,6 +62,8 @@ class Deadlines:
 
     def run(self, now: float) -> None:
         """Do everything due at *now*, in order of time; what is noted meanwhile has to wait for the next run."""
+        if not self._heap or self._heap[0].when > now:
+            return
         due: deque[Deadline] = deque()
         while self._heap and self._heap[0].when <= now:
             due.append(heapq.heappop(self._heap))

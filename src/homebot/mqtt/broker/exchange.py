@@ -11,7 +11,7 @@ from homebot.mqtt.broker.message import BULKY, Message
 from homebot.mqtt.broker.queue import Parcel
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.retained import RetainedMessages
-from homebot.mqtt.broker.session import LARGE, Delivery, Session
+from homebot.mqtt.broker.session import Delivery, Session
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscription import Subscription
 from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
@@ -81,7 +81,7 @@ class Exchange:
         route = self.subscriptions.route(message.topic)
         refused = False
         slow: list[Session] = []
-        large = message.size >= LARGE
+        large = message.size >= BULKY
         if len(route.targets) > _MANY and self._turn is not None:
             self._turn.spend(2 * len(route.targets))
         for target in route.targets:
@@ -96,7 +96,7 @@ class Exchange:
                 refused = True
             elif chosen is not None and outcome:
                 slow.append(chosen)
-        if message.retain or message.size >= BULKY:
+        if large or message.retain:
             message.forget_encoded()
         if refused or not retained:
             return Receipt(ReasonCode.QUOTA_EXCEEDED, tuple(slow))
@@ -164,7 +164,7 @@ class Exchange:
         for parcel in session.unsent_shares():
             group = None if parcel.share is None else self.subscriptions.group(parcel.share)
             if group is not None:
-                _deliver_to_one(group, parcel.message, parcel.message.size >= LARGE)
+                _deliver_to_one(group, parcel.message, parcel.message.size >= BULKY)
 
     def _retain(self, message: Message) -> bool:
         if self.retained.keep(message, self._clock.monotonic()):

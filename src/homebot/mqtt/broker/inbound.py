@@ -62,8 +62,9 @@ class Inbound:
         Raises:
             PacketError: 0x93.
         """
-        unanswered = waiting + len(self._open)
-        if self._is_v5 and packet.qos and unanswered >= self._hub.limits.receive_maximum:
+        if not self._is_v5 or not packet.qos:
+            return
+        if waiting + len(self._open) >= self._hub.limits.receive_maximum:
             if packet.packet_id in self._open:
                 return
             raise PacketError(

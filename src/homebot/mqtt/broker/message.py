@@ -13,7 +13,8 @@ __all__ = ["BULKY", "Message", "size_of"]
 
 _PAIR = 160  # bytes that a user property takes beside its text
 BULKY = 8 * 1024
-"""Bytes of a message that is not kept encoded while it waits: it would take twice the memory it is counted with."""
+"""Bytes of a message whose copies are not made all at once, and that is not kept encoded while it waits: it would take
+twice the memory it is counted with."""
 
 _MAX_ENCODED = 8  # two versions at three QoS, and some for subscription identifiers
 

@@ -121,8 +121,8 @@ class Peer:
         except PacketError as error:
             self._fail(error)
             return
-        held = self._reader.held
-        if held or self._is_unread_noted:
+        if self._reader.missing or self._is_unread_noted or self._client is None:
+            held = self._reader.held
             self._is_unread_noted = bool(held)
             self._unread.note(self._give_up_unread, held)
 
@@ -164,13 +164,14 @@ class Peer:
 
     def _act(self, client: _Client, packet: Packet) -> None:
         if type(packet) is Publish:
-            client.inbound.check_quota(packet, self._holding.messages)
+            if packet.qos:
+                client.inbound.check_quota(packet, self._holding.messages)
             if self._hub.exchange.crowded and self._wait_for_room(client, packet):
                 return
             slow = client.inbound.publish(packet)
             if slow:
                 self._holding.wait_for(slow)
-            if self._hub.turn.is_spent:
+            if self._hub.turn.units <= 0:
                 self._holding.paused = True
                 self._hub.turn.later(self._resume)
         else:

@@ -6,7 +6,7 @@ from collections import deque
 from typing import NamedTuple, final
 
 from homebot.mqtt.broker.message import Message
-from homebot.mqtt.broker.queue_pool import QueuePool
+from homebot.mqtt.broker.queue_pool import ENTRY, QueuePool
 from homebot.mqtt.broker.replay import Replay
 
 __all__ = ["MessageQueue", "Parcel"]
@@ -37,17 +37,20 @@ class MessageQueue:
     Retained messages that are owed to new subscriptions stand in it as one :class:`Replay`, which has them found when
     its turn comes.
 
+    Attributes:
+        parcels: What waits, the next to be sent first; only to be looked at.
+
     Args:
         max_messages: Bound in messages.
         max_bytes: Bound in bytes of payload and topic; a single larger message still fits into an empty queue.
         pool: Counts what is in all queues.
     """
 
-    __slots__ = ("_bytes", "_max_bytes", "_max_messages", "_parcels", "_pool", "_qos0", "_replays")
+    __slots__ = ("_bytes", "_max_bytes", "_max_messages", "_pool", "_qos0", "_replays", "parcels")
 
     def __init__(self, max_messages: int, max_bytes: int, pool: QueuePool) -> None:
         self._pool = pool
-        self._parcels: deque[Parcel | Replay] = deque()
+        self.parcels: deque[Parcel | Replay] = deque()
         self._replays: deque[tuple[Replay, int]] = deque()  # with what each was counted as
         self._bytes = 0
         self._qos0 = 0
@@ -55,7 +58,7 @@ class MessageQueue:
         self._max_bytes = max_bytes
 
     def __len__(self) -> int:
-        return len(self._parcels)
+        return len(self.parcels)
 
     @property
     def size(self) -> int:
@@ -65,38 +68,38 @@ class MessageQueue:
     @property
     def full(self) -> bool:
         """Whether another message would be over the bound."""
-        return len(self._parcels) >= self._max_messages or self._bytes >= self._max_bytes
+        return len(self.parcels) >= self._max_messages or self._bytes >= self._max_bytes
 
     @property
     def high(self) -> bool:
         """Whether three quarters of the bound are reached: time to slow down who fills it."""
-        return 4 * len(self._parcels) >= 3 * self._max_messages or 4 * self._bytes >= 3 * self._max_bytes
+        return 4 * len(self.parcels) >= 3 * self._max_messages or 4 * self._bytes >= 3 * self._max_bytes
 
     @property
     def low(self) -> bool:
         """Whether half of the bound is free again."""
-        return 2 * len(self._parcels) <= self._max_messages and 2 * self._bytes <= self._max_bytes
+        return 2 * len(self.parcels) <= self._max_messages and 2 * self._bytes <= self._max_bytes
 
     @property
     def holds_qos0(self) -> bool:
         """Whether QoS 0 messages wait, which later ones must not overtake."""
         return self._qos0 > 0
 
-    @property
-    def first(self) -> Parcel | Replay:
-        """The next to be sent."""
-        return self._parcels[0]
-
     def append(self, parcel: Parcel) -> None:
         """Add at the end, whatever the bound says."""
-        self._parcels.append(parcel)
-        self._bytes += parcel.message.size
+        self.parcels.append(parcel)
+        message = parcel.message
+        self._bytes += message.size
         self._qos0 += not parcel.qos
-        self._pool.hold(parcel.message)
+        if message.holders:  # as hold(), which costs a call for each receiver
+            message.holders += 1
+            self._pool.used += ENTRY
+        else:
+            self._pool.hold(message)
 
     def append_replay(self, replay: Replay) -> None:
         """Add at the end the retained messages of new subscriptions, whatever the bound says."""
-        self._parcels.append(replay)
+        self.parcels.append(replay)
         self._replays.append((replay, replay.size))
         self._bytes += replay.size
         self._pool.add(replay.size)
@@ -112,22 +115,27 @@ class MessageQueue:
 
     def popleft(self) -> Parcel | Replay:
         """Take the first."""
-        first = self._parcels.popleft()
+        first = self.parcels.popleft()
         if isinstance(first, Replay):
             size = self._replays.popleft()[1]
             self._bytes -= size
             self._pool.add(-size)
             self._qos0 -= 1
         else:
-            self._bytes -= first.message.size
+            message = first.message
+            self._bytes -= message.size
             self._qos0 -= not first.qos
-            self._pool.release(first.message)
+            if message.holders > 1:
+                message.holders -= 1
+                self._pool.used -= ENTRY
+            else:
+                self._pool.release(message)
         return first
 
     def drop_qos0(self) -> None:
         """Forget the QoS 0 messages: their client has gone."""
         if self._qos0:
-            for _ in range(len(self._parcels)):
+            for _ in range(len(self.parcels)):
                 first = self.popleft()
                 if isinstance(first, Replay):
                     first.leave_out_qos0()
@@ -138,7 +146,7 @@ class MessageQueue:
     def clear(self) -> list[Parcel]:
         """Take all but what replays still had to find."""
         parcels = []
-        while self._parcels:
+        while self.parcels:
             first = self.popleft()
             if not isinstance(first, Replay):
                 parcels.append(first)

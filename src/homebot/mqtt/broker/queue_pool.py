@@ -7,7 +7,7 @@ from typing import Final, final
 
 from homebot.mqtt.broker.message import Message
 
-__all__ = ["QueuePool"]
+__all__ = ["ENTRY", "QueuePool"]
 
 ENTRY: Final = 200
 """Bytes that a place in a queue takes, about."""

@@ -15,6 +15,7 @@ from typing import Final, Protocol, final
 from homebot.clock import Clock
 from homebot.mqtt.broker.deadlines import Deadlines
 from homebot.mqtt.broker.limits import BrokerLimits
+from homebot.mqtt.broker.message import BULKY
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.queue import MessageQueue, Parcel
 from homebot.mqtt.broker.queue_pool import QueuePool
@@ -24,15 +25,13 @@ from homebot.mqtt.broker.subscription import Subscription
 from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
 
-__all__ = ["LARGE", "Delivery", "HeldPublisher", "Session"]
+__all__ = ["Delivery", "HeldPublisher", "Session"]
 
 
 _SENT: Final = 6  # units of work to send a retained message,
 _BYTES: Final = 1000  # and bytes of it that are one more
 _COPIED: Final = 4000  # bytes that are copied for one unit
 _SMALL: Final = 1024  # bytes; messages up to this are not counted while they are in flight, where there are few
-LARGE: Final = 64 * 1024
-"""Bytes of a message whose copies are not made all at once."""
 
 
 class Delivery(IntEnum):
@@ -177,7 +176,7 @@ class Session:
         return Delivery.TAKEN if self.overrun else Delivery.SLOW
 
     def deliver_large(self, parcel: Parcel) -> Delivery:
-        """As :meth:`deliver`, for a message of at least ``LARGE`` bytes, of which each copy takes its time."""
+        """As :meth:`deliver`, for a message of at least ``BULKY`` bytes, of which each copy takes its time."""
         if self.outbound is None or self._queue:
             return self.deliver(parcel)
         if self._work.left:
@@ -231,21 +230,22 @@ class Session:
     def pump(self) -> None:
         """Send what waits, as far as the client takes it."""
         outbound, queue, resend = self.outbound, self._queue, self._resend
+        parcels = queue.parcels
         while outbound is not None and not outbound.link.choked:
             if resend and len(self._in_flight) - len(resend) < self._window:
                 self._send_again(outbound, resend.popleft())
-            elif not queue:
+            elif not parcels:
                 break
-            elif isinstance(parcel := queue.first, Replay):
+            elif isinstance(parcel := parcels[0], Replay):
                 if not self._go_on_with(outbound, parcel):
                     break
-            elif parcel.message.size >= LARGE and not self._work.left:
+            elif (size := parcel.message.size) >= BULKY and not self._work.left:
                 self._work.later(self.pump)
                 break
             elif not parcel.qos or len(self._in_flight) < self._window:
                 queue.popleft()
-                if parcel.message.size >= LARGE:
-                    self._work.spend(parcel.message.size // _COPIED)
+                if size >= BULKY:
+                    self._work.spend(size // _COPIED)
                 expires_at = parcel.message.expires_at
                 if expires_at is not None and expires_at <= self._clock.monotonic():
                     self._counters.dropped_expired += 1

@@ -25,6 +25,9 @@ class WorkBudget:
         deadlines: Where the next slice is noted.
         slice: How much may be done at once, in units of about a microsecond.
         period: Seconds from the beginning of a slice to that of the next; 0 is a turn of the event loop.
+
+    Attributes:
+        units: What is left of this slice, however long ago it began; not above 0 where it is used up.
     """
 
     def __init__(self, clock: Clock, deadlines: Deadlines, slice: int = SLICE, period: float = PERIOD) -> None:  # noqa: A002 - the word for it
@@ -32,7 +35,7 @@ class WorkBudget:
         self._deadlines = deadlines
         self._slice = slice
         self._period = period
-        self._left = slice
+        self.units = slice
         self._began = clock.monotonic()
         self._waiting: dict[Callable[[], None], None] = {}
         self._is_due = False
@@ -40,7 +43,7 @@ class WorkBudget:
     @property
     def left(self) -> bool:
         """Whether anything may be done now."""
-        if self._left > 0:
+        if self.units > 0:
             return True
         now = self._clock.monotonic()
         if self._waiting or now < self._began + self._period:
@@ -49,20 +52,15 @@ class WorkBudget:
         return True
 
     @property
-    def is_spent(self) -> bool:
-        """Whether this slice is used up, however long ago it began."""
-        return self._left <= 0
-
-    @property
     def waiting(self) -> int:
         """How many wait for a later slice."""
         return len(self._waiting)
 
     def spend(self, units: int) -> None:
         """So much was done."""
-        if self._left == self._slice:
+        if self.units == self._slice:
             self._began = self._clock.monotonic()
-        self._left -= units
+        self.units -= units
 
     def later(self, job: Callable[[], None]) -> None:
         """Call *job* in a later slice, once, however often it is asked for; it looks at :attr:`left` itself."""
@@ -79,7 +77,7 @@ class WorkBudget:
         self._is_due = False
         self._refill(self._clock.monotonic())
         for job in list(self._waiting):
-            if self._left <= 0:
+            if self.units <= 0:
                 break
             if job in self._waiting:
                 del self._waiting[job]
@@ -89,5 +87,5 @@ class WorkBudget:
             self._deadlines.at(self._clock.monotonic() + self._period, self._run)
 
     def _refill(self, now: float) -> None:
-        self._left = self._slice
+        self.units = self._slice
         self._began = now

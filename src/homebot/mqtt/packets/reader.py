@@ -28,6 +28,9 @@ class PacketReader:
     than one packet of *max_packet_size*. After a :class:`PacketError` the stream is lost: every later
     :meth:`pop` raises the same error.
 
+    Attributes:
+        missing: How many bytes of a packet that has begun are still to come, as far as that is known.
+
     Args:
         version: What the connection speaks. May be set later, but not while packets are waiting; a server
             sets it from CONNECT, which needs none.
@@ -35,7 +38,7 @@ class PacketReader:
         max_control_size: The same for all packets but CONNECT and PUBLISH, which are read in one piece.
     """
 
-    __slots__ = ("_data", "_error", "_missing", "_position", "_tail", "max_control_size", "max_packet_size", "version")
+    __slots__ = ("_data", "_error", "_position", "_tail", "max_control_size", "max_packet_size", "missing", "version")
 
     def __init__(
         self,
@@ -49,7 +52,7 @@ class PacketReader:
         self._data = b""
         self._position = 0
         self._tail = bytearray()  # behind _data; what a packet announces is not reserved before it comes
-        self._missing = 0
+        self.missing = 0
         self._error: PacketError | None = None
 
     @property
@@ -66,11 +69,11 @@ class PacketReader:
         Raises:
             PacketError: While iterating, at the first packet that cannot be; the ones before it have come.
         """
-        if self._missing > len(data):
-            self._missing -= len(data)
+        if self.missing > len(data):
+            self.missing -= len(data)
             self._tail += data
             return iter(())
-        self._missing = 0
+        self.missing = 0
         if self._tail:
             self._data = b"".join((self._data[self._position :], self._tail, data))
             self._tail = bytearray()
@@ -90,8 +93,10 @@ class PacketReader:
         data = self._data
         position = self._position
         left = len(data) - position
-        if left < 2 or self._missing:
-            self._forget_taken()
+        if left < 2 or self.missing:
+            if position:
+                self._data = data[position:]  # no packet is kept in memory for the sake of the few bytes behind it
+                self._position = 0
             return None
         size = data[position + 1]
         body = position + 2
@@ -109,7 +114,7 @@ class PacketReader:
         if end - position > self.max_packet_size:
             raise self._fail(f"a packet of {end - position} bytes is too large", ReasonCode.PACKET_TOO_LARGE)
         if end > len(data):
-            self._missing = end - len(data)
+            self.missing = end - len(data)
             self._forget_taken()
             return None
         first = data[position]
