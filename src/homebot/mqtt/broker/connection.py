@@ -190,6 +190,16 @@ class Connection(asyncio.BufferedProtocol):
         )
         self.abort()
 
+    def note_bad_tls(self, reason: str) -> None:
+        """The client did not speak TLS as it should."""
+        self._hub.counters.connections_failed += 1
+        self._hub.warn(
+            "broker.tls_failed",
+            f"{self.address} and the broker did not agree on TLS: {reason.lower().replace('_', ' ')}",
+            address=self.address,
+            reason=reason,
+        )
+
     def _note_unsent(self, size: int) -> None:
         if size >= _WORTH_COUNTING or self._is_slow:
             self._is_slow = size >= _WORTH_COUNTING

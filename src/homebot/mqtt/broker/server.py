@@ -29,6 +29,7 @@ from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.policy import Policy, policy_of
 from homebot.mqtt.broker.sockets import Sockets
 from homebot.mqtt.broker.stats import BrokerStats
+from homebot.mqtt.broker.tls_socket import TlsSocket
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["Broker", "PortTakenError"]
@@ -194,11 +195,7 @@ class Broker:
             raise LinkError(f"cannot listen on {self._host} port {self._port}: {error.strerror}") from error
         self._port = sock.getsockname()[1]
         self._server = await loop.create_server(
-            lambda: Connection(hub, loop, self._sockets, self._endpoint),
-            sock=sock,
-            ssl=self._tls,
-            backlog=_ACCEPTED_IN_A_TURN,
-            ssl_handshake_timeout=None if self._tls is None else self._limits.connect_timeout,
+            lambda: self._new_connection(hub, loop), sock=sock, backlog=_ACCEPTED_IN_A_TURN
         )
         sock.listen(_BACKLOG)
         self._timer = HubTimer(hub)
@@ -253,6 +250,10 @@ class Broker:
         """Do what is due by the clock; needed only by those who move a clock of their own by hand."""
         if self._timer is not None:
             self._timer.tick()
+
+    def _new_connection(self, hub: Hub, loop: asyncio.AbstractEventLoop) -> Connection | TlsSocket:
+        connection = Connection(hub, loop, self._sockets, self._endpoint)
+        return connection if self._tls is None else TlsSocket(self._tls, connection, connection.note_bad_tls)
 
     async def _bind(self, loop: asyncio.AbstractEventLoop) -> socket.socket:
         family, address = await self._resolve(loop)

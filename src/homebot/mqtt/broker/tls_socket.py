@@ -1,0 +1,215 @@
+"""TLS on one socket of the broker.
+
+asyncio's own takes 300 KiB for each socket from the moment it is accepted, and tells nobody about those whose
+hand-shake does not end. Here they count, and go, as all that have not logged in.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, Final, Protocol, cast, final
+
+__all__ = ["TlsSocket", "TlsUser"]
+
+_READ_AT_MOST: Final = 16 * 1024
+_ENCRYPT_AT_MOST: Final = 64 * 1024  # bytes, before they are handed on
+
+
+class TlsUser(Protocol):
+    """A protocol on top of TLS, as asyncio has them."""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """The socket is open; the hand-shake is still to come."""
+        ...
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        """Where the next bytes go."""
+        ...
+
+    def buffer_updated(self, nbytes: int) -> None:
+        """So many came."""
+        ...
+
+    def pause_writing(self) -> None:
+        """The socket takes bytes slower than they come."""
+        ...
+
+    def resume_writing(self) -> None:
+        """The socket's buffer is almost empty again."""
+        ...
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The socket is closed."""
+        ...
+
+
+@final
+class TlsSocket(asyncio.BufferedProtocol):
+    """The protocol of the socket, and the transport of what is on top.
+
+    Args:
+        context: The server's side of TLS.
+        user: What is on top.
+        on_failure: Told why a hand-shake, or what came after it, was no TLS.
+    """
+
+    def __init__(self, context: ssl.SSLContext, user: TlsUser, on_failure: Callable[[str], None]) -> None:
+        self._user = user
+        self._on_failure = on_failure
+        self._incoming = ssl.MemoryBIO()
+        self._outgoing = ssl.MemoryBIO()
+        self._tls = context.wrap_bio(self._incoming, self._outgoing, server_side=True)
+        self._buffer = bytearray()
+        self._raw: asyncio.Transport | None = None
+        self._facade: _TlsTransport | None = None
+        self._is_ready = False
+        self._is_paused = False
+        self._is_over = False
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """The socket is open."""
+        self._raw = cast("asyncio.Transport", transport)
+        self._facade = _TlsTransport(self, self._raw)
+        self._user.connection_made(self._facade)
+
+    def get_buffer(self, sizehint: int) -> bytearray:  # noqa: ARG002 - asyncio's signature
+        """Where the next bytes go."""
+        if not self._buffer:
+            self._buffer = bytearray(_READ_AT_MOST)
+        return self._buffer
+
+    def buffer_updated(self, nbytes: int) -> None:
+        """Encrypted bytes came."""
+        self._incoming.write(memoryview(self._buffer)[:nbytes])
+        self._buffer = bytearray()  # a silent socket holds none
+        self._go_on()
+
+    def eof_received(self) -> bool:
+        """The far side sends no more."""
+        return False
+
+    def pause_writing(self) -> None:
+        """The socket takes bytes slower than they come."""
+        self._user.pause_writing()
+
+    def resume_writing(self) -> None:
+        """The socket's buffer is almost empty again."""
+        self._user.resume_writing()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The socket is closed."""
+        self._is_over = True
+        self._user.connection_lost(exc)
+
+    def write(self, data: bytes) -> None:
+        """Encrypt *data* and send it; nothing before the hand-shake."""
+        if not self._is_ready or self._is_over:
+            return
+        view = memoryview(data)
+        try:
+            for start in range(0, len(view), _ENCRYPT_AT_MOST):
+                self._tls.write(view[start : start + _ENCRYPT_AT_MOST])
+                self._send()
+        except ssl.SSLError as error:
+            self._fail(error)
+
+    def pause(self) -> None:
+        """Hand nothing on."""
+        self._is_paused = True
+
+    def resume(self) -> None:
+        """Hand on what was read already, soon."""
+        self._is_paused = False
+        asyncio.get_running_loop().call_soon(self._go_on)
+
+    def say_goodbye(self) -> bool:
+        """Send close_notify; False where there is nobody to send it to yet."""
+        if not self._is_ready or self._is_over:
+            return False
+        self._is_over = True
+        with suppress(ssl.SSLError):  # that its answer has not come
+            self._tls.unwrap()
+        self._send()
+        return True
+
+    def _go_on(self) -> None:
+        try:
+            if not self._is_ready and not self._is_over:
+                self._tls.do_handshake()
+                self._is_ready = True
+            while self._is_ready and not self._is_paused and not self._is_over:
+                count = self._tls.read(_READ_AT_MOST, self._user.get_buffer(-1))
+                if not count:
+                    self._end()
+                    return
+                self._user.buffer_updated(cast("int", count))
+        except ssl.SSLWantReadError:
+            pass
+        except (ssl.SSLZeroReturnError, ssl.SSLEOFError):
+            self._end()
+            return
+        except ssl.SSLError as error:
+            self._fail(error)
+            return
+        self._send()
+
+    def _send(self) -> None:
+        if self._outgoing.pending and self._raw is not None:
+            self._raw.write(self._outgoing.read())
+
+    def _end(self) -> None:
+        self.say_goodbye()
+        if self._raw is not None:
+            self._raw.close()
+
+    def _fail(self, error: ssl.SSLError) -> None:
+        if self._is_over:
+            return
+        self._is_over = True
+        self._on_failure(error.reason or str(error))
+        self._send()  # the alert that says why
+        if self._raw is not None:
+            self._raw.close()
+
+
+@final
+class _TlsTransport(asyncio.Transport):
+    def __init__(self, owner: TlsSocket, raw: asyncio.Transport) -> None:
+        super().__init__()
+        self._owner = owner
+        self._raw = raw
+
+    def get_extra_info(self, name: str, default: Any = None) -> Any:
+        return self._raw.get_extra_info(name, default)
+
+    def set_write_buffer_limits(self, high: int | None = None, low: int | None = None) -> None:
+        self._raw.set_write_buffer_limits(high, low)
+
+    def get_write_buffer_size(self) -> int:
+        return self._raw.get_write_buffer_size()
+
+    def write(self, data: bytes | bytearray | memoryview[Any]) -> None:
+        self._owner.write(bytes(data))
+
+    def pause_reading(self) -> None:
+        self._owner.pause()
+        self._raw.pause_reading()
+
+    def resume_reading(self) -> None:
+        self._raw.resume_reading()
+        self._owner.resume()
+
+    def can_write_eof(self) -> bool:
+        return False
+
+    def close(self) -> None:
+        if self._owner.say_goodbye():
+            self._raw.close()
+        else:
+            self._raw.abort()
+
+    def abort(self) -> None:
+        self._raw.abort()
