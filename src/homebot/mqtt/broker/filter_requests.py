@@ -2,21 +2,84 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final, final
 
+from homebot.mqtt.broker.holding import Holding
 from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.retained import RetainedMessages
 from homebot.mqtt.broker.session import Session
 from homebot.mqtt.packets import ReasonCode, Suback, Subscribe, Unsuback, Unsubscribe
 
-__all__ = ["Subscribing", "Unsubscribing"]
+__all__ = ["FilterRequests"]
 
 _COST: Final = 8  # units of work for a filter, and one for each level
 
 
 @final
-class Subscribing:
+class FilterRequests:
+    """Carries out the SUBSCRIBE and UNSUBSCRIBE packets of one client, one after the other.
+
+    Args:
+        hub: The broker.
+        session: Whose.
+        outbound: Where the answers go.
+        holding: Where all that comes waits while a packet is under way.
+        go_on: Called when a packet that took long is done.
+    """
+
+    def __init__(
+        self, hub: Hub, session: Session, outbound: Outbound, holding: Holding, go_on: Callable[[], None]
+    ) -> None:
+        self._hub = hub
+        self._session = session
+        self._outbound = outbound
+        self._holding = holding
+        self._resume = go_on
+        self._current: _Subscribing | _Unsubscribing | None = None
+
+    @property
+    def active(self) -> bool:
+        """Whether a packet is under way."""
+        return self._current is not None
+
+    def subscribe(self, packet: Subscribe) -> None:
+        """Begin with a SUBSCRIBE."""
+        self._current = _Subscribing(self._session, packet, self._hub.exchange.retained)
+        self._go_on()
+
+    def unsubscribe(self, packet: Unsubscribe) -> None:
+        """Begin with an UNSUBSCRIBE."""
+        self._current = _Unsubscribing(self._session, packet)
+        self._go_on()
+
+    def stop(self) -> None:
+        """The client is gone; what was done stays done."""
+        self._current = None
+        self._hub.work.forget(self._go_on)
+
+    def _go_on(self) -> None:
+        """Take as many filters as may be taken now."""
+        if self._current is None:
+            return
+        answer = self._current.go_on(self._hub)
+        if answer is None:
+            self._holding.paused = True
+            self._hub.work.later(self._go_on)
+            return
+        self._current = None
+        self._outbound.send(answer)
+        session = self._session
+        session.pump()
+        if session.congested and not session.overrun:
+            self._holding.wait_for((session,))
+        self._resume()
+
+
+@final
+class _Subscribing:
     """A SUBSCRIBE under way.
 
     Args:
@@ -60,7 +123,7 @@ class Subscribing:
 
 
 @final
-class Unsubscribing:
+class _Unsubscribing:
     """An UNSUBSCRIBE under way.
 
     Args:

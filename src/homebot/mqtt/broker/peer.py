@@ -13,7 +13,7 @@ from typing import ClassVar, final
 from homebot.mqtt.broker import login
 from homebot.mqtt.broker.deadlines import Deadline
 from homebot.mqtt.broker.farewell import goodbye, unread_connect_answer
-from homebot.mqtt.broker.filter_requests import Subscribing, Unsubscribing
+from homebot.mqtt.broker.filter_requests import FilterRequests
 from homebot.mqtt.broker.holding import Holding
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.inbound import Inbound
@@ -22,6 +22,7 @@ from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.peer_log import PeerLog
 from homebot.mqtt.broker.session import Session
 from homebot.mqtt.broker.sessions import will_size
+from homebot.mqtt.broker.unread import UnreadMark
 from homebot.mqtt.broker.words import host_of
 from homebot.mqtt.packets import (
     Auth,
@@ -77,10 +78,8 @@ class Peer:
         self._closed = False
         self._holding = Holding(hub, link, self._go_on)
         self._heard_at = hub.clock.monotonic()
-        self._filters: Subscribing | Unsubscribing | None = None
         self._silence = hub.deadlines.at(self._heard_at + hub.limits.connect_timeout, self._no_connect)
-        self._unread = hub.unread_logins
-        self._is_unread_noted = False
+        self._unread = UnreadMark(hub.unread_logins, self._give_up_unread)
         hub.waiting_logins.add(self)
 
     @property
@@ -121,10 +120,8 @@ class Peer:
         except PacketError as error:
             self._fail(error)
             return
-        if self._reader.missing or self._is_unread_noted or self._client is None:
-            held = self._reader.held
-            self._is_unread_noted = bool(held)
-            self._unread.note(self._give_up_unread, held)
+        if self._reader.missing or self._unread.size or self._client is None:
+            self._unread.note(self._reader.held)
 
     def writable(self) -> None:
         """The link is no longer choked."""
@@ -250,12 +247,13 @@ class Peer:
             wanted.max_packet_size,
             wanted.alias_maximum,
         )
-        self._client = _Client(wanted, session, outbound, Inbound(hub, session, outbound), packet.will)
+        inbound = Inbound(hub, session, outbound)
+        filters = FilterRequests(hub, session, outbound, self._holding, self._resume)
+        self._client = _Client(wanted, session, outbound, inbound, filters, packet.will)
         self._log.client_id = wanted.client_id
         hub.peers[wanted.client_id] = self
         hub.waiting_logins.discard(self)
-        self._note_nothing_unread()
-        self._unread = hub.unread
+        self._unread.move(hub.unread)
         outbound.send(login.welcome(wanted, hub, session_present=present))
         self._expect_signs_of_life()
         session.resume(outbound, wanted.receive_maximum)
@@ -280,34 +278,14 @@ class Peer:
         client.outbound.send(Pingresp())
 
     def _subscribe(self, client: _Client, packet: Subscribe) -> None:
-        self._filters = Subscribing(client.session, packet, self._hub.exchange.retained)
-        self._go_on_with_filters()
+        client.filters.subscribe(packet)
 
     def _unsubscribe(self, client: _Client, packet: Unsubscribe) -> None:
-        self._filters = Unsubscribing(client.session, packet)
-        self._go_on_with_filters()
-
-    def _go_on_with_filters(self) -> None:
-        """Take the filters of the current packet, as many as may be taken now; all else waits behind them."""
-        client, filters = self._client, self._filters
-        if client is None or filters is None or self._closed:
-            return
-        answer = filters.go_on(self._hub)
-        if answer is None:
-            self._holding.paused = True
-            self._hub.work.later(self._go_on_with_filters)
-            return
-        self._filters = None
-        client.outbound.send(answer)
-        session = client.session
-        session.pump()
-        if session.congested and not session.overrun:
-            self._holding.wait_for((session,))
-        self._resume()
+        client.filters.unsubscribe(packet)
 
     def _resume(self) -> None:
         """What waits behind a packet that took long has its turn."""
-        if self._holding.paused and self._filters is None:
+        if self._holding.paused and self._client is not None and not self._client.filters.active:
             self._holding.paused = False
             self._go_on()
 
@@ -366,10 +344,6 @@ class Peer:
         self._finish(publish_will=False)
         self._link.close(linger=False)
 
-    def _note_nothing_unread(self) -> None:
-        self._is_unread_noted = False
-        self._unread.note(self._give_up_unread, 0)
-
     def _fail(self, error: PacketError) -> None:
         hub = self._hub
         hub.counters.connections_failed += 1
@@ -405,14 +379,13 @@ class Peer:
         if self._retry is not None:
             self._retry.cancel()
         self._holding.stop()
-        self._filters = None
         self._holding.paused = False
-        self._hub.work.forget(self._go_on_with_filters)
         self._hub.turn.forget(self._resume)
         self._hub.waiting_logins.discard(self)
-        self._note_nothing_unread()
+        self._unread.note(0)
         self._reader = _NOTHING_MORE
         if client is not None:
+            client.filters.stop()
             self._take_held(client)
             del self._hub.peers[client.session.client_id]
             self._hub.sessions.detach(client.session, client.will if publish_will else None)
@@ -451,6 +424,7 @@ class _Client:
     session: Session
     outbound: Outbound
     inbound: Inbound
+    filters: FilterRequests
     will: Will | None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import final
 
-__all__ = ["UnreadPackets"]
+__all__ = ["UnreadMark", "UnreadPackets"]
 
 
 @final
@@ -42,3 +42,33 @@ class UnreadPackets:
             oldest = next(iter(self._held))
             self.size -= self._held.pop(oldest)
             oldest()
+
+
+@final
+class UnreadMark:
+    """What one connection holds.
+
+    Args:
+        packets: Where it counts.
+        give_up: Ends the connection.
+
+    Attributes:
+        size: The bytes that were noted last.
+    """
+
+    __slots__ = ("_give_up", "_packets", "size")
+
+    def __init__(self, packets: UnreadPackets, give_up: Callable[[], None]) -> None:
+        self._packets = packets
+        self._give_up = give_up
+        self.size = 0
+
+    def note(self, held: int) -> None:
+        """So many bytes wait for the rest of their packet now."""
+        self.size = held
+        self._packets.note(self._give_up, held)
+
+    def move(self, packets: UnreadPackets) -> None:
+        """From now on it counts there."""
+        self.note(0)
+        self._packets = packets
