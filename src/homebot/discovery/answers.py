@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
 
 from homebot.devices import (
@@ -35,6 +34,7 @@ from homebot.devices.services import (
     QueryDevicesRequest,
     QueryDevicesResponse,
 )
+from homebot.discovery.change_log import ChangeLog
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.keeper import Keeper
 from homebot.discovery.rank import rank, reasons
@@ -42,10 +42,7 @@ from homebot.discovery.unknown_words import unknown_word
 from homebot.errors import UsageError
 from homebot.graph import Node
 
-__all__ = ["REMEMBERED", "Answers"]
-
-REMEMBERED = 2000
-"""Changes that a late asker can still be told."""
+__all__ = ["Answers"]
 
 
 class Answers:
@@ -63,8 +60,7 @@ class Answers:
         self._index = index
         self._keeper = keeper
         self._tell = tell
-        self._changes: deque[DeviceChange] = deque()
-        self._forgotten = index.sequence
+        self._changes = ChangeLog(index.sequence)
         self._node = node
 
     def offer(self) -> None:
@@ -79,8 +75,6 @@ class Answers:
 
     def remember(self, change: DeviceChange) -> None:
         """Keep a change that was told, for those who ask later."""
-        if len(self._changes) >= REMEMBERED:
-            self._forgotten = self._changes.popleft().sequence
         self._changes.append(change)
 
     def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
@@ -130,8 +124,8 @@ class Answers:
     def _get_changes(self, request: GetChangesRequest) -> GetChangesResponse:
         self._tell()
         return GetChangesResponse(
-            changes=tuple(one for one in self._changes if one.sequence > request.since),
-            complete=self._forgotten <= request.since <= self._index.sequence,
+            changes=self._changes.since(request.since),
+            complete=self._changes.forgotten <= request.since <= self._index.sequence,
             sequence=self._index.sequence,
         )
 

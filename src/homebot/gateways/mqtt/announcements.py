@@ -130,7 +130,9 @@ class Announcements:
         try:
             match next(steps, _END):
                 case Described() as described:
-                    self._describe(described, message)
+                    # Of a list of devices nobody knows here which bytes are whose.
+                    length = 0 if isinstance(convention, SlicedConvention) else len(message.payload)
+                    self._describe(described, message, length)
                 case Withdrawn() as withdrawn:
                     self._withdraw(convention, withdrawn)
                 case Question() as question:
@@ -146,13 +148,13 @@ class Announcements:
             return False
         return True
 
-    def _describe(self, described: Described, message: MqttMessage) -> None:
+    def _describe(self, described: Described, message: MqttMessage, length: int) -> None:
         described, reserved = self._reserved.without(described)
         for told in reserved:
             self._counters.topics_reserved += 1
             self._tribunal.warn(RESERVED, f"{described.key} is told nothing on {told}", topic=message.topic)
         try:
-            change = self._claims.describe(described)
+            change = self._claims.describe(described, length)
         except WireError:
             self._counters.devices_refused += 1
             raise
@@ -173,6 +175,8 @@ class Announcements:
             for part in before.reachable.keys() - claim.reachability.keys():
                 self._board.report_reachable(claim, part, "", reachable=None, retained=False)
         self._on_change(change)
+        if before is not None:
+            before.let_go()
 
     def _withdraw(self, convention: Convention, withdrawn: Withdrawn) -> None:
         claim = self._claims.get(f"{convention.name}:{withdrawn.key}")
@@ -194,4 +198,5 @@ class Announcements:
         self._claims.withdraw(claim.key)
         self._board.sight(claim, "removed", why, confirmed=True)
         self._board.clear(claim)
+        claim.let_go()
         self._on_removal()

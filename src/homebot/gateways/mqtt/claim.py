@@ -91,6 +91,7 @@ class Claim:
         reachable: What of that the graph was told last, likewise.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
+        excess: Bytes by which it is longer than what it offers explains.
         streams: The streams of reports that late joiners get.
         enlisted: The filters that it is read on, each with who reads.
     """
@@ -98,6 +99,7 @@ class Claim:
     gateway: str
     key: str
     described: Described
+    excess: int = 0
     voices: dict[str, Voice] = field(init=False)
     reachability: dict[str, Reachability] = field(init=False)
     reachable: dict[str, bool | None] = field(default_factory=dict)
@@ -132,6 +134,10 @@ class Claim:
         for part_id, voice in self.voices.items():
             if (old := before.voices.get(part_id)) is not None:
                 voice.kept = old.kept
+
+    def let_go(self) -> None:
+        """Forget its parts, which know it: what stands no more must not wait for the collector of circular garbage."""
+        self.voices, self.reachability, self.enlisted = {}, {}, []
 
     def stream(self, address: str) -> str:
         """Return the name of the stream of what is said on *address*; of a device with hundreds, they share one."""

@@ -10,6 +10,7 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.claim import Claim, Voice, Witness
 from homebot.gateways.mqtt.convention import Convention
 from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, Excess, excess_of
 from homebot.gateways.mqtt.filter_tree import FilterTree, has_wildcard
 from homebot.gateways.mqtt.state_topics import StateTopics
 
@@ -29,12 +30,16 @@ class Bounds:
         parts: Parts of all of them.
         parts_each: Parts of one.
         readers: Parts that read one topic: each of its messages is work for all of them.
+        excess: Bytes by which announcements are longer than what they offer explains, of all.
+        excess_each: The same of one.
     """
 
     claims: int = 50_000
     parts: int = 200_000
     parts_each: int = 1000
     readers: int = 5000
+    excess: int = MAX_EXCESS
+    excess_each: int = MAX_EXCESS_EACH
 
 
 _BOUNDS = Bounds()
@@ -99,6 +104,7 @@ class Claims:
         self._bounds = bounds
         self._claims: dict[str, Claim] = {}
         self._parts = 0
+        self._excess = Excess(bounds.excess, bounds.excess_each)
         self._announcements: FilterTree[Convention] = FilterTree()
         for convention in conventions:
             for topic_filter in convention.filters():
@@ -106,6 +112,11 @@ class Claims:
         self._readers: FilterTree[Voice | Witness] = FilterTree()
         self._reader_counts: dict[str, int] = {}
         self._routes: dict[str, Route | None] = {}
+
+    @property
+    def excess(self) -> int:
+        """Bytes by which all that stand are longer than what they offer explains."""
+        return self._excess.total
 
     def get(self, key: str) -> Claim | None:
         """Return what stands under *key*."""
@@ -127,16 +138,23 @@ class Claims:
         except KeyError:
             return self._find(topic)
 
-    def describe(self, described: Described) -> Change:
+    def describe(self, described: Described, length: int = 0) -> Change:
         """Let *described* stand, in place of an earlier one of the same key.
 
+        Args:
+            described: The description.
+            length: Of the message that it alone was made of; 0 where that is unknown.
+
         Raises:
-            WireError: It has more than 1,000 parts, or is one device or part too many. What stood before stays.
+            WireError: It has more than 1,000 parts, is one device or part too many, or too long. What stood before
+                stays.
         """
         key = f"{described.convention}:{described.key}"
         before = self._claims.get(key)
         self._check_room(described, before)
-        claim = Claim(self._gateway, key, described)
+        excess = excess_of(described, length)
+        self._excess.check(described.key, excess, 0 if before is None else before.excess)
+        claim = Claim(self._gateway, key, described, excess)
         refused, readers = self._enlist(claim)
         if before is not None:
             claim.inherit(before)
@@ -144,6 +162,7 @@ class Claims:
             readers = _who_missed_something(claim, before, readers)
         self._claims[key] = claim
         self._parts += len(described.parts)
+        self._excess.total += excess
         return Change(claim, before, refused, readers)
 
     def withdraw(self, key: str) -> Claim | None:
@@ -188,6 +207,7 @@ class Claims:
 
     def _strike(self, claim: Claim) -> None:
         self._parts -= len(claim.described.parts)
+        self._excess.total -= claim.excess
         for topic_filter, reader in claim.enlisted:
             self._topics.leave(topic_filter)
             self._readers.remove(topic_filter, reader)

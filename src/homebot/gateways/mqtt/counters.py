@@ -23,7 +23,7 @@ class GatewayCounters:
         announcements_ambiguous: Those in whose JSON a key is twice.
         announcements_rejected: Those that broke the rules of their convention.
         announcements_ignored: Those of the quarantined.
-        devices_refused: Descriptions that were one too many, or had too many parts.
+        devices_refused: Descriptions that were one too many, had too many parts, or were too long for them.
         topics_refused: State topics that were not subscribed to.
         topics_reserved: Command topics that were announced and belong to no device.
         reports: Reports of what devices told.

@@ -38,6 +38,7 @@ from homebot.gateways.mqtt.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.gateways.mqtt.plain_voices import PlainVoices
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
+from homebot.gateways.mqtt.spare_memory import LONG, SpareMemory
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.gateways.mqtt.states import States
 from homebot.gateways.mqtt.subscriber import Subscriber
@@ -97,6 +98,7 @@ class DescribedDevices:
         self.plain = PlainVoices(self._board, counters)
         self._timekeeper = Timekeeper(gateway.node.graph.clock)
         self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters)
+        self._spare_memory = SpareMemory(self._timekeeper)
         self._topics = StateTopics(self.filters(), other_filters)
         self._claims = Claims(gateway.node.name, conventions, self._topics, _tree(other_filters))
         self._last_words = LastWords()
@@ -114,7 +116,7 @@ class DescribedDevices:
             self.tribunal,
             counters,
             on_change=self._changed,
-            on_removal=self._subscriber.wake,
+            on_removal=self._removed,
             on_question=self._subscriber.question,
         )
         self.secrets = SentSecrets()
@@ -188,6 +190,8 @@ class DescribedDevices:
             return
         async with self._taking:  # one that we published ourselves waits until a long one is taken
             await self._announcements.take(message, route.conventions)
+            if len(message.payload) >= LONG:
+                self._spare_memory.freed()
             missed, self._missed = self._missed, []
         for topic, reader in missed:
             if topic != message.topic:
@@ -231,6 +235,10 @@ class DescribedDevices:
         if change.before is None or not change.claim.has_same_face(change.before):
             self._subscriber.ask(change.claim)
 
+    def _removed(self) -> None:
+        self._subscriber.wake()
+        self._spare_memory.freed()
+
     async def _make_up_for(self, topic: str, reader: Voice | Witness) -> None:
         """A topic that is subscribed to already does not tell its kept message again."""
         word = self._last_words.get(topic)
@@ -257,6 +265,7 @@ class DescribedDevices:
         lost = self._connection.counters
         counts = (
             *self._counters.counts(),
+            Count(name="announcements_excess_bytes", count=self._claims.excess),
             Count(name="offenders_dropped", count=self.tribunal.forgotten),
             Count(name="dropped_oversize", count=lost.dropped_oversize),
             Count(name="dropped_overflow", count=lost.dropped_overflow),

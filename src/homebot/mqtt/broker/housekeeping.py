@@ -7,7 +7,7 @@ from typing import Final, final
 
 from homebot.mqtt.broker.hub import Hub
 from homebot.mqtt.broker.losses import LossReport
-from homebot.mqtt.broker.memory import MemoryKeeper
+from homebot.mqtt.memory import MemoryKeeper
 
 __all__ = ["Housekeeping"]
 

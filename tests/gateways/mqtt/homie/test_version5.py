@@ -142,3 +142,21 @@ def test_more_devices_than_there_is_room_for_push_out_unknown_ones(homie: Homie,
         say(f"homie/5/x{number}/$state", "ready")
     assert homie.dropped == 1
     assert say(f"{BASE}/$state", "") != ()
+
+
+def test_documents_that_wait_for_a_state_have_bounded_room(homie: Homie, say: Say) -> None:
+    """Each is as long as one may be; one that is described waits no more and makes room."""
+    long = {**LAMP, "nodes": {"switch": SWITCH, "n": {"properties": {}, "padding": "x" * 250_000}}}
+    for number in range(70):
+        say(f"homie/5/long-{number}/$description", long)
+    assert homie.dropped == 7
+    assert say("homie/5/long-69/$state", "ready") == ()
+    described(say("homie/5/long-0/$state", "ready"))
+    say(f"{BASE}/$description", LAMP)
+    described(say(f"{BASE}/$state", "ready"))
+    say("homie/5/long-1/$description", "")
+    say("homie/5/long-2/$state", "ready")
+    dropped = homie.dropped
+    for number in (80, 81):
+        say(f"homie/5/long-{number}/$description", long)
+    assert homie.dropped == dropped

@@ -13,8 +13,7 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.bounded import Bounded
 from homebot.gateways.mqtt.description import Heard, Withdrawn
 from homebot.gateways.mqtt.homie.described import describe
-from homebot.gateways.mqtt.homie.document import is_id, parse_document
-from homebot.gateways.mqtt.homie.model import HomieDevice
+from homebot.gateways.mqtt.homie.document import Document, is_id, parse_document
 from homebot.gateways.mqtt.homie.state import STATES
 from homebot.gateways.mqtt.payload import shown
 
@@ -24,21 +23,35 @@ FILTERS = ("{domain}/5/+/$description", "{domain}/5/+/$state")
 """The documents first, so that all is there when the state says ready."""
 
 _MAX_DEVICES = 5000
+_MAX_WAITING = 16_000_000
 
 
 @dataclass(slots=True)
 class _Device:
+    """What is known of one.
+
+    Attributes:
+        state: Its state; empty while it is unknown.
+        said: Hash of its document; None while there is none.
+        waiting: Its document, as it came, while it counts for nothing because of the state.
+        is_described: Whether the gateway was told of it.
+    """
+
     state: str = ""
-    document: HomieDevice | None = None
-    payload: int = 0
-    is_new: bool = False
+    said: int | None = None
+    waiting: bytes = b""
     is_described: bool = False
+
+    @property
+    def is_ready(self) -> bool:
+        return self.state not in {"", "init"}
 
 
 class Version5:
     """Knows the devices of version 5.
 
-    There is room for 5,000: of more, the one that was heard first and never described is forgotten.
+    There is room for 5,000, and for 16 MB of documents that wait for a state: of more devices, the one that was heard
+    first and never described is forgotten; of more documents, the newest are not taken.
 
     Attributes:
         ignored: Nodes and properties that were illegal, so far.
@@ -46,12 +59,14 @@ class Version5:
 
     def __init__(self) -> None:
         self.ignored = 0
-        self._devices: Bounded[_Device] = Bounded(_MAX_DEVICES)
+        self._devices: Bounded[_Device] = Bounded(_MAX_DEVICES, self._release)
+        self._waiting = 0
+        self._refused = 0
 
     @property
     def dropped(self) -> int:
-        """How many devices were forgotten or not taken for want of room."""
-        return self._devices.dropped
+        """How many devices or documents were forgotten or not taken for want of room."""
+        return self._devices.dropped + self._refused
 
     def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[Heard, ...]:
         """Take an attribute of a device.
@@ -69,28 +84,50 @@ class Version5:
             device = _Device()
             if not self._devices.add(name, device):
                 return ()
-        if attribute == "$state":
-            state = payload.decode(errors="replace") if len(payload) <= len("disconnected") else ""
-            if state not in STATES:
-                raise WireError(f"$state is {shown(payload)}")
-            device.state = state
-        else:
-            self._describe_itself(device, domain, device_id, payload)
-        return self._heard(device, name, domain)
+        told = self._told_state if attribute == "$state" else self._told_document
+        document = told(device, domain, device_id, payload)
+        return () if document is None else self._heard(device, name, domain, document)
 
-    def _describe_itself(self, device: _Device, domain: str, device_id: str, payload: bytes) -> None:
+    def _told_state(self, device: _Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+        """Return the document that waited for this state."""
+        state = payload.decode(errors="replace") if len(payload) <= len("disconnected") else ""
+        if state not in STATES:
+            raise WireError(f"$state is {shown(payload)}")
+        device.state = state
+        if not device.waiting or not device.is_ready:
+            return None
+        document = parse_document(domain, device_id, device.waiting)
+        self._release(device)
+        return document
+
+    def _told_document(self, device: _Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+        """Return the document if it is another one and need not wait; what is illegal in it is told now anyway."""
         said = hash(payload)
-        if device.document is not None and device.payload == said:
-            return
+        if device.said == said:
+            return None
         document = parse_document(domain, device_id, payload)
-        self.ignored += document.ignored
-        device.payload, device.document, device.is_new = said, document.device, True
+        self._release(device)
+        device.said = said
+        if device.is_ready:
+            return document
+        self._keep(device, payload)
+        return None
 
-    def _heard(self, device: _Device, name: str, domain: str) -> tuple[Heard, ...]:
-        if device.document is None or not device.is_new or device.state in {"", "init"}:
-            return ()
-        device.is_new = False
-        described = describe(device.document, domain, is_alive=bool(STATES[device.state]))
+    def _keep(self, device: _Device, payload: bytes) -> None:
+        if self._waiting + len(payload) > _MAX_WAITING:
+            device.said = None
+            self._refused += 1
+            return
+        device.waiting = payload
+        self._waiting += len(payload)
+
+    def _release(self, device: _Device) -> None:
+        self._waiting -= len(device.waiting)
+        device.waiting = b""
+
+    def _heard(self, device: _Device, name: str, domain: str, document: Document) -> tuple[Heard, ...]:
+        self.ignored += document.ignored
+        described = describe(document.device, domain, is_alive=bool(STATES[device.state]))
         if described is None:
             was_described, device.is_described = device.is_described, False
             return (Withdrawn(name, "it offers nothing any more"),) if was_described else ()
@@ -103,8 +140,10 @@ class Version5:
         if device is None:
             return ()
         if attribute == "$state":
+            self._release(device)
             self._devices.remove(name)
             return (Withdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
-        device.document, device.is_new = None, False
+        self._release(device)
+        device.said = None
         was_described, device.is_described = device.is_described, False
         return (Withdrawn(name, "its description was removed"),) if was_described else ()

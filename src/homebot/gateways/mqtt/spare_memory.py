@@ -1,0 +1,38 @@
+"""Gives memory back to the system after much of it was in use for a while."""
+
+from __future__ import annotations
+
+from homebot.gateways.mqtt.timekeeper import Timekeeper
+from homebot.mqtt.memory import MemoryKeeper
+
+__all__ = ["LONG", "SpareMemory"]
+
+LONG = 32 * 1024
+"""Bytes of a message from which on reading it leaves holes in the heap that are worth a look."""
+
+_AFTER = 10.0
+"""Seconds within which the directory and the broker, too, have let go of what is gone."""
+
+
+class SpareMemory:
+    """Looks ten seconds after something was freed whether there is something to give back.
+
+    Args:
+        timekeeper: Keeps the time.
+    """
+
+    def __init__(self, timekeeper: Timekeeper) -> None:
+        self._timekeeper = timekeeper
+        self._keeper = MemoryKeeper()
+        self._looks = 0
+        self._is_planned = False
+
+    def freed(self) -> None:
+        """Something was freed; look later, once for all that is freed until then."""
+        if not self._is_planned:
+            self._is_planned = self._timekeeper.plan(("memory",), _AFTER, self._look)
+
+    def _look(self) -> None:
+        self._is_planned = False
+        self._looks += 1
+        self._keeper.look(self._looks)
