@@ -177,7 +177,14 @@ def test_what_cannot_be_run_is_one_clear_sentence(
         (["--app", ""], "got ''"),
         (["--for", "0"], "a positive number is expected, got '0'"),
         (["--for", "soon"], "a positive number is expected, got 'soon'"),
-        (["--door", "9090"], "an address is HOST:PORT, got '9090'"),
+        (
+            ["--door", "ws://127.0.0.1:9090"],
+            "an address is HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got 'ws://",
+        ),
+        (["--door", "127.0.0.1:9090/"], "an address is HOST:PORT"),
+        (["--door", "[::1:9090"], "an address is HOST:PORT"),
+        (["--door", "a:b:9090"], "an address is HOST:PORT"),
+        (["--door", "9090"], "an address is HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got '9090'"),
         (["--log-format", "xml"], "invalid choice: 'xml'"),
     ],
 )

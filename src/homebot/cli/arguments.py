@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import re
+from ipaddress import ip_address
 from typing import Protocol
 from urllib.parse import urlsplit
 
@@ -29,6 +31,8 @@ __all__ = [
 
 DEFAULT_BROKER = "mqtt://localhost:1883"
 DEFAULT_DOOR = "127.0.0.1:9090"
+
+_HOST = re.compile(r"[\w.-]+")
 
 
 class Commands(Protocol):
@@ -102,11 +106,23 @@ def broker_url(text: str) -> str:
 
 def address(text: str) -> tuple[str, int]:
     """Return the host and port of ``HOST:PORT``; an IPv6 address stands in brackets."""
-    host, colon, port = text.rpartition(":")
-    host = host.removeprefix("[").removesuffix("]")
-    if not colon or not host or not port.isascii() or not port.isdigit() or int(port) > 65535:
-        raise argparse.ArgumentTypeError(f"an address is HOST:PORT, got {text!r}")
-    return host, int(port)
+    host, _, port = text.rpartition(":")
+    is_port = port.isascii() and port.isdigit() and len(port) <= 5 and int(port) <= 65535
+    bare = host[1:-1] if host.startswith("[") and host.endswith("]") else host
+    if not is_port or not _is_host(bare):
+        raise argparse.ArgumentTypeError(
+            f"an address is HOST:PORT, such as 127.0.0.1:9090 or [::1]:9090, got {_hidden(text)!r}"
+        )
+    return bare, int(port)
+
+
+def _is_host(text: str) -> bool:
+    if ":" not in text:
+        return _HOST.fullmatch(text) is not None
+    try:
+        return ip_address(text).version == 6
+    except ValueError:
+        return False
 
 
 def app(text: str) -> str:
