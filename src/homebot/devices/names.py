@@ -42,7 +42,7 @@ class GatewayNames:
         out: Topic of the raw commands for its devices.
         readings: Topic of what its devices say of themselves, as :class:`homebot.devices.report.Report`.
         state: Topic of its own state.
-        quarantine: Topic of whom it ignores, as :class:`homebot.devices.quarantine.Quarantine`.
+        quarantine: Topic of where it listens only a little, as :class:`homebot.devices.quarantine.Quarantine`.
         health: Service that tells what it counted and whom it ignores.
         offers: Topic of what homebot offers to other systems through it, as :class:`homebot.devices.offer.Offer`.
         offer_reports: Topic of what that says of itself, as :class:`homebot.devices.offer.OfferReport`.

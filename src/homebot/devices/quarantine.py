@@ -1,4 +1,4 @@
-"""Whom a gateway ignores for a while, and what else it counted."""
+"""Where a gateway listens no more often than it can afford, and what else it counted."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ __all__ = ["Count", "GetHealth", "HealthRequest", "HealthResponse", "PartFailure
 
 
 class Quarantine(Message):
-    """Somebody outside broke the rules so often that he is not listened to for a while.
+    """So much that came from outside broke the rules that what comes there is read a little at a time.
 
     Attributes:
-        gateway: Who ignores him.
-        offender: Where he speaks (MQTT: the topic).
-        why: The last rule he broke, in words.
-        offences: How often he broke one, as far as is remembered.
-        since: From when on he is ignored.
-        until: Until when; each time twice as long as the time before.
-        is_over: Whether he is listened to again.
+        gateway: Which gateway reads it.
+        offender: Where that came (MQTT: the topic, or ``PREFIX/#`` for all topics of a prefix on which no device stands
+            announced).
+        why: The last rule that was broken, in words.
+        offences: How often one was, since all was quiet.
+        since: From when on.
+        until: Until when, if nothing more comes.
+        is_over: Whether everything is read again.
     """
 
     key_field: ClassVar[str | None] = "offender"
@@ -77,7 +78,7 @@ class HealthResponse(Message):
 
     Attributes:
         counts: What it took in, refused and dropped.
-        quarantined: Whom it ignores now.
+        quarantined: Where it listens only a little now.
         troubles: What is wrong with it now, in words; empty where nothing is.
         failures: What failed in it.
     """

@@ -553,54 +553,17 @@ async def test_an_announcement_with_half_a_surrogate_in_its_name_is_rejected(mak
         assert len(house.sighted()) == 1
 
 
-async def test_who_breaks_the_rules_five_times_is_ignored_for_ten_minutes_then_for_twenty(
-    make_house: MakeHouse,
-) -> None:
-    async with make_house() as house:
-        for term in (600, 1200):
-            for _ in range(5):
-                await house.say("hello/lamp1", "{broken")
-            event = house.quarantine.take()
-            assert (event.offender, event.is_over) == ("hello/lamp1", False)
-            assert event.until.to_seconds() - event.since.to_seconds() == pytest.approx(term)
-            (confined,) = (await house.health()).quarantined
-            assert (confined.offender, confined.why) == (event.offender, event.why)
-            assert "is no JSON" in confined.why
-
-            await house.announce("lamp1")
-            await house.announce("lamp2")
-            assert {one.key for one in house.sighted()} <= {"simple:lamp2"}
-
-            await anyio.sleep(term + 1)
-            assert house.quarantine.take().is_over
-            assert (await house.health()).quarantined == ()
-        await house.announce("lamp1")
-        assert [one.key for one in house.sighted()] == [LAMP]
-        counts = {one.name: one.count for one in (await house.health()).counts}
-        assert (counts["quarantines"], counts["announcements_rejected"]) == (2, 10)
-
-
 async def test_a_flood_of_broken_announcements_is_counted_and_does_not_flood_the_log(make_house: MakeHouse) -> None:
-    """At most 20 culprits are named in ten seconds, and 1,000 are remembered."""
+    """At most 20 culprits are named in ten seconds."""
     async with make_house() as house:
         with capture_logs() as lines:
-            for number in range(1500):
+            for number in range(1000):
                 await house.devices.publish(f"hello/{number}", b"{broken", qos=1)
             await house.announce("lamp1")
-        assert house.gateway.counters.announcements_rejected == 1500
+        assert house.gateway.counters.announcements_rejected == 1000
         assert sum(line["event"] == "gateway.announcement_rejected" for line in lines) == 20
         assert [one.key for one in house.sighted()] == [LAMP]
         assert (await house.health()).quarantined == ()
-
-
-async def test_a_device_of_a_quarantined_topic_can_still_be_taken_back(make_house: MakeHouse) -> None:
-    async with make_house() as house:
-        await house.announce("lamp1")
-        for _ in range(5):
-            await house.say("hello/lamp1", "{broken")
-        await house.say("hello/lamp1", "", retain=True)
-        await anyio.sleep(11)
-        assert [one.kind for one in house.sighted()] == ["appeared", "removed"]
 
 
 async def test_a_message_of_state_that_is_too_long_is_not_looked_at(make_house: MakeHouse) -> None:

@@ -1,49 +1,127 @@
-from homebot.gateways.mqtt.offenders import Offenders
+from random import Random
+
+from homebot.gateways.mqtt.offenders import BURST, CALM, LONGEST_DEBT, MESSAGE_WORK, RATE, SHARED_BURST, Offenders
+
+FILTERS = ("hello/+", "homie/5/+/$state", "+/events/rpc")
 
 
-def repeat(offenders: Offenders, name: str, start: float, times: int = 5) -> float | None:
-    last = None
-    for number in range(times):
-        last = offenders.offend(name, "why", start + number)
-    return None if last is None else last.until - last.since
+def spend(offenders: Offenders, topic: str, now: float) -> int:
+    """Break rules with short messages until no more are admitted; return how many were."""
+    count = 0
+    while offenders.admits(offenders.payer(topic), now):
+        offenders.charge(topic, 0, "why", now)
+        count += 1
+    return count
 
 
-def test_five_offences_in_ten_minutes_are_too_many() -> None:
-    offenders = Offenders()
-    assert repeat(offenders, "a", 0.0, times=4) is None
-    assert not offenders.is_confined("a")
-    assert offenders.offend("a", "last", 599.0) is not None
-    assert offenders.is_confined("a")
-    assert [one.why for one in offenders.confined()] == ["last"]
+def accepted(*topics: str, room: int = 1000) -> Offenders:
+    offenders = Offenders(FILTERS, room)
+    for topic in topics:
+        offenders.accept(topic, b"{}", 0.0, is_valid=True)
+    return offenders
 
 
-def test_five_offences_in_a_longer_time_are_not() -> None:
-    offenders = Offenders()
-    for number in range(20):
-        assert offenders.offend("a", "why", number * 200.0) is None
+def test_who_stands_announced_pays_alone_and_all_others_of_a_prefix_together() -> None:
+    offenders = accepted("hello/lamp")
+    assert offenders.payer("hello/lamp") == "hello/lamp"
+    assert offenders.payer("hello/stranger") == "hello/#"
+    assert offenders.payer("homie/5/x/$state") == "homie/#"
+    assert offenders.payer("shelly-1/events/rpc") == offenders.payer("shelly-2/events/rpc") == "#"
 
 
-def test_each_term_is_twice_as_long_to_a_day_at_most() -> None:
-    offenders = Offenders()
-    terms = [repeat(offenders, "a", number * 1e6) for number in range(12)]
-    assert terms[:3] == [600.0, 1200.0, 2400.0]
-    assert terms[-1] == 86_400.0
+def test_a_stranger_gains_nothing_by_changing_topics() -> None:
+    offenders = Offenders(FILTERS)
+    admitted = 0
+    for number in range(10_000):
+        topic = f"hello/{number}"
+        if offenders.admits(offenders.payer(topic), 0.0):
+            offenders.charge(topic, 0, "why", 0.0)
+            admitted += 1
+    assert admitted == SHARED_BURST // MESSAGE_WORK
+    assert len(offenders.confined()) <= 1
 
 
-def test_who_is_released_is_listened_to_and_not_forgotten() -> None:
-    offenders = Offenders()
-    repeat(offenders, "a", 0.0)
-    released = offenders.release("a")
-    assert released is not None
-    assert released.offences == 5
-    assert offenders.release("a") is None
+def test_a_flood_elsewhere_takes_nothing_from_who_stands_announced() -> None:
+    offenders = accepted("hello/lamp")
+    spend(offenders, "hello/stranger", 0.0)
+    assert offenders.admits("hello/lamp", 0.0)
+    assert not offenders.admits("hello/#", 0.0)
+
+
+def test_a_budget_that_is_used_up_is_filled_again_within_a_second_whatever_it_was_spent_on() -> None:
+    for length in (0, 1000, 256_000, 32 * 1024 * 1024):
+        offenders = accepted("hello/lamp")
+        while offenders.admits("hello/lamp", 0.0):
+            offenders.charge("hello/lamp", length, "why", 0.0)
+        assert offenders.admits("hello/lamp", LONGEST_DEBT + 0.001)
+
+
+def test_a_valid_announcement_clears_the_charge_of_its_topic_once_in_a_second() -> None:
+    offenders = accepted("hello/lamp")
+    assert spend(offenders, "hello/lamp", 0.0) == BURST // MESSAGE_WORK
+    offenders.accept("hello/lamp", b"{}", 0.0, is_valid=True)
+    assert spend(offenders, "hello/lamp", 0.0) == BURST // MESSAGE_WORK
+    offenders.accept("hello/lamp", b"{}", 0.1, is_valid=True)
+    assert spend(offenders, "hello/lamp", 0.1) < BURST // MESSAGE_WORK / 2
+
+
+def test_the_topics_of_many_devices_share_one_budget_as_well() -> None:
+    topics = [f"hello/{number}" for number in range(3000)]
+    offenders = accepted(*topics, room=100)
+    for now in range(10):
+        for topic in topics:
+            if offenders.admits(topic, float(now)):
+                offenders.charge(topic, 0, "why", float(now))
+    assert offenders.work <= 8 * BURST + 10 * 4 * RATE + 3000 * MESSAGE_WORK
+    assert offenders.forgotten > 0
+
+
+def test_a_device_that_never_broke_a_rule_does_not_wait_for_those_that_do() -> None:
+    offenders = accepted("hello/honest", *(f"hello/{number}" for number in range(100)))
+    for number in range(100):
+        spend(offenders, f"hello/{number}", 0.0)
+    assert offenders.admits("hello/honest", 0.0)
+
+
+def test_what_looks_like_the_accepted_announcement_is_told_from_what_does_not() -> None:
+    offenders = Offenders(FILTERS)
+    offenders.accept("hello/list", b'[{"ieee_address": "0x1", "type": "Router"}]', 0.0, is_valid=True)
+    assert offenders.resembles("hello/list", b'[{"ieee_address": "0x1"}, {"ieee_address": "0x2"}]')
+    assert not offenders.resembles("hello/list", b'[{"ieee_address": "0x1"')
+    assert not offenders.resembles("hello/list", b"garbage")
+    assert not offenders.resembles("hello/other", b"[]")
+
+
+def test_confinement_begins_once_and_is_over_when_all_was_quiet() -> None:
+    offenders = Offenders(FILTERS)
+    spend(offenders, "hello/x", 5.0)
+    first = offenders.defer("hello/#", 5.0)
+    assert first is not None
+    assert (first.why, first.offences) == ("why", SHARED_BURST // MESSAGE_WORK)
+    assert offenders.defer("hello/#", 7.0) is None
+    assert offenders.quiet_in("hello/#", 7.0) == CALM
+    assert offenders.confined() == (first,)
+    assert offenders.release("hello/#") is first
+    assert offenders.release("hello/#") is None
     assert offenders.confined() == ()
 
 
-def test_a_flood_of_offenders_is_bounded_and_the_quietest_is_forgotten() -> None:
-    offenders = Offenders(max_offenders=3)
-    repeat(offenders, "first", 0.0)
-    for number in range(3):
-        offenders.offend(str(number), "why", 10.0)
-    assert offenders.forgotten == 1
-    assert not offenders.is_confined("first")
+def test_whatever_comes_in_whatever_order_the_work_is_bounded() -> None:
+    """Over random floods: what one topic and one prefix cost in a second, valid announcements among it or not."""
+    for seed in range(30):
+        random = Random(seed)  # noqa: S311 - the same run each time
+        offenders = accepted("hello/lamp")
+        now, longest = 0.0, 0
+        while now < 20.0:
+            now += random.choice((0.0, 0.0, 0.0, 0.001, 0.05, random.random()))
+            topic = random.choice(("hello/lamp", f"hello/{random.randrange(1000)}"))
+            if not offenders.admits(offenders.payer(topic), now):
+                continue
+            if random.random() < 0.1:
+                offenders.accept("hello/lamp", b"{}", now, is_valid=True)
+                continue
+            length = random.choice((0, 100, 10_000, 300_000))
+            longest = max(longest, length)
+            offenders.charge(topic, length, "why", now)
+        over = 2 * 21 * (MESSAGE_WORK + longest)
+        assert offenders.work <= 21 * (BURST + RATE) + SHARED_BURST + 21 * RATE + over

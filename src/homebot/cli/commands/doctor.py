@@ -26,6 +26,7 @@ _FAULTS = (
     "oversize",
     "failures",
     "ignored",
+    "deferred",
     "quarantines",
     "damaged",
     "cut",
@@ -87,7 +88,7 @@ def _tell_health(name: str, health: HealthResponse, now: float, *, everything: b
     failures = [_failure(one, now) for one in health.failures[:_MOST]]
     _tell(f"failed in {name} since it started", failures, len(health.failures))
     offenders = [_offender(one, now) for one in health.quarantined[:_MOST]]
-    _tell(f"{name} does not listen to", offenders, len(health.quarantined))
+    _tell(f"{name} reads only a little of what comes on", offenders, len(health.quarantined))
     is_ill = any(one.count and _is_one_of(_ILLS, one) for one in health.counts)
     return not (health.quarantined or health.troubles or health.failures or is_ill)
 
@@ -99,9 +100,7 @@ def _failure(one: PartFailure, now: float) -> tuple[str, ...]:
 
 
 def _offender(one: Quarantine, now: float) -> tuple[str, ...]:
-    left = max(0.0, one.until.to_seconds() - now)
-    times = f"{one.offences} offences, the last: {one.why}"
-    return one.offender, f"since {ago(one.since, now)}, for {left:.0f} s more", times
+    return one.offender, f"since {ago(one.since, now)}", f"{one.offences} offences, the last: {one.why}"
 
 
 async def _tell_devices(door: DoorClient, now: float) -> bool:

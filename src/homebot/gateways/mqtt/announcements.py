@@ -14,6 +14,7 @@ from homebot.gateways.mqtt.claim import Claim
 from homebot.gateways.mqtt.claims import Change, Claims
 from homebot.gateways.mqtt.convention import Convention, SlicedConvention
 from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.deferred import DeferredMessages
 from homebot.gateways.mqtt.description import Described, Heard, Question, Withdrawn
 from homebot.gateways.mqtt.payload import noting_duplicates
 from homebot.gateways.mqtt.reserved import ReservedTopics
@@ -66,6 +67,9 @@ class Announcements:
         on_change: Told of every description that was taken, after its sighting.
         on_removal: Told when one is gone.
         on_question: Told what a convention wants to ask a device.
+
+    Attributes:
+        deferred: What waits because too much that came where it did broke the rules.
     """
 
     def __init__(
@@ -81,6 +85,7 @@ class Announcements:
         on_removal: Callable[[], None],
         on_question: Callable[[Question], None],
     ) -> None:
+        self.deferred = DeferredMessages()
         self._clock = clock
         self._claims = claims
         self._reserved = reserved
@@ -91,15 +96,28 @@ class Announcements:
         self._on_change = on_change
         self._on_removal = on_removal
         self._on_question = on_question
+        self._accepted = self._offended = False
+
+    def must_wait(self, message: MqttMessage) -> bool:
+        """Let *message* wait where that is due, behind what waits on its topic; that something is gone never waits."""
+        if not message.payload:
+            self.deferred.drop(message.topic)
+            return False
+        offenders = self._tribunal.offenders
+        payer = offenders.payer(message.topic)
+        if message.topic not in self.deferred and offenders.admits(payer, self._board.now):
+            return False
+        self._counters.announcements_deferred += 1
+        self.deferred.add(message, payer, is_like=offenders.resembles(message.topic, message.payload))
+        self._tribunal.defer(payer)
+        return True
 
     async def take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
-        """Take *message* as an announcement to *conventions*; of the quarantined only that something is gone.
+        """Take *message* as an announcement to *conventions*, one after the other.
 
         What one message tells is handled in slices of a few milliseconds, between which others get their turn.
         """
-        if message.payload and self._tribunal.is_confined(message.topic):
-            self._counters.announcements_ignored += 1
-            return
+        self._accepted = self._offended = False
         self._counters.announcements += 1
         with noting_duplicates() as repeated:
             await self._take(message, conventions)
@@ -122,8 +140,10 @@ class Announcements:
                     slice_ends = self._clock.monotonic() + SLICE
             if told > MOST_HEARD:
                 self._counters.announcements_rejected += 1
-                why = f"{convention.name} heard more than {MOST_HEARD:,} things in one message"
-                self._tribunal.accuse(message.topic, REJECTED, why)
+                self._accuse(message, f"{convention.name} heard more than {MOST_HEARD:,} things in one message")
+        if self._accepted:
+            is_valid = not self._offended
+            self._tribunal.offenders.accept(message.topic, message.payload, self._board.now, is_valid=is_valid)
 
     def _step(self, steps: Iterator[Heard | None], convention: Convention, message: MqttMessage) -> bool:
         """Handle the next of what a message tells; return whether more may come."""
@@ -141,12 +161,17 @@ class Announcements:
                     return end is not _END
         except WireError as exc:
             self._counters.announcements_rejected += 1
-            self._tribunal.accuse(message.topic, REJECTED, f"no announcement to {convention.name}: {exc}")
+            self._accuse(message, f"no announcement to {convention.name}: {exc}")
             return False
         except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
             self._tribunal.failed(message.topic, convention.name, exc)
+            self._accuse(message, f"the convention {convention.name} failed")
             return False
         return True
+
+    def _accuse(self, message: MqttMessage, why: str) -> None:
+        self._offended = True
+        self._tribunal.accuse(message, REJECTED, why)
 
     def _describe(self, described: Described, message: MqttMessage, length: int) -> None:
         described, reserved = self._reserved.without(described)
@@ -158,6 +183,7 @@ class Announcements:
         except WireError:
             self._counters.devices_refused += 1
             raise
+        self._accepted = True
         claim, before = change.claim, change.before
         self._timekeeper.drop(("gone", claim.key))
         for problem in change.refused:
@@ -196,6 +222,7 @@ class Announcements:
     def _remove(self, claim: Claim, why: str) -> None:
         self._timekeeper.drop(("gone", claim.key))
         self._claims.withdraw(claim.key)
+        self._tribunal.offenders.leave(claim.described.topic)
         self._board.sight(claim, "removed", why, confirmed=True)
         self._board.clear(claim)
         claim.let_go()

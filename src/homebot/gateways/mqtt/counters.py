@@ -22,7 +22,7 @@ class GatewayCounters:
         announcements: Messages in which devices were announced or taken back.
         announcements_ambiguous: Those in whose JSON a key is twice.
         announcements_rejected: Those that broke the rules of their convention.
-        announcements_ignored: Those of the quarantined.
+        announcements_deferred: Those that had to wait because too much that came where they did broke the rules.
         devices_refused: Descriptions that were one too many, had too many parts, or were too long for them.
         topics_refused: State topics that were not subscribed to.
         topics_reserved: Command topics that were announced and belong to no device.
@@ -32,7 +32,7 @@ class GatewayCounters:
         asks: Questions to devices for their state.
         asks_dropped: Questions that were one too many.
         fades_dropped: Values that do not end by themselves because too many others do.
-        quarantines: Times that somebody was quarantined.
+        quarantines: Times that a topic, or the topics of a prefix, began to be read a little at a time.
     """
 
     received: int = 0
@@ -43,7 +43,7 @@ class GatewayCounters:
     announcements: int = 0
     announcements_ambiguous: int = 0
     announcements_rejected: int = 0
-    announcements_ignored: int = 0
+    announcements_deferred: int = 0
     devices_refused: int = 0
     topics_refused: int = 0
     topics_reserved: int = 0

@@ -6,9 +6,12 @@ do what takes time or must wait: subscribing, asking, and ending what ends by it
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
+from typing import TypeVar
 
 import anyio
+import anyio.lowlevel
 
 from homebot.devices import RawMessage
 from homebot.devices.command import SendCommand
@@ -49,6 +52,11 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 
 __all__ = ["DescribedDevices"]
+
+REFILL_EVERY = 0.1
+"""Seconds between two looks at whether what waits need not wait any more."""
+
+T = TypeVar("T")
 
 
 class DescribedDevices:
@@ -97,12 +105,13 @@ class DescribedDevices:
         self._board = Board(gateway, stale_after)
         self.plain = PlainVoices(self._board, counters)
         self._timekeeper = Timekeeper(gateway.node.graph.clock)
-        self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters)
+        self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters, self.filters())
         self._spare_memory = SpareMemory(self._timekeeper)
         self._topics = StateTopics(self.filters(), other_filters)
         self._claims = Claims(gateway.node.name, conventions, self._topics, _tree(other_filters))
         self._last_words = LastWords()
         self._taking = anyio.Lock()
+        self._deferred_some = anyio.Event()
         self._missed: list[tuple[str, Voice | Witness]] = []
         self._states = States(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
         self._subscriber = Subscriber(self._topics, self._claims, conventions, self.tribunal, counters)
@@ -146,6 +155,7 @@ class DescribedDevices:
                 self._timekeeper.run,
                 partial(self._subscriber.run, self._connection),
                 partial(self.offers.serve, self._connection),
+                self._take_deferred,
             ):
                 tasks.start_soon(run_as, self._owner, work)
 
@@ -189,10 +199,10 @@ class DescribedDevices:
         if self.offers.owns(message.topic):
             return
         async with self._taking:  # one that we published ourselves waits until a long one is taken
-            await self._announcements.take(message, route.conventions)
-            if len(message.payload) >= LONG:
-                self._spare_memory.freed()
-            missed, self._missed = self._missed, []
+            if self._announcements.must_wait(message):
+                self._deferred_some.set()
+                return
+            missed = await self._take_now(message, route)
         for topic, reader in missed:
             if topic != message.topic:
                 await self._make_up_for(topic, reader)
@@ -228,6 +238,50 @@ class DescribedDevices:
             return ()
         message = self._raw(route.voices[0], topic, word.payload, retained=word.retained)
         return (message.model_copy(update={"received_at": word.at}),)
+
+    async def _take_now(self, message: MqttMessage, route: Route) -> list[tuple[str, Voice | Witness]]:
+        """Take *message*, and return who may have missed something on which topic."""
+        await self._announcements.take(message, route.conventions)
+        if len(message.payload) >= LONG:
+            self._spare_memory.freed()
+        missed, self._missed = self._missed, []
+        return missed
+
+    async def _take_deferred(self) -> None:
+        """Take what waits, as far as the budgets reach, as often as they are filled up."""
+        deferred, offenders = self._announcements.deferred, self.tribunal.offenders
+        while True:
+            await self._deferred_some.wait()
+            self._deferred_some = anyio.Event()
+            while deferred:
+                self.tick()
+                waiting = deferred.take(lambda payer: offenders.admits(payer, self._board.now))
+                while await self._take_next(waiting):
+                    await anyio.lowlevel.checkpoint()
+                    self.tick()
+                await anyio.sleep(REFILL_EVERY)
+
+    async def _take_next(self, waiting: Iterator[MqttMessage]) -> bool:
+        """Take the next message that need not wait any more; return whether there was one."""
+        async with self._taking:
+            message = next(waiting, None)
+            if message is None:
+                return False
+            route = self.route(message.topic)
+            if route is None or not route.conventions or self.offers.owns(message.topic):
+                return True
+            missed = await self._take_now(message, route)
+        for topic, reader in missed:
+            if topic != message.topic:
+                await self._make_up_for(topic, reader)
+        after = self.route(message.topic)
+        if after is not None:  # whoever it made known reads it as one that was kept
+            kept = MqttMessage(message.topic, message.payload, retain=True)
+            if witnesses := _new(after.witnesses, route.witnesses):
+                await self._states.witness(kept, witnesses)
+            if voices := _new(after.voices, route.voices):
+                await self._states.read(kept, voices, MAX_LONG_STATE_BYTES)
+        return True
 
     def _changed(self, change: Change) -> None:
         self._missed += change.readers
@@ -266,7 +320,8 @@ class DescribedDevices:
         counts = (
             *self._counters.counts(),
             Count(name="announcements_excess_bytes", count=self._claims.excess),
-            Count(name="offenders_dropped", count=self.tribunal.forgotten),
+            Count(name="announcements_ignored", count=self._announcements.deferred.dropped),
+            Count(name="offenders_dropped", count=self.tribunal.offenders.forgotten),
             Count(name="dropped_oversize", count=lost.dropped_oversize),
             Count(name="dropped_overflow", count=lost.dropped_overflow),
             Count(name="dropped_malformed", count=lost.dropped_malformed),
@@ -282,6 +337,11 @@ def _publishers(conventions: tuple[Convention, ...], gateway: str, connection: M
     owner = status_topic.removeprefix("homebot/").removesuffix("/status") or gateway
     made = (one.publisher(owner, status_topic) for one in conventions if isinstance(one, PublishingConvention))
     return tuple(one for one in made if one is not None)
+
+
+def _new(after: tuple[T, ...], before: tuple[T, ...]) -> tuple[T, ...]:
+    known = {id(one) for one in before}
+    return tuple(one for one in after if id(one) not in known)
 
 
 def _tree(filters: tuple[str, ...]) -> FilterTree[str]:

@@ -1,88 +1,228 @@
-"""Who breaks the rules again and again, and for how long he is therefore not listened to. Pure."""
+"""How much work may be spent on announcements that break the rules. Pure.
+
+MQTT does not tell who published a message, so that nobody can be shut out without shutting out the honest device that
+shares the topic. What is bounded is the work: a message that breaks the rules is paid for out of the budget of the
+topic it came on, where a device stands announced, and else out of one that all other topics of the prefix share. While
+a budget is used up, what would be charged to it waits; see :mod:`homebot.gateways.mqtt.deferred`.
+"""
 
 from __future__ import annotations
 
-from collections import OrderedDict, deque
-from dataclasses import dataclass, field
+from collections import OrderedDict
+from collections.abc import Iterable
+from dataclasses import dataclass
 
-__all__ = ["Offender", "Offenders"]
+__all__ = ["MESSAGE_WORK", "Offender", "Offenders"]
 
-TOLERATED = 5
-"""Offences within :data:`WINDOW` that lead to quarantine."""
+MESSAGE_WORK = 4096
+"""Work that a message is, beside its length in bytes."""
 
-WINDOW = 600.0
-FIRST_TERM = 600.0
-LONGEST_TERM = 86_400.0
+RATE = 1024 * 1024
+"""Work that one budget gets back in a second: 256 short messages."""
+
+BURST = 1024 * 1024
+"""Work that the budget of one topic holds at most."""
+
+SHARED_BURST = 4 * BURST
+"""Work that the budget of a prefix holds: a house that is announced at once may have many broken devices."""
+
+TOTAL_RATE = 4 * RATE
+TOTAL_BURST = 8 * BURST
+"""Those of the budget that all topics with devices draw on as well."""
+
+LONGEST_DEBT = 1.0
+"""Seconds after which a budget is no longer used up, however long the last message was."""
+
+CALM = 10.0
+"""Seconds without an offence after which a topic counts as clean."""
+
+CLEAR_EVERY = 1.0
+"""Seconds between two valid announcements that each clear what a topic is charged: one may be a copy of the last."""
+
 MAX_OFFENDERS = 1000
+MAX_ACCEPTED = 50_000
+_HEAD = 32
 
 
 @dataclass(slots=True)
 class Offender:
-    """Somebody who broke a rule.
+    """A topic, or all topics of a prefix, on which somebody broke a rule, and the budget for that.
 
     Attributes:
-        name: Who (MQTT: the topic).
-        why: The last rule he broke, in words.
-        offences: How often he broke one.
-        terms: How often he was quarantined.
-        since: When the last quarantine began, in seconds of the clock that offences are told with.
-        until: When it ends or ended.
-        recent: When he broke the last few rules.
+        name: Which; a prefix ends in ``#``.
+        rate: Work that the budget gets back in a second.
+        burst: Work that it holds at most.
+        why: The last rule broken, in words.
+        offences: How many since all was quiet.
+        level: Work that is left of the budget; negative for debts.
+        at: When that was so.
+        offended_at: When a rule was broken last.
+        cleared_at: When a valid announcement cleared the charge last.
+        is_confined: Whether what comes there waits.
+        since: When that began.
+        deferred_at: When something was last made to wait.
+        spent_at: When the budget was last used up.
     """
 
     name: str
+    rate: float
+    burst: float
+    level: float
+    at: float
     why: str = ""
     offences: int = 0
-    terms: int = 0
+    offended_at: float = 0.0
+    cleared_at: float = float("-inf")
+    is_confined: bool = False
     since: float = 0.0
-    until: float = 0.0
-    recent: deque[float] = field(default_factory=lambda: deque(maxlen=TOLERATED))
+    deferred_at: float = 0.0
+    spent_at: float = 0.0
+
+    @property
+    def quiet_at(self) -> float:
+        """When it is over if nothing more comes."""
+        return max(self.deferred_at, self.spent_at) + CALM
+
+    def left(self, now: float) -> float:
+        """Return the work that is left of the budget now."""
+        if now > self.at:
+            self.level = min(self.burst, self.level + (now - self.at) * self.rate)
+            self.at = now
+        return self.level
+
+    def charge(self, work: float, now: float) -> None:
+        """Take *work* off the budget."""
+        self.level = max(-self.rate * LONGEST_DEBT, self.left(now) - work)
+        if self.level <= 0:
+            self.spent_at = now
 
 
 class Offenders:
-    """The books on offenders: of 1,000 at most, of whom the one who was quiet the longest is forgotten first.
+    """The budgets of one gateway: of 1,000 topics with devices at most, and one of each prefix.
+
+    Args:
+        filters: Where devices are announced.
+        max_offenders: Topics with a budget of their own.
 
     Attributes:
-        forgotten: How many were forgotten for want of room.
+        forgotten: Offences that only the budget of all topics paid for, because too many have one of their own.
+        work: Work that was charged, in all.
     """
 
-    def __init__(self, max_offenders: int = MAX_OFFENDERS) -> None:
+    def __init__(self, filters: Iterable[str], max_offenders: int = MAX_OFFENDERS) -> None:
         self.forgotten = 0
+        self.work = 0
+        self._levels = frozenset(one.partition("/")[0] for one in filters) - {"+", "#"}
         self._max_offenders = max_offenders
-        self._books: OrderedDict[str, Offender] = OrderedDict()
-        self._confined: dict[str, Offender] = {}
+        self._accepted: OrderedDict[str, tuple[bytes, bytes]] = OrderedDict()
+        self._own: OrderedDict[str, Offender] = OrderedDict()
+        self._shared: dict[str, Offender] = {}
+        self._total = Offender("", TOTAL_RATE, TOTAL_BURST, TOTAL_BURST, 0.0)
+        self._all_clean_at = 0.0
 
-    def offend(self, name: str, why: str, now: float) -> Offender | None:
-        """Book an offence; return the offender if he is quarantined for it, five in ten minutes being enough.
+    def payer(self, topic: str) -> str:
+        """Return whose budget pays for *topic*: its own where a device stands announced, else that of its prefix."""
+        if topic in self._accepted:
+            return topic
+        level = topic.partition("/")[0]
+        return f"{level}/#" if level in self._levels else "#"
 
-        The first term is ten minutes, and each is twice as long as the one before, to a day at most.
-        """
-        offender = self._books.setdefault(name, Offender(name))
-        self._books.move_to_end(name)
-        offender.why = why
+    def admits(self, payer: str, now: float) -> bool:
+        """Whether the budget of *payer* is not used up."""
+        if now >= self._all_clean_at:
+            return True
+        if payer not in self._accepted:
+            offender = self._shared.get(payer)
+            return offender is None or offender.left(now) > 0
+        if (offender := self._own.get(payer)) is None:
+            # Who never broke a rule is not made to wait for the others, as long as it would be noticed.
+            return len(self._own) < self._max_offenders or self._total.left(now) > 0
+        return offender.left(now) > 0 and self._total.left(now) > 0
+
+    def charge(self, topic: str, length: int, why: str, now: float) -> None:
+        """Book that a message of *length* bytes on *topic* broke a rule."""
+        work = MESSAGE_WORK + length
+        self.work += work
+        self._all_clean_at = now + CALM
+        payer = self.payer(topic)
+        is_own = payer == topic and payer in self._accepted
+        if is_own:
+            self._total.charge(work, now)
+            if payer not in self._own and not self._has_room(now):
+                self.forgotten += 1
+                return
+        offender = self._budget(payer, now, is_own=is_own)
+        if now - offender.offended_at > CALM and not offender.is_confined:
+            offender.offences = 0
+        offender.why, offender.offended_at = why, now
         offender.offences += 1
-        offender.recent.append(now)
-        if len(self._books) > self._max_offenders:
-            forgotten, _ = self._books.popitem(last=False)
-            self._confined.pop(forgotten, None)
-            self.forgotten += 1
-        if len(offender.recent) < TOLERATED or now - offender.recent[0] > WINDOW:
+        offender.charge(work, now)
+
+    def accept(self, topic: str, payload: bytes, now: float, *, is_valid: bool) -> None:
+        """Book that a device stands announced on *topic* by *payload*; all of that clears the charge if *is_valid*."""
+        self._accepted[topic] = _ends(payload)
+        self._accepted.move_to_end(topic)
+        if len(self._accepted) > MAX_ACCEPTED:
+            self.leave(next(iter(self._accepted)))
+        offender = self._own.get(topic)
+        if is_valid and offender is not None and now - offender.cleared_at >= CLEAR_EVERY:
+            offender.level, offender.at, offender.cleared_at = offender.burst, now, now
+
+    def leave(self, topic: str) -> None:
+        """Book that no device stands announced on *topic* any more."""
+        self._accepted.pop(topic, None)
+
+    def resembles(self, topic: str, payload: bytes) -> bool:
+        """Whether *payload* begins and ends as what was last accepted on *topic*."""
+        known = self._accepted.get(topic)
+        return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
+
+    def defer(self, payer: str, now: float) -> Offender | None:
+        """Book that something waits for the budget of *payer*; return it if nothing did before."""
+        offender = self._own.get(payer) or self._shared.get(payer)
+        if offender is None:
             return None
-        offender.recent.clear()
-        offender.since = now
-        offender.until = now + min(FIRST_TERM * 2**offender.terms, LONGEST_TERM)
-        offender.terms = min(offender.terms + 1, 16)
-        self._confined[name] = offender
+        offender.deferred_at = now
+        if offender.is_confined:
+            return None
+        offender.is_confined, offender.since = True, now
         return offender
 
-    def is_confined(self, name: str) -> bool:
-        """Whether *name* is quarantined."""
-        return name in self._confined
+    def quiet_in(self, payer: str, now: float) -> float:
+        """Return the seconds until all is quiet again with *payer* if nothing more comes."""
+        offender = self._own.get(payer) or self._shared.get(payer)
+        return 0.0 if offender is None else offender.quiet_at - now
 
-    def release(self, name: str) -> Offender | None:
-        """End the quarantine of *name*; return the offender if there was one."""
-        return self._confined.pop(name, None)
+    def release(self, payer: str) -> Offender | None:
+        """Book that nothing waits for the budget of *payer* any more; return it if something did."""
+        offender = self._own.get(payer) or self._shared.get(payer)
+        if offender is None or not offender.is_confined:
+            return None
+        offender.is_confined = False
+        return offender
 
     def confined(self) -> tuple[Offender, ...]:
-        """Return who is quarantined, the longest one first."""
-        return tuple(self._confined.values())
+        """Return whose messages wait."""
+        return tuple(one for one in (*self._own.values(), *self._shared.values()) if one.is_confined)
+
+    def _budget(self, payer: str, now: float, *, is_own: bool) -> Offender:
+        if not is_own:
+            return self._shared.setdefault(payer, Offender(payer, RATE, SHARED_BURST, SHARED_BURST, now))
+        if payer not in self._own:
+            self._own[payer] = Offender(payer, RATE, BURST, BURST, now)
+        self._own.move_to_end(payer)
+        return self._own[payer]
+
+    def _has_room(self, now: float) -> bool:
+        while self._own:
+            oldest = next(iter(self._own.values()))
+            if now - oldest.offended_at <= CALM or oldest.is_confined:
+                break
+            del self._own[oldest.name]
+        return len(self._own) < self._max_offenders
+
+
+def _ends(payload: bytes) -> tuple[bytes, bytes]:
+    """Return how *payload* begins and ends: of JSON as far as the first key, which rarely changes."""
+    head, colon, _ = payload[:_HEAD].partition(b":")
+    return head if colon else head[:4], payload[-1:]

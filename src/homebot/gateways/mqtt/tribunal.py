@@ -1,19 +1,21 @@
-"""Who breaks the rules of a gateway: told, counted, and in the end not listened to for a while."""
+"""Who breaks the rules of a gateway: told, counted, and listened to no more often than can be paid for."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 
 from homebot.devices.quarantine import Quarantine
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.board import Board
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.offenders import Offender, Offenders
+from homebot.gateways.mqtt.offenders import CALM, Offender, Offenders
 from homebot.gateways.mqtt.timekeeper import Timekeeper
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import crash_of
 from homebot.log import LogLimit
 from homebot.messages import Time
+from homebot.mqtt.message import MqttMessage
 
 __all__ = ["Tribunal"]
 
@@ -36,45 +38,54 @@ class Tribunal:
         board: Has the time.
         timekeeper: Ends each quarantine.
         counters: Of the gateway.
+        filters: Where devices are announced.
+
+    Attributes:
+        offenders: Their budgets.
     """
 
-    def __init__(self, gateway: Gateway, board: Board, timekeeper: Timekeeper, counters: GatewayCounters) -> None:
+    def __init__(
+        self,
+        gateway: Gateway,
+        board: Board,
+        timekeeper: Timekeeper,
+        counters: GatewayCounters,
+        filters: Iterable[str],
+    ) -> None:
         self._node = gateway.node
         self._board = board
         self._timekeeper = timekeeper
         self._counters = counters
-        self._offenders = Offenders()
+        self.offenders = Offenders(filters)
         self._events = gateway.node.create_publisher(Quarantine, gateway.names.quarantine, _QOS)
         self._limit = LogLimit(gateway.node.graph.clock)
         self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
 
-    @property
-    def forgotten(self) -> int:
-        """How many offenders were forgotten for want of room."""
-        return self._offenders.forgotten
-
-    def is_confined(self, topic: str) -> bool:
-        """Whether who speaks on *topic* is quarantined."""
-        return self._offenders.is_confined(topic[:_LONGEST])
-
-    def accuse(self, topic: str, event: str, why: str) -> None:
-        """Tell of an offence on *topic*, and quarantine who repeats it."""
-        topic, why = topic[:_LONGEST], why[:_LONGEST]
+    def accuse(self, message: MqttMessage, event: str, why: str) -> None:
+        """Tell of an announcement that broke a rule, and charge it to who pays for its topic."""
+        topic, why = message.topic[:_LONGEST], why[:_LONGEST]
         self.warn(event, f"{topic}: {why}", topic=topic)
-        offender = self._offenders.offend(topic, why, self._board.now)
-        if offender is not None:
-            self._counters.quarantines += 1
-            self._timekeeper.plan(("quarantine", topic), offender.until - offender.since, partial(self._release, topic))
-            self._events.publish(self._message(offender))
-            self.warn(
-                QUARANTINED,
-                f"not listened to for {(offender.until - offender.since) / 60:.0f} min: {topic} broke the rules again "
-                f"and again, the last one: {why}",
-                topic=topic,
-            )
+        self.offenders.charge(message.topic, len(message.payload), f"{topic}: {why}"[:_LONGEST], self._board.now)
+
+    def defer(self, payer: str) -> None:
+        """Tell that what is charged to *payer* has to wait."""
+        offender = self.offenders.defer(payer, self._board.now)
+        if offender is None:
+            return
+        if not self._timekeeper.plan(("quarantine", payer), CALM, partial(self._release, payer)):
+            self.offenders.release(payer)  # it could not be told when that is over
+            return
+        self._counters.quarantines += 1
+        self._events.publish(self._message(offender))
+        self.warn(
+            QUARANTINED,
+            f"too much on {payer[:_LONGEST]} breaks the rules: what comes there is read a little at a time until that "
+            f"stops; the last: {offender.why}",
+            topic=payer,
+        )
 
     def failed(self, topic: str, convention: str, error: BaseException) -> None:
-        """Tell of an *error* that a convention let through; it counts as an offence.
+        """Tell of an *error* that a convention let through.
 
         One that a stranger's message causes must not end the gateway, which would meet the same message again. As a
         convention waits for nothing, no cancellation that it lets through can be meant for the gateway.
@@ -84,11 +95,11 @@ class Tribunal:
         """
         error = crash_of(f"the convention {convention}", error)
         self._counters.failures += 1
+        self.warn(CONVENTION_FAILED, f"{topic[:_LONGEST]}: the convention {convention} failed", topic=topic)
         if self._limit.allows(f"{CONVENTION_FAILED} {convention}") is not None:
             self._node.log.error(
                 CONVENTION_FAILED, message=f"the convention {convention} failed", topic=topic[:_LONGEST], exc_info=error
             )
-        self.accuse(topic, CONVENTION_FAILED, f"the convention {convention} failed")
 
     def warn(self, event: str, words: str, *, topic: str) -> None:
         """Tell of a culprit once in a while, and of so many culprits at most."""
@@ -102,22 +113,27 @@ class Tribunal:
 
     def confined(self) -> tuple[Quarantine, ...]:
         """Return who is quarantined now."""
-        return tuple(self._message(offender) for offender in self._offenders.confined())
+        return tuple(self._message(offender) for offender in self.offenders.confined())
 
-    def _release(self, topic: str) -> None:
-        offender = self._offenders.release(topic)
+    def _release(self, payer: str) -> None:
+        self._board.tick()
+        left = self.offenders.quiet_in(payer, self._board.now)
+        if left > 0:
+            self._timekeeper.plan(("quarantine", payer), left, partial(self._release, payer))
+            return
+        offender = self.offenders.release(payer)
         if offender is not None:
             self._events.publish(self._message(offender).model_copy(update={"is_over": True}))
-            self._events.dispose(topic)
+            self._events.dispose(payer[:_LONGEST])
 
     def _message(self, offender: Offender) -> Quarantine:
         passed = self._node.graph.clock.monotonic() - offender.since
         since = self._node.graph.clock.now() - passed
         return Quarantine(
             gateway=self._node.name,
-            offender=offender.name,
+            offender=offender.name[:_LONGEST],
             why=offender.why,
             offences=offender.offences,
             since=Time.from_seconds(since),
-            until=Time.from_seconds(since + offender.until - offender.since),
+            until=Time.from_seconds(since + offender.quiet_at - offender.since),
         )

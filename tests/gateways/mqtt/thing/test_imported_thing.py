@@ -75,13 +75,13 @@ async def test_an_imported_thing_is_sighted_heard_and_told(
 async def test_a_broken_description_costs_nobody_anything(
     make_house: Callable[..., AbstractAsyncContextManager[Any]],
 ) -> None:
-    """What was described before stays; the offender is counted and in the end not listened to."""
+    """What was described before stays; where too much is broken is told, and listened to a little at a time."""
     async with make_house(conventions=(CONVENTION,)) as house:
         await house.say(TOPIC, description(), retain=True)
-        for number in range(6):
+        for number in range(600):
             await house.say(TOPIC, description(title=number))
         await house.say("homebot/things/other/td", description(title="Other"))
         assert [one.key for one in house.sighted() if one.kind == "appeared"] == [KEY, "thing:other"]
         health = await house.health()
         assert [one.offender for one in health.quarantined] == [TOPIC]
-        assert "title: a text is wanted, got 4" in health.quarantined[0].why
+        assert "title: a text is wanted, got" in health.quarantined[0].why
