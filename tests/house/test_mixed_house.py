@@ -46,7 +46,7 @@ async def test_a_mixed_house_is_known_device_by_device() -> None:
     """Each device is there once, in its room, whichever family it is of."""
     world = parse_world(MIXED, "mixed.toml")
     async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "judge") as judge:
-        await house.run_for("1m")
+        await house.run_for("6m")  # each device has said its state again
         lamps = await Devices(judge).find("lights")
         found = await Devices(judge).find()
     assert len(found) == len(world.devices)

@@ -166,7 +166,9 @@ def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, t
         pytest.skip("mosquitto is not installed")
     port = free_port()
     (tmp_path / "mosquitto.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous false\n")
-    (tmp_path / "secret").write_text("hunter2\n")
+    secret = tmp_path / "secret"
+    secret.write_text("hunter2\n")
+    secret.chmod(0o600)
     (tmp_path / "homebot.toml").write_text(
         f'[gateways.mqtt]\nurl = "mqtt://127.0.0.1:{port}"\nuser = "robot"\npassword_file = "secret"\n'
     )

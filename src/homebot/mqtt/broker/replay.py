@@ -15,7 +15,8 @@ from homebot.mqtt.broker.work import WorkBudget
 
 __all__ = ["Owed", "Replay"]
 
-_FEW: Final = 4  # filters that are sooner matched one by one than in a tree
+_FEW: Final = 4  # filters that are sooner matched one by one than in a tree,
+_MANY: Final = 1_000  # where there are so many topics that it is worth making a pattern of each
 _CHUNK: Final = 100  # topics looked at between two looks at the budget; in a tree each may cost a thousand nodes:
 _SMALL_CHUNK: Final = 5
 _WEIGHT: Final = 500  # bytes that a waiting filter takes, about
@@ -93,7 +94,7 @@ class Replay:
                 self._owe(message, [subscription], now)
             return
         if self._matching is None:
-            self._matching = _matcher(self._wild, work)
+            self._matching = _matcher(self._wild, len(self._retained), work)
         messages, self._place = self._retained.after(self._place, _CHUNK if len(self._wild) <= _FEW else _SMALL_CHUNK)
         for message in messages:
             matched, cost = self._matching(message.topic)
@@ -111,8 +112,10 @@ class Replay:
                 self._found.append((message, subscription))
 
 
-def _matcher(wild: list[Subscription], work: WorkBudget) -> Callable[[str], tuple[list[Subscription], int]]:
-    if len(wild) > _FEW:
+def _matcher(
+    wild: list[Subscription], topics: int, work: WorkBudget
+) -> Callable[[str], tuple[list[Subscription], int]]:
+    if len(wild) > _FEW or topics < _MANY:
         tree: FilterTree[int, Subscription] = FilterTree()
         for place, subscription in enumerate(wild):
             tree.add(subscription.levels, place, subscription)
