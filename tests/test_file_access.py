@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from homebot.file_access import why_not_private, why_not_trusted
+from homebot.file_access import readable_by_others, why_not_private, why_not_trusted
 
 NOBODYS_GROUP = 54_321
 
@@ -20,20 +20,28 @@ def found(mode: int, *, group: int = NOBODYS_GROUP) -> os.stat_result:
 @pytest.mark.parametrize("mode", [0o600, 0o400, 0o700])
 def test_a_file_of_nobody_elses_is_a_secret(mode: int) -> None:
     assert why_not_private(Path("x"), found(stat.S_IFREG | mode)) == ""
+    assert readable_by_others(Path("x"), found(stat.S_IFREG | mode)) == ""
 
 
-@pytest.mark.parametrize("mode", [0o640, 0o620, 0o604, 0o602, 0o644])
-def test_a_file_that_a_group_or_others_can_see_or_change_is_none(mode: int) -> None:
+@pytest.mark.parametrize("mode", [0o620, 0o602, 0o666])
+def test_a_file_that_a_group_or_others_can_change_is_none(mode: int) -> None:
     assert "chmod 600 'x'" in why_not_private(Path("x"), found(stat.S_IFREG | mode))
+
+
+@pytest.mark.parametrize("mode", [0o640, 0o604, 0o644])
+def test_a_file_that_a_group_or_others_can_see_is_warned_of(mode: int) -> None:
+    assert why_not_private(Path("x"), found(stat.S_IFREG | mode)) == ""
+    assert "chmod 600 'x'" in readable_by_others(Path("x"), found(stat.S_IFREG | mode))
 
 
 def test_a_group_of_root_alone_is_nobody_else() -> None:
     """So systemd hands credentials to a service."""
-    assert why_not_private(Path("x"), found(stat.S_IFREG | 0o440, group=0)) == ""
+    assert readable_by_others(Path("x"), found(stat.S_IFREG | 0o440, group=0)) == ""
 
 
 def test_what_comes_through_a_pipe_was_written_by_who_started_homebot() -> None:
-    assert why_not_private(Path("x"), found(stat.S_IFIFO | 0o644)) == ""
+    assert why_not_private(Path("x"), found(stat.S_IFIFO | 0o666)) == ""
+    assert readable_by_others(Path("x"), found(stat.S_IFIFO | 0o666)) == ""
 
 
 def test_a_folder_above_in_which_each_keeps_what_is_theirs_is_fine(tmp_path: Path) -> None:

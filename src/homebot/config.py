@@ -26,11 +26,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, TypeAlias, TypeVar
 
+import structlog
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, ValidationInfo
 from pydantic_core import PydanticSerializationError, to_json
 
 from homebot.errors import ConfigError, InvalidNameError, UsageError
-from homebot.file_access import why_not_private, why_not_trusted
+from homebot.file_access import readable_by_others, why_not_private, why_not_trusted
 from homebot.names import validate_node_name
 from homebot.toml_file import TomlTable, read_toml
 
@@ -39,6 +40,7 @@ __all__ = [
     "FilePath",
     "HomeSettings",
     "Table",
+    "check_secret_file",
     "load_config",
     "parse_config",
     "parse_settings",
@@ -47,6 +49,9 @@ __all__ = [
 
 Table: TypeAlias = TomlTable
 
+READABLE = "config.secret_readable"
+
+_log: structlog.typing.FilteringBoundLogger = structlog.get_logger("homebot.config")
 _HERE = Path()
 _FOLDER = "folder"
 _LONGEST_SECRET = 65_536
@@ -170,21 +175,32 @@ def parse_settings(
 def read_secret(path: Path) -> str:
     """Return the first line of the file *path*, without what ends it.
 
+    A warning in the log says where others can read it as well.
+
     Raises:
-        UsageError: The file cannot be read, others can read or write it, or its first line is empty; never holds the
-            secret.
+        UsageError: The file cannot be read, others can write it, or its first line is empty; never holds the secret.
     """
     try:
         with path.open(encoding="utf-8") as file:
-            problem = why_not_private(path, os.fstat(file.fileno()))
-            secret = "" if problem else file.readline(_LONGEST_SECRET).partition("\n")[0].removesuffix("\r")
+            check_secret_file(path, os.fstat(file.fileno()))
+            secret = file.readline(_LONGEST_SECRET).partition("\n")[0].removesuffix("\r")
     except (OSError, ValueError) as exc:
         raise UsageError(f"{path} cannot be read: {_unreadable(exc)}") from exc
-    if problem:
-        raise UsageError(problem)
     if not secret:
         raise UsageError(f"the first line of {path} is empty")
     return secret
+
+
+def check_secret_file(path: Path, found: os.stat_result) -> None:
+    """Refuse the file *path*, which is *found* so, where others can write it; warn where others can read it.
+
+    Raises:
+        UsageError: Others can write it.
+    """
+    if problem := why_not_private(path, found):
+        raise UsageError(problem)
+    if warning := readable_by_others(path, found):
+        _log.warning(READABLE, message=warning, file=str(path))
 
 
 _SECRET_WORDS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")

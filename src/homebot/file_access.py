@@ -1,4 +1,4 @@
-"""Who else may read or write a file: code, configurations and secrets that others can change or see are refused.
+"""Who else may read or write a file: what others can change is refused, a secret that others can see is told of.
 
 As ssh does it. A group counts as its user's own where it has the user's name and no other member. Where there are no
 such rights, as on Windows, nothing is refused.
@@ -10,7 +10,7 @@ import os
 import stat
 from pathlib import Path
 
-__all__ = ["why_not_private", "why_not_trusted"]
+__all__ = ["readable_by_others", "why_not_private", "why_not_trusted"]
 
 _GROUP_WRITES, _OTHERS_WRITE = stat.S_IWGRP, stat.S_IWOTH
 _GROUP, _OTHERS = stat.S_IRWXG, stat.S_IRWXO
@@ -39,14 +39,21 @@ def why_not_trusted(path: Path) -> str:
 
 
 def why_not_private(path: Path, found: os.stat_result) -> str:
-    """Return why the file *path*, which is *found* so, is no secret, and what to do; empty where it is.
+    """Return why the secret in the file *path*, which is *found* so, may be somebody else's; empty where it may not.
 
     What is no file, such as a pipe, is whoever's wrote it.
     """
+    if os.name != "posix" or not stat.S_ISREG(found.st_mode) or not _is_writable_by_others(found):
+        return ""
+    return f"{path} can be written by others; keep it to yourself: chmod 600 '{path}'"
+
+
+def readable_by_others(path: Path, found: os.stat_result) -> str:
+    """Return the warning that others can read the secret in the file *path*; empty where they cannot."""
     if os.name != "posix" or not stat.S_ISREG(found.st_mode):
         return ""
     is_seen = bool(found.st_mode & _OTHERS) or (bool(found.st_mode & _GROUP) and not _is_private_group(found))
-    return f"{path} can be read or written by others; keep it to yourself: chmod 600 '{path}'" if is_seen else ""
+    return f"{path} can be read by others; keep it to yourself: chmod 600 '{path}'" if is_seen else ""
 
 
 def _is_writable_by_others(found: os.stat_result) -> bool:

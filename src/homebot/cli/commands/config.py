@@ -7,6 +7,7 @@ from pathlib import Path
 
 from homebot.cli.commands.run import with_door_token
 from homebot.config import load_config
+from homebot.log import configure_logging
 from homebot.runtime.plan import make_plan
 
 __all__ = ["check"]
@@ -14,6 +15,7 @@ __all__ = ["check"]
 
 def check(options: argparse.Namespace) -> int:
     """Read the file, find its plug-ins, check every table and credential, and say what would run."""
+    configure_logging()
     config = load_config(Path(options.config))
     plan = make_plan(with_door_token(config))
     print(f"{config.source} is fine: home {plan.home}")

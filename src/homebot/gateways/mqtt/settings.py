@@ -10,9 +10,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, field_validator, model_validator
 
-from homebot.config import FilePath, read_secret
+from homebot.config import FilePath, check_secret_file, read_secret
 from homebot.errors import HomebotError, UsageError
-from homebot.file_access import why_not_private
 from homebot.gateways.mqtt.conventions import announce, check_tables, default_conventions
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
@@ -167,11 +166,11 @@ class MqttGatewaySettings(BaseModel):
             if file is not None:
                 try:
                     with file.open("rb") as opened:
-                        problem = why_not_private(file, os.fstat(opened.fileno())) if key == "key_file" else ""
+                        found = os.fstat(opened.fileno())
                 except OSError as exc:
                     raise UsageError(f"{key}: {file} cannot be read: {exc.strerror}") from exc
-                if problem:
-                    raise UsageError(f"{key}: {problem}")
+                if key == "key_file":
+                    _check_key_file(file, found)
 
     def _password(self) -> SecretStr | None:
         if self.password_env is not None:
@@ -184,6 +183,13 @@ class MqttGatewaySettings(BaseModel):
             except UsageError as exc:
                 raise UsageError(f"password_file: {exc}") from exc
         return None
+
+
+def _check_key_file(file: Path, found: os.stat_result) -> None:
+    try:
+        check_secret_file(file, found)
+    except UsageError as exc:
+        raise UsageError(f"key_file: {exc}") from exc
 
 
 def _as_value_error(check: Callable[[], object]) -> None:
