@@ -8,7 +8,16 @@ from __future__ import annotations
 import socket
 from collections.abc import Iterator
 
-__all__ = ["PUBACK", "PUBLISH", "PacketStream", "connect", "publish_packet", "subscribe"]
+__all__ = [
+    "PUBACK",
+    "PUBLISH",
+    "PacketStream",
+    "connect",
+    "connect_packet",
+    "publish_packet",
+    "subscribe",
+    "subscribe_packet",
+]
 
 PUBLISH = 3
 PUBACK = 4
@@ -24,14 +33,23 @@ def connect(port: int, client_id: str) -> socket.socket:
     """Return a logged-in socket with TCP_NODELAY set, keep-alive off."""
     sock = socket.create_connection(("127.0.0.1", port))
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    sock.sendall(_packet(0x10, _text("MQTT") + b"\x04\x02\x00\x00" + _text(client_id)))
+    sock.sendall(connect_packet(client_id))
     _expect(sock, b"\x20\x02\x00\x00")
     return sock
 
 
 def subscribe(sock: socket.socket, topic_filter: str, qos: int) -> None:
-    sock.sendall(_packet(0x82, b"\x00\x01" + _text(topic_filter) + bytes([qos])))
+    sock.sendall(subscribe_packet(topic_filter, qos))
     _expect(sock, b"\x90\x03\x00\x01" + bytes([qos]))
+
+
+def connect_packet(client_id: str) -> bytes:
+    return _packet(0x10, _text("MQTT") + b"\x04\x02\x00\x00" + _text(client_id))
+
+
+def subscribe_packet(topic_filter: str, qos: int) -> bytes:
+    """With packet identifier 1."""
+    return _packet(0x82, b"\x00\x01" + _text(topic_filter) + bytes([qos]))
 
 
 def publish_packet(topic: str, payload: bytes, qos: int = 0, packet_id: int = 0) -> bytes:

@@ -82,11 +82,13 @@ class Report:
         title: What was measured.
         comparisons: The table.
         notes: Lines below it: losses, what was skipped.
+        table: A table of another form, its headings first; for what has no peer.
     """
 
     title: str
     comparisons: Sequence[Comparison]
     notes: Sequence[str] = ()
+    table: Sequence[tuple[str, ...]] = ()
 
 
 def compare(
@@ -107,6 +109,8 @@ def print_report(report: Report) -> None:
     print(f"\n## {report.title}\n")
     if report.comparisons:
         _print_table([HEADINGS, *(comparison.row() for comparison in report.comparisons)])
+    if report.table:
+        _print_table(report.table)
     for note in report.notes:
         print(f"\n{note}")
 
@@ -129,8 +133,8 @@ def megabytes(figure: float) -> str:
     return f"{figure / 2**20:.1f} MiB"
 
 
-def _print_table(rows: list[tuple[str, ...]]) -> None:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADINGS))]
+def _print_table(rows: Sequence[tuple[str, ...]]) -> None:
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
     for number, row in enumerate(rows):
         print("| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |")
         if number == 0:

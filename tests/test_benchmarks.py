@@ -2,19 +2,50 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 PROGRAM = Path(__file__).parent.parent / "benchmarks/run.py"
+SOURCE = Path(__file__).parent.parent / "src/homebot"
+
+
+def run(name: str) -> str:
+    """What the benchmark prints where Home Assistant is not installed."""
+    command = [sys.executable, str(PROGRAM), "--quick", "--home-assistant", "/no/such/python", name]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 def test_a_benchmark_runs_and_says_which_peer_is_missing() -> None:
     """Also without Home Assistant, which takes minutes to install."""
-    command = [sys.executable, str(PROGRAM), "--quick", "--home-assistant", "/no/such/python", "service_calls"]
+    printed = run("service_calls")
 
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=30)
+    assert "Services: calls per second" in printed
+    assert "Home Assistant is not measured: no /no/such/python" in printed
 
-    assert done.returncode == 0, done.stderr
-    assert "Services: calls per second" in done.stdout
-    assert "Home Assistant is not measured: no /no/such/python" in done.stdout
+
+def walks() -> dict[str, tuple[int, dict[str, int]]]:
+    """Calls of each walk, as the table has them, and calls by file, as the lists below it have them."""
+    printed = run("walks")
+    table = re.findall(r"^\| (.+?) +\| (\d+) +\| <= \d+ +\| (\d+) ", printed, re.MULTILINE)
+    listed = {
+        name: {file: int(count) for file, count in re.findall(r"(\S+\.py) (\d+)", files)}
+        for name, files in re.findall(r"^(.+?): (\S+\.py \d+.*)$", printed, re.MULTILINE)
+    }
+    assert {name: int(files) for name, _, files in table} == {name: len(files) for name, files in listed.items()}
+    return {name: (int(calls), listed[name]) for name, calls, _ in table}
+
+
+def test_walks_counts_every_call_of_every_walk_and_the_same_each_time() -> None:
+    """Calls of homebot's own functions, from the client to the client; the broker's are none of them."""
+    first = walks()
+
+    assert [name.partition(" ")[0] for name in first] == ["text", "announcement", "JSON", "find(Light,", "turn_on"]
+    assert all(calls == sum(files.values()) > 0 for calls, files in first.values())
+    named = {file for _, files in first.values() for file in files}
+    assert all((SOURCE / file).is_file() for file in named)
+    assert not [file for file in named if file.startswith(("mqtt/broker/", "testing/"))]
+    assert first == walks()
