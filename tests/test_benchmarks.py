@@ -5,10 +5,14 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
+
+import pytest
 
 PROGRAM = Path(__file__).parent.parent / "benchmarks/run.py"
 SOURCE = Path(__file__).parent.parent / "src/homebot"
+PAGE = Path(__file__).parent.parent / "docs/how-a-message-travels.md"
 
 
 def run(name: str) -> str:
@@ -27,6 +31,7 @@ def test_a_benchmark_runs_and_says_which_peer_is_missing() -> None:
     assert "Home Assistant is not measured: no /no/such/python" in printed
 
 
+@cache
 def walks() -> dict[str, tuple[int, dict[str, int]]]:
     """Calls of each walk, as the table has them, and calls by file, as the lists below it have them."""
     printed = run("walks")
@@ -48,4 +53,18 @@ def test_walks_counts_every_call_of_every_walk_and_the_same_each_time() -> None:
     named = {file for _, files in first.values() for file in files}
     assert all((SOURCE / file).is_file() for file in named)
     assert not [file for file in named if file.startswith(("mqtt/broker/", "testing/"))]
-    assert first == walks()
+    assert first == walks.__wrapped__()
+
+
+@pytest.mark.parametrize(
+    ("section", "walk"), [("A text message", "text message of a known device"), ("A JSON state", "JSON state")]
+)
+def test_the_files_that_a_message_is_said_to_pass_are_on_its_walk(section: str, walk: str) -> None:
+    """A page for newcomers that names what is called no more would lead them astray."""
+    table = PAGE.read_text().partition(f"\n## {section}\n")[2].partition("\n## ")[0]
+    steps = re.findall(r"^\| \d \| \[`(\S+)`\]", table, re.MULTILINE)
+
+    (passed,) = (files for name, (_, files) in walks().items() if name.startswith(walk))
+
+    assert len(steps) == 7
+    assert [file for file in steps if file not in passed] == []
