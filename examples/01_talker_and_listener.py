@@ -2,7 +2,7 @@
 
 import asyncio
 
-from homebot.graph import Graph, Node
+from homebot import Graph, Node
 from homebot.messages import String
 
 

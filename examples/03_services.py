@@ -2,8 +2,7 @@
 
 import asyncio
 
-from homebot.errors import ServiceError
-from homebot.graph import Graph, Node
+from homebot import Graph, Node, ServiceError
 from homebot.messages import SetBool
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
 

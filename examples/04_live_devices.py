@@ -2,12 +2,8 @@
 
 import asyncio
 
-from homebot.config import parse_config
-from homebot.devices import Devices
-from homebot.graph import Node
+from homebot import Devices, Node, Runtime, configure_logging, parse_config
 from homebot.house import thesis_world
-from homebot.log import configure_logging
-from homebot.runtime import Runtime
 
 
 async def main() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -25,6 +26,19 @@ def test_an_example_runs_and_ends_as_it_should(program: str, last_line: str) -> 
     done = subprocess.run([sys.executable, EXAMPLES / program], capture_output=True, text=True, timeout=30, check=False)
     assert done.returncode == 0, done.stderr
     assert any(line.startswith(last_line) for line in done.stdout.splitlines())
+
+
+def test_the_app_runs_as_a_program_until_ctrl_c() -> None:
+    """In the simulated house."""
+    program = [sys.executable, str(EXAMPLES / "02_window_light" / "window_light.py")]
+    environment = {**unmarked(), "HOMEBOT_DOOR": "127.0.0.1:0"}
+    with subprocess.Popen(program, stderr=subprocess.PIPE, text=True, env=environment) as process:
+        assert process.stderr is not None
+        assert any("the app window_light runs" in line for line in process.stderr)  # reads until that line
+        process.send_signal(signal.SIGINT)
+        _, rest = process.communicate(timeout=20)
+    assert "Traceback" not in rest
+    assert process.returncode == 0
 
 
 def test_every_example_is_in_the_list() -> None:

@@ -1,5 +1,4 @@
-from homebot.apps import App
-from homebot.devices import RawMessage
+from homebot import App, RawMessage, run
 
 
 class WindowLight(App):
@@ -11,3 +10,7 @@ class WindowLight(App):
     async def window_says(self, message: RawMessage) -> None:
         for lamp in await self.devices.find("lights"):
             await self.devices.tell(lamp, "on" if message.text() == "open" else "off")
+
+
+if __name__ == "__main__":
+    run(WindowLight)

@@ -1,3 +1,200 @@
-"""homebot: the home runtime for robots."""
+"""homebot: the home runtime for robots.
+
+What an app needs is imported from here: ``from homebot import App, Light, run``. What its tests need is in
+:mod:`homebot.testing`, ROS's standard messages are in :mod:`homebot.messages`. Each name is imported when it is first
+asked for. Modules below may change from one release to the next; the names of this one are kept.
+"""
+
+TYPE_CHECKING = False  # the one of typing would import typing: who asks for nothing pays for nothing
+if TYPE_CHECKING:
+    from homebot.apps import App
+    from homebot.cli.script import run
+    from homebot.config import Config, load_config, parse_config
+    from homebot.devices import Device, DeviceChange, DevicePart, Devices, Follow, RawMessage, State, StateChange
+    from homebot.devices.handles import (
+        AirConditioner,
+        AlarmPanel,
+        Closure,
+        ContactSensor,
+        DoorLock,
+        ElectricalMeter,
+        Fan,
+        FollowHandles,
+        Handle,
+        HandleChange,
+        HumiditySensor,
+        LawnMower,
+        Light,
+        LightSensor,
+        OccupancySensor,
+        Plug,
+        PressureSensor,
+        RoboticVacuumCleaner,
+        Siren,
+        SmokeAlarm,
+        Switch,
+        TemperatureSensor,
+        Thermostat,
+        WaterLeakDetector,
+        WaterValve,
+        WindowCovering,
+    )
+    from homebot.devices.offer import Offer
+    from homebot.devices.part import Capability, Part
+    from homebot.errors import (
+        ClosedError,
+        ConfigError,
+        HomebotError,
+        LinkError,
+        PeerError,
+        RefusedError,
+        ServiceError,
+        ServiceFailedError,
+        ServiceGoneError,
+        ServiceTimeoutError,
+        ServiceUnavailableError,
+        UsageError,
+        WrongCodeError,
+    )
+    from homebot.graph import (
+        Client,
+        DurabilityPolicy,
+        Graph,
+        HistoryPolicy,
+        LivelinessPolicy,
+        Node,
+        Publisher,
+        QoSProfile,
+        ReliabilityPolicy,
+        Service,
+        Subscription,
+        Timer,
+        qos_profile_default,
+        qos_profile_latched,
+        qos_profile_sensor_data,
+    )
+    from homebot.log import configure_logging
+    from homebot.messages import Message, ServiceType
+    from homebot.runtime import Runtime
+
+__all__ = [
+    "AirConditioner",
+    "AlarmPanel",
+    "App",
+    "Capability",
+    "Client",
+    "ClosedError",
+    "Closure",
+    "Config",
+    "ConfigError",
+    "ContactSensor",
+    "Device",
+    "DeviceChange",
+    "DevicePart",
+    "Devices",
+    "DoorLock",
+    "DurabilityPolicy",
+    "ElectricalMeter",
+    "Fan",
+    "Follow",
+    "FollowHandles",
+    "Graph",
+    "Handle",
+    "HandleChange",
+    "HistoryPolicy",
+    "HomebotError",
+    "HumiditySensor",
+    "LawnMower",
+    "Light",
+    "LightSensor",
+    "LinkError",
+    "LivelinessPolicy",
+    "Message",
+    "Node",
+    "OccupancySensor",
+    "Offer",
+    "Part",
+    "PeerError",
+    "Plug",
+    "PressureSensor",
+    "Publisher",
+    "QoSProfile",
+    "RawMessage",
+    "RefusedError",
+    "ReliabilityPolicy",
+    "RoboticVacuumCleaner",
+    "Runtime",
+    "Service",
+    "ServiceError",
+    "ServiceFailedError",
+    "ServiceGoneError",
+    "ServiceTimeoutError",
+    "ServiceType",
+    "ServiceUnavailableError",
+    "Siren",
+    "SmokeAlarm",
+    "State",
+    "StateChange",
+    "Subscription",
+    "Switch",
+    "TemperatureSensor",
+    "Thermostat",
+    "Timer",
+    "UsageError",
+    "WaterLeakDetector",
+    "WaterValve",
+    "WindowCovering",
+    "WrongCodeError",
+    "__version__",
+    "configure_logging",
+    "load_config",
+    "parse_config",
+    "qos_profile_default",
+    "qos_profile_latched",
+    "qos_profile_sensor_data",
+    "run",
+]
 
 __version__ = "0.1.0"
+
+_NAMES = {
+    "homebot.apps": "App",
+    "homebot.cli.script": "run",
+    "homebot.config": "Config load_config parse_config",
+    "homebot.devices": """
+        Device DeviceChange DevicePart Devices Follow RawMessage State StateChange
+        """,
+    "homebot.devices.handles": """
+        AirConditioner AlarmPanel Closure ContactSensor DoorLock ElectricalMeter Fan FollowHandles Handle HandleChange
+        HumiditySensor LawnMower Light LightSensor OccupancySensor Plug PressureSensor RoboticVacuumCleaner Siren
+        SmokeAlarm Switch TemperatureSensor Thermostat WaterLeakDetector WaterValve WindowCovering
+        """,
+    "homebot.devices.offer": "Offer",
+    "homebot.devices.part": "Capability Part",
+    "homebot.errors": """
+        ClosedError ConfigError HomebotError LinkError PeerError RefusedError ServiceError ServiceFailedError
+        ServiceGoneError ServiceTimeoutError ServiceUnavailableError UsageError WrongCodeError
+        """,
+    "homebot.graph": """
+        Client DurabilityPolicy Graph HistoryPolicy LivelinessPolicy Node Publisher QoSProfile ReliabilityPolicy
+        Service Subscription Timer qos_profile_default qos_profile_latched qos_profile_sensor_data
+        """,
+    "homebot.log": "configure_logging",
+    "homebot.messages": "Message ServiceType",
+    "homebot.runtime": "Runtime",
+}
+_HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
+
+if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+
+    def __getattr__(name: str) -> object:
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from importlib import import_module  # noqa: PLC0415 - as above
+
+        found = globals()[name] = getattr(import_module(_HOMES[name]), name)
+        return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

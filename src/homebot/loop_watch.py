@@ -20,8 +20,6 @@ from typing import Final, Self, final
 
 import structlog
 
-import homebot
-
 __all__ = ["LoopWatch", "WatchedSelector"]
 
 BLOCKED = "runtime.loop_blocked"
@@ -35,7 +33,7 @@ AT_START = 10.0
 _LOOK_EVERY = 0.25
 _MOST_FRAMES = 20
 
-_OURS: Final = str(Path(homebot.__file__).parent)
+_OURS: Final = str(Path(__file__).parent)
 _LIBRARIES: Final = tuple(
     dict.fromkeys(sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib"))
 )

@@ -47,7 +47,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _run_apart(options: argparse.Namespace, config: Config, house: World | None, lost_lines: Callable[[], int]) -> int:
     """Run where nothing waits for whoever reads the log."""
-    configure_logging(options.log_format)
+    if options.log_format is not None:
+        configure_logging(options.log_format)
     gc.set_threshold(*COLLECT_AFTER)
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
     # A simulated house begins each time as it is described, so there is nothing to remember.

@@ -1,0 +1,85 @@
+"""A homebot that a Python script starts, by the way that ``homebot run`` goes."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import threading
+from os import PathLike
+from typing import TYPE_CHECKING
+
+import structlog
+
+from homebot.cli.commands.run import run as run_command
+from homebot.cli.main import make_parser
+from homebot.errors import UsageError
+
+if TYPE_CHECKING:
+    from homebot.apps import App
+
+__all__ = ["run"]
+
+
+def run(
+    *apps: type[App] | str,
+    config: str | PathLike[str] | None = None,
+    house: str | PathLike[str] | None = None,
+    mqtt: str | None = None,
+    root: str | None = None,
+    act: bool = False,
+    ephemeral: bool = False,
+    seconds: float | None = None,
+) -> int:
+    """Run a homebot with *apps* until Ctrl-C or SIGTERM, as ``homebot run`` with the options of these names does.
+
+    Without *config*, a ``homebot.toml`` in the working directory is used; without that and *mqtt*, a simulated house.
+    The log goes to standard error, unless structlog is configured already. At the end everything is stopped in order,
+    in 4.8 s at most: then the process is ended, whatever hangs.
+
+    Args:
+        apps: Classes, or names of installed apps such as ``"light_service"``; without any, those of the configuration.
+        config: Configuration in TOML.
+        house: Simulated house in TOML, on the embedded broker.
+        mqtt: URL of a broker, as ``mqtt://[user@]host[:port]``.
+        root: First level of the topics of devices that do not announce themselves.
+        act: Let commands reach a broker that is not homebot's own.
+        ephemeral: Remember no devices over a restart.
+        seconds: Stop after this time.
+
+    Returns:
+        0, or 1 when an app or another part was given up on the way.
+
+    Raises:
+        UsageError: Something cannot be run as it is configured; a class is not at the top level of its module; this is
+            not the main thread, or an event loop runs in it.
+    """
+    _check_caller()
+    options = make_parser().parse_args(["run"])
+    options.app = [app if isinstance(app, str) else _plugin_name(app) for app in apps]
+    options.config, options.house = config, house
+    options.mqtt, options.root, options.act = mqtt, root, act
+    options.ephemeral, options.seconds = ephemeral, seconds
+    if structlog.is_configured():
+        options.log_format = None
+    return run_command(options)
+
+
+def _check_caller() -> None:
+    if threading.current_thread() is not threading.main_thread():
+        raise UsageError("run() works in the main thread alone, where Ctrl-C arrives; elsewhere use Runtime")
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return
+    raise UsageError("run() starts an event loop of its own; where one runs use `async with Runtime(config)`")
+
+
+def _plugin_name(app: type[App]) -> str:
+    """Return *app* as ``module:Class``.
+
+    Raises:
+        UsageError: It cannot be found under that name.
+    """
+    if getattr(sys.modules.get(app.__module__), app.__name__, None) is not app:
+        raise UsageError(f"{app.__qualname__} is not found in {app.__module__}; define it at the top level there")
+    return f"{app.__module__}:{app.__name__}"

@@ -1,0 +1,78 @@
+"""What ``import homebot`` gives: names that an app may rely on, each imported when it is first asked for."""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+
+import pytest
+
+import homebot
+
+HANDLES = """
+AirConditioner AlarmPanel Closure ContactSensor DoorLock ElectricalMeter Fan Handle HumiditySensor LawnMower Light
+LightSensor OccupancySensor Plug PressureSensor RoboticVacuumCleaner Siren SmokeAlarm Switch TemperatureSensor
+Thermostat WaterLeakDetector WaterValve WindowCovering
+"""
+NAMES = f"""
+App run Runtime Config load_config parse_config configure_logging
+Device DeviceChange DevicePart Devices Follow RawMessage State StateChange Capability Offer Part
+{HANDLES} FollowHandles HandleChange
+ClosedError ConfigError HomebotError LinkError PeerError RefusedError ServiceError ServiceFailedError ServiceGoneError
+ServiceTimeoutError ServiceUnavailableError UsageError WrongCodeError
+Client DurabilityPolicy Graph HistoryPolicy LivelinessPolicy Message Node Publisher QoSProfile ReliabilityPolicy Service
+ServiceType Subscription Timer qos_profile_default qos_profile_latched qos_profile_sensor_data __version__
+"""
+
+
+def test_the_names_are_these() -> None:
+    """Apps rely on them: one that goes or changes is a change for every app, to be written in the changelog."""
+    assert sorted(homebot.__all__) == sorted(NAMES.split())
+
+
+@pytest.mark.parametrize("name", sorted(NAMES.split()))
+def test_each_name_is_the_thing_of_its_package(name: str) -> None:
+    found = getattr(homebot, name)
+    if name != "__version__" and not name.startswith("qos_"):
+        assert getattr(importlib.import_module(found.__module__), name) is found
+
+
+def test_dir_lists_them() -> None:
+    assert set(NAMES.split()) <= set(dir(homebot))
+
+
+def test_every_kind_of_handle_is_there() -> None:
+    """Also one that was added to the package of handles."""
+    handles = importlib.import_module("homebot.devices.handles")
+    kinds = [value for value in vars(handles).values() if isinstance(value, type) and issubclass(value, homebot.Handle)]
+    assert sorted(kind.__name__ for kind in kinds) == sorted(HANDLES.split())
+
+
+def test_an_unknown_name_is_an_error_that_names_it() -> None:
+    with pytest.raises(AttributeError, match="module 'homebot' has no attribute 'Lihgt'"):
+        _ = homebot.Lihgt  # type: ignore[attr-defined]
+    with pytest.raises(ImportError, match="Lihgt"):
+        from homebot import Lihgt  # type: ignore[attr-defined]  # noqa: F401, PLC0415
+
+
+def test_a_name_that_is_not_asked_for_costs_nothing() -> None:
+    """Not even ``typing`` is imported with homebot; a handle needs no runtime, an error nothing but its file."""
+    code = """
+import sys
+before = set(sys.modules)
+import homebot
+assert set(sys.modules) - before == {"homebot"}, set(sys.modules) - before
+from homebot import LinkError
+assert "pydantic" not in sys.modules
+from homebot import App, Light
+assert not {"homebot.runtime", "homebot.gateways", "homebot.cli"} & set(sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=20, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_all_names_come_with_a_star() -> None:
+    code = "from homebot import *; print(Light.__name__, run.__name__, LinkError.__name__)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=20, check=False)
+    assert (done.stdout, done.stderr) == ("Light run LinkError\n", "")
