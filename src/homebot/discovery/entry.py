@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from homebot.devices import (
@@ -92,6 +92,8 @@ class Entry:
 
     def last_seen(self) -> Time:
         """Return when it was last heard of: when it spoke, or else was announced."""
+        if len(self.claims) == 1:
+            return self.best().seen_at
         confirmed = [claim for claim in self.claims.values() if claim.confirmed]
         return max(confirmed or self.claims.values(), key=lambda one: (one.heard, _moment(one.seen_at))).seen_at
 
@@ -137,8 +139,8 @@ class Entry:
                 facts=described.facts,
                 reachable=self.reachability(),
                 offline_parts=self.offline_parts(described.merged),
-                states=tuple(self._newest(described.merged, lambda claim: claim.told)),
-                events=tuple(self._newest(described.merged, lambda claim: claim.events)),
+                states=self._newest(described.merged, [claim.told for claim in self.claims.values()]),
+                events=self._newest(described.merged, [claim.events for claim in self.claims.values()]),
                 evidence=self.evidence,
                 conflicts=described.merged.conflicts,
             )
@@ -161,26 +163,37 @@ class Entry:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
 
-    def _newest(self, merged: MergedParts, said: Callable[[Claim], Mapping[tuple[str, str], Told]]) -> Iterator[State]:
-        """The newest of what all routes to a part told; what came live counts more than what the broker had kept."""
+    def _newest(self, merged: MergedParts, said: Sequence[Mapping[tuple[str, str], Told]]) -> tuple[State, ...]:
+        """The newest of what all routes to a part told; what came live counts more than what the broker had kept.
+
+        Args:
+            merged: The parts.
+            said: What each of the announcements told.
+        """
+        if not any(said):
+            return ()
         newest: dict[tuple[int, str], Told] = {}
-        for (gateway, key), claim in self.claims.items():
-            for (part, capability), told in said(claim).items():
+        for (gateway, key), values in zip(self.claims, said, strict=True):
+            for (part, capability), told in values.items():
                 place = merged.places.get((gateway, key, part))
                 if place is None:
                     continue
                 known = newest.get((place, capability))
                 if known is None or _weight(told) > _weight(known):
                     newest[place, capability] = told
-        for (place, capability), told in newest.items():
-            yield State.of_checked(
-                part=merged.parts[place].id,
-                capability=capability,
-                value=Value.of(told.value),
-                since=told.since,
-                told_at=told.told_at,
-                live=told.live,
-            )
+        return tuple(
+            [
+                State.of_checked(
+                    part=merged.parts[place].id,
+                    capability=capability,
+                    value=Value.of(told.value),
+                    since=told.since,
+                    told_at=told.told_at,
+                    live=told.live,
+                )
+                for (place, capability), told in newest.items()
+            ]
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -141,3 +141,11 @@ def test_a_quoted_text_is_one_value_whatever_is_in_it(text: str) -> None:
 @pytest.mark.parametrize("name", CAPABILITIES)
 def test_every_capability_can_be_asked_for_by_its_name(name: str) -> None:
     assert parse_query(f"with {name}") == CanDo(name)
+
+
+def test_what_is_asked_again_is_not_read_again() -> None:
+    """Apps ask the same at every event; what is wrong is refused each time."""
+    assert parse_query("on lights in kitchen") is parse_query("on lights in kitchen")
+    for _ in range(2):
+        with pytest.raises(UsageError):
+            parse_query("(light")

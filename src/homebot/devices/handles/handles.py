@@ -59,8 +59,9 @@ class Handles:
         """Return what all handles of *device* share, after it has taken this description of it."""
         known = self._known.get(device.id)
         if known is None:
-            known = self._known[device.id] = KnownDevice(device, sequence)
-        known.take(device, sequence, is_gone=is_gone)
+            known = self._known[device.id] = KnownDevice(device, sequence, is_gone=is_gone)
+        else:
+            known.take(device, sequence, is_gone=is_gone)
         return known
 
     def watch(self, watcher: Watcher) -> Callable[[], None]:

@@ -15,15 +15,16 @@ class KnownDevice:
     Args:
         device: The device.
         sequence: Number of the last change that is in there; see :class:`DeviceChange`.
+        is_gone: Whether it was removed.
 
     Attributes:
         device: Its newest description.
         is_gone: Whether it was removed.
     """
 
-    def __init__(self, device: Device, sequence: int) -> None:
+    def __init__(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
         self.device = device
-        self.is_gone = False
+        self.is_gone = is_gone
         self._sequence = sequence
         self._states = {(one.part, one.capability): (sequence, one) for one in device.states}
 

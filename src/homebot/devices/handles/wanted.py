@@ -76,10 +76,12 @@ class Wanted(Generic[HandleT]):
         """Yield the ids of the parts of *device* that are wanted."""
         if not self._wants_device(device):
             return
-        values = {(one.part, one.capability): one.value.plain() for one in device.states}
+        values = {(one.part, one.capability): one.value.plain() for one in device.states} if self.terms else {}
         for one in _parts_in(device, self.place.get("category", "")):
             is_wanted = self._wants_type(one.part.service_type) and self._wants_name(device, one.part.name)
-            if is_wanted and self._wants_reach(device, one.id) and all(_fits(term, one, values) for term in self.terms):
+            if not is_wanted or not self._wants_reach(device, one.id):
+                continue
+            if not self.terms or all(_fits(term, one, values) for term in self.terms):
                 yield one.id
 
     def query(self) -> str:

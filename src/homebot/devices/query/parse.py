@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import lru_cache
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
@@ -44,6 +45,7 @@ _MAX_DEPTH = 20
 _LONGEST_PHRASE = 4
 
 
+@lru_cache(maxsize=256)  # apps ask the same again and again
 def parse_query(text: str) -> Query:
     """Return what *text* asks for; an empty text asks for everything.
 
