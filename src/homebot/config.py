@@ -26,12 +26,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, TypeAlias, TypeVar
 
-import structlog
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, ValidationInfo
 from pydantic_core import PydanticSerializationError, to_json
 
 from homebot.errors import ConfigError, InvalidNameError, UsageError
 from homebot.file_access import readable_by_others, why_not_private, why_not_trusted
+from homebot.logger import get_logger
 from homebot.names import validate_node_name
 from homebot.toml_file import TomlTable, read_toml
 
@@ -51,7 +51,7 @@ Table: TypeAlias = TomlTable
 
 READABLE = "config.secret_readable"
 
-_log: structlog.typing.FilteringBoundLogger = structlog.get_logger("homebot.config")
+_log = get_logger()
 _HERE = Path()
 _FOLDER = "folder"
 _LONGEST_SECRET = 65_536

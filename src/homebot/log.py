@@ -12,9 +12,7 @@ import sys
 import time
 from collections import OrderedDict
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
-from datetime import datetime
 from functools import partial
 from typing import Literal, TextIO, TypeAlias, cast, final
 
@@ -23,7 +21,8 @@ from structlog.typing import EventDict, Processor, WrappedLogger
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.output import CONTROL, CleanText, QueuedText
+from homebot.logger import ConsoleRenderer, LineWriter, sentence, with_local_time
+from homebot.output import CleanText, QueuedText
 
 __all__ = ["LogFormat", "LogLimit", "configure_logging", "sentence"]
 
@@ -34,7 +33,6 @@ LINES_LOST = "log.lost"
 
 _MAX_KEYS = 1000
 _LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "critical": 50}
-_COLOURS = {"debug": "2", "warning": "33", "error": "31", "critical": "1;31"}
 _SECRETS = (
     re.compile(r"(://[^\s/@:]*:)[^\s/]+(?=@)"),
     re.compile(
@@ -45,9 +43,6 @@ _SECRETS = (
         re.IGNORECASE | re.VERBOSE,
     ),
 )
-_LONGEST = 1000
-_MOST_LINES = 400
-_NOT_FACTS = {"event", "level", "node", "timestamp", "message", "exception"}
 
 
 def configure_logging(
@@ -75,22 +70,24 @@ def configure_logging(
         raise UsageError(f"no log level {level!r}; there are {', '.join(_LEVELS)}")
     out = stream or sys.stderr
     if isinstance(out, CleanText):
-        out = out.raw  # a line is made harmless where its parts are known, and may have colours
-    renderer: Processor = structlog.processors.JSONRenderer() if log_format == "json" else _Console(out.isatty())
+        out = out.raw  # as it is written: a queue may be below
+    renderer: Processor = (
+        structlog.processors.JSONRenderer() if log_format == "json" else ConsoleRenderer(colours=out.isatty())
+    )
     if isinstance(out, QueuedText):
         out.queue.loss_text = partial(_loss_line, renderer)
     _take_in_stdlib_lines()
     structlog.configure(
         processors=[
             structlog.processors.add_log_level,
-            _with_local_time,
+            with_local_time,
             structlog.processors.format_exc_info,
             _without_secrets,
             *processors,
             renderer,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(_LEVELS[level]),
-        logger_factory=lambda *_: _Writer(out),
+        logger_factory=lambda *_: LineWriter(out),
         cache_logger_on_first_use=False,
     )
 
@@ -104,16 +101,8 @@ def _loss_line(renderer: Processor, lines: int) -> str:
         "lost": lines,
         "message": f"{lines:,} lines of the log were lost here, as nobody read them in time",
     }
-    line = renderer(None, "warning", _with_local_time(None, "warning", event))
+    line = renderer(None, "warning", with_local_time(None, "warning", event))
     return f"{cast('str', line)}\n"
-
-
-def sentence(event: EventDict) -> str:
-    """Return the line's plain words: its ``message``, or the event name with its facts."""
-    if "message" in event:
-        return str(event["message"])
-    facts = "  ".join(f"{key}={value}" for key, value in event.items() if key not in _NOT_FACTS)
-    return f"{event.get('event', '')}  {facts}" if facts else str(event.get("event", ""))
 
 
 @final
@@ -157,20 +146,6 @@ class _Interval:
     start: float
     passed: int = 0
     held_back: int = 0
-
-
-class _Writer:
-    """Writes lines. Whoever read them may have gone; the house does not go down with them."""
-
-    def __init__(self, out: TextIO) -> None:
-        self._out = out
-
-    def msg(self, line: str) -> None:
-        with suppress(OSError, ValueError):  # a broken pipe, or a stream that was closed: nowhere left to say it
-            self._out.write(f"{line}\n")
-            self._out.flush()
-
-    log = debug = info = warning = error = critical = msg
 
 
 class _StdlibLines(logging.Handler):
@@ -229,44 +204,3 @@ def _without_secrets(_logger: WrappedLogger, _method: str, event: EventDict) -> 
                 for secret in _SECRETS:
                     event[key] = secret.sub(r"\1***", str(event[key]))
     return event
-
-
-def _with_local_time(_logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:
-    """Stamp a line in ISO 8601, in the computer's own time, with how far that is from UTC."""
-    event["timestamp"] = datetime.now().astimezone().isoformat(timespec="microseconds")
-    return event
-
-
-class _Console:
-    """Renders a line as ``12:30:01  node  words``, in local time, and a traceback below it, set in.
-
-    What outsiders wrote cannot break the line, look like another, or steer the terminal.
-    """
-
-    def __init__(self, colours: bool) -> None:  # noqa: FBT001  # private, one caller
-        self._colours = colours
-
-    def __call__(self, _logger: WrappedLogger, _method: str, event: EventDict) -> str:
-        level = str(event.get("level", "info"))
-        node = _harmless(str(event.get("node", "")).lstrip("/"))
-        mark = "" if level in {"info", "debug"} else f"{level}: "
-        text = f"{str(event.get('timestamp', ''))[11:19]}  {node:<14} {mark}{_harmless(sentence(event))}"
-        if "exception" in event:
-            text = f"{text}\n{_harmless_lines(str(event['exception']))}"
-        if self._colours and level in _COLOURS:
-            return f"\x1b[{_COLOURS[level]}m{text}\x1b[0m"
-        return text
-
-
-def _harmless_lines(text: str) -> str:
-    """Return a traceback, of which the end says most, as lines that are each harmless and set in."""
-    lines = text.split("\n")
-    if len(lines) > _MOST_LINES:
-        left_out = len(lines) - _MOST_LINES
-        lines = [*lines[: _MOST_LINES // 4], f"  … ({left_out:,} lines)", *lines[left_out + _MOST_LINES // 4 :]]
-    return "\n".join(f"  {_harmless(line)}" for line in lines)
-
-
-def _harmless(text: str) -> str:
-    shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(text):,} characters)"
-    return CONTROL.sub(lambda found: ascii(found[0])[1:-1], shown)

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Final, Self, final
 
-import structlog
+from homebot.logger import get_logger
 
 __all__ = ["LoopWatch", "WatchedSelector"]
 
@@ -38,7 +38,7 @@ _LIBRARIES: Final = tuple(
     dict.fromkeys(sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib"))
 )
 
-_log = structlog.get_logger(node="/homebot")
+_log = get_logger(node="/homebot")
 
 
 @final

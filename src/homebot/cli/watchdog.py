@@ -7,7 +7,7 @@ import threading
 from types import TracebackType
 from typing import Self, final
 
-import structlog
+from homebot.logger import get_logger
 
 __all__ = ["Watchdog"]
 
@@ -17,7 +17,7 @@ SAY_AFTER = 4.5
 EXIT_AFTER = 4.8
 """Seconds from :meth:`Watchdog.start` to the end of the process: together with a little work, below five."""
 
-_log = structlog.get_logger(node="/homebot")
+_log = get_logger(node="/homebot")
 
 
 @final

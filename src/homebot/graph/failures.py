@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
-import structlog
-
 from homebot.clock import Clock
 from homebot.isolation import in_words
 from homebot.log import LogLimit
+from homebot.logger import get_logger
 
 __all__ = ["CallbackFailure", "Failures"]
 
@@ -68,7 +67,7 @@ class Failures:
         if held_back is None:
             return
         more = f" (and {held_back} more like this)" if held_back else ""
-        structlog.get_logger(node=node).error(
+        get_logger(node=node).error(
             CALLBACK_FAILED,
             message=f"the {callback} failed ({failure.last}); {cost}{more}",
             callback=callback,

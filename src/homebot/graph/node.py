@@ -26,8 +26,8 @@ from types import TracebackType
 from typing import Literal, Protocol, Self, TypeVar
 
 import anyio
-import structlog
 from anyio.abc import TaskGroup
+from structlog.typing import FilteringBoundLogger
 
 from homebot.errors import ClosedError, DuplicateNameError, UsageError
 from homebot.graph.client import Client
@@ -41,6 +41,7 @@ from homebot.graph.service import Handler, Service
 from homebot.graph.subscription import Callback, Expiring, Subscription
 from homebot.graph.timer import Timer
 from homebot.isolation import crash_of, is_cancelled, run_as, uncancel
+from homebot.logger import get_logger
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 from homebot.messages.rcl_interfaces import ParameterEvent
@@ -92,7 +93,7 @@ class Node:
         self.name = name
         self.full_name = full_node_name(name, namespace)
         self.namespace = self.full_name.removesuffix(f"/{name}") or "/"
-        self.log: structlog.typing.FilteringBoundLogger = structlog.get_logger(node=self.full_name)
+        self.log = get_logger(node=self.full_name)
         self._tasks: TaskGroup | None = None
         self._scopes: dict[anyio.CancelScope, None] = {}  # in the order of starting, so that runs are alike
         self._waiting: list[Callable[[], Coroutine[object, object, None]]] = []
@@ -258,7 +259,7 @@ class Node:
         """Return a declared parameter; see :meth:`homebot.graph.ParameterSet.get`."""
         return self.parameters.get(name)
 
-    def get_logger(self) -> structlog.typing.FilteringBoundLogger:
+    def get_logger(self) -> FilteringBoundLogger:
         """Return :attr:`log`."""
         return self.log
 

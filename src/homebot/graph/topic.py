@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-import structlog
-
 from homebot.errors import TypeMismatchError
 from homebot.graph.publisher import Publisher
 from homebot.graph.qos import DurabilityPolicy, qos_incompatibilities
 from homebot.graph.subscription import Subscription
 from homebot.log import LogLimit
+from homebot.logger import get_logger
 from homebot.messages.message import Message
 
 __all__ = ["Topic"]
 
-_log = structlog.get_logger()
+_log = get_logger()
 
 QOS_INCOMPATIBLE = "graph.qos_incompatible"
 

@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import anyio
-import structlog
 
 from homebot.errors import LinkError, RefusedError
 from homebot.house.condition import Condition
 from homebot.house.dialect import Dialect, Nameplate, Outgoing
 from homebot.isolation import run_as
 from homebot.log import LogLimit
+from homebot.logger import get_logger
 from homebot.mqtt.client import Subscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 
@@ -31,7 +31,7 @@ REFUSED = "house.publish_refused"
 QUEUED = 100
 """Messages of one device that wait for the broker; the oldest goes, because a newer one is nearer to the truth."""
 
-_log = structlog.get_logger()
+_log = get_logger()
 
 
 @dataclass(slots=True)

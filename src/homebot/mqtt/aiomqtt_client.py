@@ -29,7 +29,6 @@ from typing import Any, Final, Literal, TypeVar, final
 
 import aiomqtt
 import anyio
-import structlog
 from paho.mqtt import MQTTException
 from paho.mqtt import client as paho
 from paho.mqtt.packettypes import PacketTypes
@@ -38,6 +37,7 @@ from paho.mqtt.reasoncodes import ReasonCode as PahoReason
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
+from homebot.logger import get_logger
 from homebot.mqtt.client import MqttCounters, PublishResult, Session, Subscription
 from homebot.mqtt.dial import dial
 from homebot.mqtt.incoming import Frame, FrameReader
@@ -87,7 +87,7 @@ _NO_MQTT: Final = "what answers there speaks no MQTT"
 _SILENCE: Final = logging.getLogger("homebot.mqtt.silence")
 _SILENCE.disabled = True
 
-_log = structlog.get_logger()
+_log = get_logger()
 
 _Version = Literal["5", "3.1.1"]
 T = TypeVar("T")

@@ -15,12 +15,12 @@ from types import TracebackType
 from typing import Final, Self, final
 
 import anyio
-import structlog
 from anyio.abc import TaskGroup
 from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
+from homebot.logger import get_logger
 from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
 from homebot.mqtt.client import MqttClient, MqttCounters, PublishResult, Session, Subscription
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
@@ -40,7 +40,7 @@ after the login is not asked in a hot loop."""
 _FAREWELL = 1.0
 """Seconds for the last "offline" at a clean close; the broker's will says it otherwise."""
 
-_log = structlog.get_logger()
+_log = get_logger()
 
 
 @enum.unique

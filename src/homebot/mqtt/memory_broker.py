@@ -12,10 +12,10 @@ from types import TracebackType
 from typing import Final, Self, final
 
 import anyio
-import structlog
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, UsageError
+from homebot.logger import get_logger
 from homebot.mqtt.broker import BrokerLimits, BrokerStats, Hub, Policy
 from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.hub_timer import HubTimer
@@ -31,7 +31,7 @@ __all__ = ["MemoryBroker"]
 _HOST: Final = "memory"
 _PORT: Final = 1883
 _LINKS_PER_CLIENT = 2  # as many as the broker on TCP has sockets
-_log = structlog.get_logger()
+_log = get_logger()
 
 
 @final

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import final
 
-import structlog
-
 from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.log import LogLimit
+from homebot.logger import get_logger
 from homebot.mqtt.client import MqttCounters, Session
 from homebot.mqtt.delivery import DeliveryLedger
 from homebot.mqtt.inbox import Inbox
@@ -19,7 +18,7 @@ from homebot.mqtt.options import MqttOptions
 
 __all__ = ["Receiver"]
 
-_log = structlog.get_logger()
+_log = get_logger()
 
 
 @final

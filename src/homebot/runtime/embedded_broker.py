@@ -8,12 +8,11 @@ from contextlib import asynccontextmanager
 from dataclasses import asdict
 from functools import partial
 
-import structlog
-
 from homebot.clock import Clock
 from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.errors import LinkError
 from homebot.graph import Graph, Node
+from homebot.logger import get_logger
 from homebot.mqtt.broker import Broker, PortTakenError
 
 __all__ = ["embedded_broker"]
@@ -24,7 +23,7 @@ FIRST_PORT = 1883
 NEIGHBOURS = 20
 ANY_PORT = 0
 
-_log = structlog.get_logger(node="/homebot")
+_log = get_logger(node="/homebot")
 
 
 @asynccontextmanager

@@ -6,7 +6,7 @@ The order is: broker (where it is ours), gateways, directory, apps, door, simula
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import AsyncExitStack, contextmanager
+from contextlib import AsyncExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +15,6 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 import anyio
-import structlog
 from anyio.abc import TaskStatus
 
 from homebot.apps import App
@@ -31,6 +30,7 @@ from homebot.gateways.mqtt import MqttGateway
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.isolation import run_as
+from homebot.logger import get_logger, observed_lines
 from homebot.loop_watch import LoopWatch
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -56,7 +56,7 @@ NO_BROKER_FOR_HOUSE = (
     "none is on homebot's own broker (an mqtt gateway without url), where a simulated house could live"
 )
 
-_log = structlog.get_logger(node="/homebot")
+_log = get_logger(node="/homebot")
 
 
 class Runtime:
@@ -153,7 +153,7 @@ class Runtime:
 
     async def _start(self, stack: AsyncExitStack) -> None:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
-        stack.enter_context(_rosout(main))
+        stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self.supervisor, self._loop_watch, self._lost_lines)
         gateways = await self._with_broker(stack)
         for name, work in self._components(gateways):
@@ -277,14 +277,3 @@ def _on_broker(gateway: Component[Gateway], url: str) -> Component[Gateway]:
 def _root(gateways: tuple[Component[Gateway], ...]) -> str:
     roots = [one.settings.root for one in gateways if isinstance(one.settings, MqttGatewaySettings)]
     return next((root for root in roots if root), THESIS_HOME)
-
-
-@contextmanager
-def _rosout(node: Node) -> Iterator[None]:
-    """Let every log line of the process appear on ``/rosout`` as well."""
-    before = structlog.get_config()["processors"]
-    structlog.configure(processors=[*before[:-1], RosoutFeed(node), before[-1]])
-    try:
-        yield
-    finally:
-        structlog.configure(processors=before)

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import anyio
-import structlog
 from anyio.abc import TaskStatus
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
 from homebot.isolation import in_words, is_cancelled, run_as
+from homebot.logger import get_logger
 
 __all__ = ["ComponentCrashes", "Supervisor", "Work"]
 
@@ -34,7 +34,7 @@ MAX_CRASHES = 5
 CRASH_WINDOW = 60.0
 READY_WITHIN = 10.0
 
-_log = structlog.get_logger(node="/homebot")
+_log = get_logger(node="/homebot")
 
 
 class Work(Protocol):

@@ -7,12 +7,11 @@ import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-import structlog
-
 from homebot.cli.until_told import on_an_event_loop, until_told
 from homebot.config import read_secret
 from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging
+from homebot.logger import get_logger
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.broker.authentication import is_loopback
 from homebot.mqtt.broker.losses import loss_words
@@ -25,7 +24,7 @@ __all__ = ["broker", "make_broker"]
 SERVING = "broker.serving"
 ENDED = "broker.ended"
 
-_log = structlog.get_logger(node="/broker")
+_log = get_logger(node="/broker")
 
 
 def broker(options: argparse.Namespace) -> int:

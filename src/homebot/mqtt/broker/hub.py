@@ -9,10 +9,9 @@ from collections.abc import Callable
 from random import Random, SystemRandom
 from typing import TYPE_CHECKING, final
 
-import structlog
-
 from homebot.clock import Clock
 from homebot.log import LogLimit
+from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.deadlines import Deadlines
 from homebot.mqtt.broker.exchange import Exchange
@@ -38,7 +37,7 @@ __all__ = ["Hub"]
 _CUT_BY_A_READ = 4096  # bytes: about a read may leave as much of a packet on every connection
 _IN_A_TURN = 20_000  # units of work
 _WARNINGS = 20  # of one event in ten seconds: enough to tell a few clients apart
-_log = structlog.get_logger()
+_log = get_logger()
 
 
 @final

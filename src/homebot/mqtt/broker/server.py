@@ -12,10 +12,10 @@ from types import TracebackType
 from typing import Self, final
 
 import anyio
-import structlog
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, UsageError
+from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication, is_loopback
 from homebot.mqtt.broker.connection import Connection
 from homebot.mqtt.broker.endpoint import Endpoint
@@ -36,7 +36,7 @@ __all__ = ["Broker", "PortTakenError"]
 
 _BACKLOG = 512
 _ACCEPTED_IN_A_TURN = 16  # asyncio takes as many in one turn of the loop as it is told to let wait
-_log = structlog.get_logger()
+_log = get_logger()
 
 
 class PortTakenError(LinkError):

@@ -1,0 +1,165 @@
+"""The logger that every module of homebot has, and how a line looks for people.
+
+Where the program has configured structlog, or called :func:`homebot.log.configure_logging`, a line goes that way. Where
+it has not, homebot is a guest in somebody's program: warnings and worse go to standard error, all else to nobody but
+the readers of ``/rosout``.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from datetime import datetime
+from typing import Final, TextIO, cast, final
+
+import structlog
+from structlog.typing import EventDict, FilteringBoundLogger, Processor, WrappedLogger
+
+from homebot.output import CONTROL, CleanText
+
+__all__ = ["ConsoleRenderer", "LineWriter", "get_logger", "observed_lines", "sentence", "with_local_time"]
+
+_COLOURS = {"debug": "2", "warning": "33", "error": "31", "critical": "1;31"}
+_LONGEST = 1000
+_MOST_LINES = 400
+_NOT_FACTS = {"event", "level", "node", "timestamp", "message", "exception"}
+
+_observers: Final[list[Processor]] = []
+
+
+def get_logger(**facts: object) -> FilteringBoundLogger:
+    """Return a logger whose lines all carry *facts*; each line goes where it is configured to when it is written."""
+    return cast("FilteringBoundLogger", _Logger(facts))
+
+
+@contextmanager
+def observed_lines(observer: Processor) -> Iterator[None]:
+    """Show *observer* every line during the block, whatever its level where nothing is configured."""
+    if not structlog.is_configured():
+        _observers.append(observer)
+        try:
+            yield
+        finally:
+            _observers.remove(observer)
+        return
+    before = structlog.get_config()["processors"]
+    structlog.configure(processors=[*before[:-1], observer, before[-1]])
+    try:
+        yield
+    finally:
+        structlog.configure(processors=before)
+
+
+def sentence(event: EventDict) -> str:
+    """Return the line's plain words: its ``message``, or the event name with its facts."""
+    if "message" in event:
+        return str(event["message"])
+    facts = "  ".join(f"{key}={value}" for key, value in event.items() if key not in _NOT_FACTS)
+    return f"{event.get('event', '')}  {facts}" if facts else str(event.get("event", ""))
+
+
+def with_local_time(_logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:
+    """Stamp a line in ISO 8601, in the computer's own time, with how far that is from UTC."""
+    event["timestamp"] = datetime.now().astimezone().isoformat(timespec="microseconds")
+    return event
+
+
+@final
+class ConsoleRenderer:
+    """Renders a line as ``12:30:01  node  words``, in local time, and a traceback below it, set in.
+
+    What outsiders wrote cannot break the line, look like another, or steer the terminal.
+
+    Args:
+        colours: Whether warnings and worse stand out by their colour.
+    """
+
+    def __init__(self, *, colours: bool) -> None:
+        self._colours = colours
+
+    def __call__(self, _logger: WrappedLogger, _method: str, event: EventDict) -> str:
+        """Return the line of *event*."""
+        level = str(event.get("level", "info"))
+        node = _harmless(str(event.get("node", "")).lstrip("/"))
+        mark = "" if level in {"info", "debug"} else f"{level}: "
+        text = f"{str(event.get('timestamp', ''))[11:19]}  {node:<14} {mark}{_harmless(sentence(event))}"
+        if "exception" in event:
+            text = f"{text}\n{_harmless_lines(str(event['exception']))}"
+        if self._colours and level in _COLOURS:
+            return f"\x1b[{_COLOURS[level]}m{text}\x1b[0m"
+        return text
+
+
+class LineWriter:
+    """Writes lines. Whoever read them may have gone; the house does not go down with them.
+
+    Args:
+        out: Where to; None for what is standard error when a line is written.
+    """
+
+    def __init__(self, out: TextIO | None = None) -> None:
+        self._out = out
+
+    def msg(self, line: str) -> None:
+        """Write *line*."""
+        out = self._out or sys.stderr
+        if isinstance(out, CleanText):
+            out = out.raw  # a line is made harmless where its parts are known, and may have colours
+        with suppress(OSError, ValueError):  # a broken pipe, or a stream that was closed: nowhere left to say it
+            out.write(f"{line}\n")
+            out.flush()
+
+    log = debug = info = warning = error = critical = msg
+
+
+def _shown_to_observers(logger: WrappedLogger, method: str, event: EventDict) -> EventDict:
+    for observer in tuple(_observers):
+        observer(logger, method, event)
+    return event
+
+
+def _only_warnings(_logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:
+    if event["level"] in {"debug", "info"}:
+        raise structlog.DropEvent
+    return event
+
+
+_GUEST: Final[tuple[Processor, ...]] = (
+    structlog.processors.add_log_level,
+    _shown_to_observers,
+    _only_warnings,
+    with_local_time,
+    structlog.processors.format_exc_info,
+    ConsoleRenderer(colours=False),
+)
+_GUEST_LOGGER: Final = structlog.wrap_logger(
+    LineWriter(), processors=_GUEST, wrapper_class=structlog.make_filtering_bound_logger(0)
+)
+
+
+class _Logger:
+    """Stands for structlog's logger, or for the one of a guest, at each call."""
+
+    def __init__(self, facts: dict[str, object]) -> None:
+        self._configured = structlog.get_logger(**facts)
+        self._guest = _GUEST_LOGGER.bind(**facts)
+
+    def __getattr__(self, name: str) -> object:
+        if name.startswith("__"):  # a copy or a pickle asks before there is anything
+            raise AttributeError(name)
+        return getattr(self._configured if structlog.is_configured() else self._guest, name)
+
+
+def _harmless_lines(text: str) -> str:
+    """Return a traceback, of which the end says most, as lines that are each harmless and set in."""
+    lines = text.split("\n")
+    if len(lines) > _MOST_LINES:
+        left_out = len(lines) - _MOST_LINES
+        lines = [*lines[: _MOST_LINES // 4], f"  … ({left_out:,} lines)", *lines[left_out + _MOST_LINES // 4 :]]
+    return "\n".join(f"  {_harmless(line)}" for line in lines)
+
+
+def _harmless(text: str) -> str:
+    shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(text):,} characters)"
+    return CONTROL.sub(lambda found: ascii(found[0])[1:-1], shown)

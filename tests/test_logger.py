@@ -1,0 +1,112 @@
+"""Lines of a homebot that is a library in somebody's program, who has not configured any logging."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+import structlog
+
+from homebot.logger import get_logger, observed_lines
+
+HEAD = """\
+import asyncio, structlog
+from homebot import Graph, Node, Runtime, configure_logging, parse_config
+from homebot.messages import Log, String
+
+async def house():
+    tables = {"gateways": {"mqtt": {"root": "home425"}}, "door": {"port": 0}, "apps": {"light_service": {}}}
+    async with Runtime(parse_config(tables, "test")) as runtime, Node(runtime.graph, "mine") as node:
+        lines = node.create_subscription(Log, "/rosout", qos_profile=100)
+        node.log.debug("mine.debug")
+        node.log.info("mine.info")
+        if SHOWN:
+            node.log.warning("mine.warning", message="the lamp\\x1b[2J is hot", watts=9)
+        return [line.msg for line in iter(lines.take, None)]
+
+SHOWN = False
+"""
+
+
+def program(text: str) -> tuple[str, str]:
+    """Return what a program prints, to standard output and to standard error."""
+    done = subprocess.run([sys.executable, "-c", HEAD + text], capture_output=True, text=True, timeout=30, check=True)
+    return done.stdout, done.stderr
+
+
+def test_nothing_below_a_warning_is_printed() -> None:
+    """Neither of a house that starts and stops, nor of a node of one's own."""
+    assert program("asyncio.run(house())") == ("", "")
+
+
+def test_rosout_has_the_lines_all_the_same() -> None:
+    assert program("print(asyncio.run(house()))") == ("['mine.debug', 'mine.info']\n", "")
+
+
+def test_a_warning_is_printed_in_plain_words() -> None:
+    """As by ``homebot run``: time, node, words, nothing that steers the terminal."""
+    out, err = program("SHOWN = True\nasyncio.run(house())")
+    assert out == ""
+    assert err[8:] == r"  mine           warning: the lamp\x1b[2J is hot" + "\n"
+
+
+def test_an_error_comes_with_its_traceback_set_in() -> None:
+    out, err = program("""
+async def main():
+    async with Node(Graph(), "mine") as node:
+        def fail(message): raise RuntimeError("broken")
+        done = asyncio.Event()
+        node.create_subscription(String, "t", fail)
+        node.create_subscription(String, "t", lambda message: done.set())
+        node.create_publisher(String, "t").publish(String(data="x"))
+        await done.wait()
+asyncio.run(main())
+""")
+    first, *rest = err.splitlines()
+    assert out == ""
+    assert "mine           error: " in first
+    assert rest[0] == "  Traceback (most recent call last):"
+    assert rest[-1] == "  RuntimeError: broken"
+
+
+def test_the_programs_own_lines_stay_as_they_are() -> None:
+    """It may use structlog as it comes."""
+    out, _ = program('asyncio.run(house()); structlog.get_logger().info("mine"); print(structlog.is_configured())')
+    assert "mine" in out
+    assert out.endswith("False\n")
+
+
+CONFIGURED = "import structlog; structlog.configure(processors=[lambda *line: 'mine: ' + line[2]['event']])\n"
+MADE = "import asyncio; from homebot import Graph, Node\nasync def made(): return Node(Graph(), 'mine')\n"
+NODE = f"{MADE}node = asyncio.run(made())\n"
+
+
+@pytest.mark.parametrize("code", [CONFIGURED + NODE, NODE + CONFIGURED], ids=["before homebot", "after homebot"])
+def test_a_configuration_of_the_programs_own_counts(code: str) -> None:
+    """Also for loggers that are there already."""
+    command = [sys.executable, "-c", f"{code}node.log.info('hello')"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
+    assert (done.stdout, done.stderr) == ("mine: hello\n", "")
+
+
+def test_configure_logging_counts_as_well() -> None:
+    out, err = program('configure_logging(level="info"); asyncio.run(house())')
+    assert out == ""
+    assert "light_service runs" in err
+
+
+def test_observers_see_lines_only_during_their_block() -> None:
+    seen: list[str] = []
+
+    def observer(_logger: object, _method: str, event: structlog.typing.EventDict) -> structlog.typing.EventDict:
+        seen.append(event["event"])
+        return event
+
+    structlog.reset_defaults()
+    log = get_logger(node="/mine")
+    with observed_lines(observer):
+        log.debug("first")
+    log.debug("second")
+    assert seen == ["first"]
+    assert not structlog.is_configured()
