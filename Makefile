@@ -9,49 +9,75 @@ SEED := $(or $(SEED),$(shell date +%s))
 CASES ?= 100000
 HOUSES ?= 100
 
-.PHONY: run test fuzz houses check format bench lock test-lowest clean
+# What `make test-fast` leaves to `make test`: sockets, programs that are started, whole days, floods, generated cases.
+SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/broker tests/testing \
+	tests/mqtt/test_client_contract.py tests/mqtt/test_keep_alive.py tests/discovery/test_churn.py \
+	tests/gateways/mqtt/test_bounds.py tests/gateways/mqtt/test_floods.py tests/gateways/mqtt/test_gateway.py \
+	tests/gateways/mqtt/test_long_lists.py tests/gateways/mqtt/test_stolen_topics.py tests/house/test_mixed_house.py \
+	tests/gateways/mqtt/zigbee2mqtt/test_both_announcements.py tests/test_benchmarks.py tests/test_examples.py \
+	tests/test_logger.py tests/test_loop_watch.py tests/test_public_face.py tests/test_readme.py
+SLOW_KINDS = *_against_* *_any_* *_fuzz* *_hostile*
 
+.PHONY: help run test test-fast fuzz houses check format bench lock test-lowest clean
+
+## This list.
+help:
+	@awk '/^## / { what = substr($$0, 4) } /^[a-z-]+:/ && what { sub(":.*", ""); printf "  make %-12s %s\n", $$0, what; what = "" }' Makefile
+	@echo "ARGS=\"…\" goes on to the program of each: make test ARGS=\"tests/graph -k topic\""
+
+## homebot with a simulated house, until Ctrl-C.
 run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
 
+## All tests, with coverage: about four minutes.
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 3 --dist worksteal --cov --cov-report=term $(ARGS)
 
+## The tests that are quick: no programs, no floods, no generated cases; under a minute.
+test-fast: $(VENV)/.dev
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not system" $(SLOW:%=--ignore=%) $(SLOW_KINDS:%=--ignore-glob="%") $(ARGS)
+
 # Generated cases for all that strangers say, 100,000 for each of 14 targets; `make fuzz SEED=...` repeats a run.
+## Generated cases for all that strangers send: about half an hour.
 fuzz: $(VENV)/.dev
 	@echo "seed $(SEED), $(CASES) cases for each target"
 	@FUZZ_SEED=$(SEED) FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -n 2 --timeout 7200 --show-capture no tests/fuzz tests/mqtt/broker/test_fuzz_seeded.py $(ARGS)
 
 # Days of the family home, a hundred of them; `make houses HOUSES=1000` takes more.
+## A hundred days in simulated houses.
 houses: $(VENV)/.dev
 	@HOUSES=$(HOUSES) $(BIN)/python -m pytest -n auto --timeout 600 --show-capture no tests/testing/test_family_day.py $(ARGS)
 
+## Format, lint, types, and which package may import which.
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+## Formats the code, and mends what can be mended.
 format: $(VENV)/.dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+## Speed and memory, beside Home Assistant where it can be installed.
 bench: $(BENCH)/.ready $(BENCH)-ha/.tried
 	@$(BENCH)/bin/python benchmarks/run.py --home-assistant $(BENCH)-ha/bin/python $(ARGS)
 
-# Moves the versions that CI installs forward to the newest.
+## Moves the versions that CI installs forward to the newest.
 lock:
 	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/pip install --quiet --disable-pip-version-check -e ".[dev,all]"
 	.venv-lock/bin/pip freeze --exclude-editable > constraints.txt
 	rm -rf .venv-lock
 
-# Tests the lower bounds of pyproject.toml.
+## All tests with the lower bounds of pyproject.toml.
 test-lowest:
 	$(PYTHON) -m venv .venv-lowest
 	.venv-lowest/bin/pip install --quiet --disable-pip-version-check -c constraints-lowest.txt -e ".[dev,all]"
 	.venv-lowest/bin/python -m pytest -n 3 -p no:cacheprovider $(ARGS)
 
+## Removes what the targets made.
 clean:
 	rm -rf $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 

@@ -1,0 +1,28 @@
+"""``make help`` lists what can be made."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+
+
+def test_help_has_a_line_for_every_target() -> None:
+    phony = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert phony is not None
+    shown = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True, timeout=20).stdout
+    assert re.findall(r"^  make (\S+) +[A-Zh].*\.$", shown, re.MULTILINE) == phony[1].split()
+
+
+def test_what_the_fast_tests_leave_out_exists() -> None:
+    """Else they would take long again, and nobody would know why."""
+    ignored = re.findall(
+        r"--ignore=(\S+)",
+        subprocess.run(
+            ["make", "-n", "test-fast"], cwd=ROOT, capture_output=True, text=True, check=True, timeout=20
+        ).stdout,
+    )
+    assert ignored
+    assert [path for path in ignored if not (ROOT / path).exists()] == []
