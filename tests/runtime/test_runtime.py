@@ -289,7 +289,7 @@ async def test_a_client_that_floods_does_not_delay_the_stop() -> None:
             tasks.start_soon(_flood, runtime.broker_url, ready)
             await ready.wait()
             started = anyio.current_time()
-        assert anyio.current_time() - started < 10
+        assert anyio.current_time() - started < 3
         tasks.cancel_scope.cancel()
 
 
