@@ -46,7 +46,7 @@ class Entry:
         first_seen: When it was first heard of.
         freshness: See :class:`Device`.
         deadline: When it becomes stale unless it is heard of again, in seconds of the clock that is never set.
-        expires: The same as a stamp.
+        expires: The same in seconds since the Unix epoch.
         rhythm: How often it speaks.
         evidence: Why its announcements are one device, in words.
         told_conflicts: What was last told to be disputed about it.
@@ -63,7 +63,7 @@ class Entry:
     freshness: Freshness
     claims: dict[ClaimKey, Claim] = field(default_factory=dict)
     deadline: float = -math.inf
-    expires: Time = _NO_TIME
+    expires: float = 0.0
     rhythm: Rhythm = field(default_factory=Rhythm)
     evidence: tuple[str, ...] = ()
     saved_at: float = -math.inf
@@ -129,7 +129,7 @@ class Entry:
                 metadata=described.metadata,
                 first_seen=self.first_seen,
                 last_seen=self.last_seen(),
-                expires=self.expires,
+                expires=Time.from_seconds(self.expires),
                 freshness=self.freshness,
                 service_types=described.service_types,
                 area=described.area,

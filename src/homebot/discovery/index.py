@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
-from functools import lru_cache
 from typing import final
 
 from homebot.devices import Device, DeviceChange, Sighting, State, StateChange
@@ -166,10 +165,10 @@ class DeviceIndex:
             return
         entry, live, stamp = self._owner[key], not report.retained, report.received_at
         is_life = live and bool(report.address)
-        concerns_reach = entry.is_denied or any(one.capability == REACHABLE for one in report.readings)
-        before = self._reach(entry) if concerns_reach else None
+        before = self._reach(entry) if entry.is_denied else None
         for reading in report.readings:
             if reading.capability == REACHABLE:
+                before = before or self._reach(entry)
                 if report.address:
                     reach(entry, claim, reading, stamp, self._now, live=live)
                 else:
@@ -205,7 +204,7 @@ class DeviceIndex:
             made += 1
             entry = self._entries[due]
             if entry.freshness == "stale":
-                at = entry.expires.to_seconds() + self._forget_after
+                at = entry.expires + self._forget_after
                 self._remove(entry, "it has been stale for too long", is_ghost=True, at=at)
                 continue
             entry.freshness = "stale"
@@ -320,7 +319,7 @@ class DeviceIndex:
             self._bonds.put(key, claim.sighting)
         entry.freshness = "unconfirmed"
         lasts = max(claim.lasts for claim in entry.claims.values())
-        entry.deadline, entry.expires = now + lasts, _stamp((now if wall is None else wall) + lasts)
+        entry.deadline, entry.expires = now + lasts, (now if wall is None else wall) + lasts
         self._entries[entry.id] = entry
         self._describe(entry)
         self._deadlines.set(entry.id, entry.deadline)
@@ -576,10 +575,10 @@ class DeviceIndex:
         entry.rhythm.heard(now)
         entry.told_anew()
         usual = max(entry.lasts, entry.rhythm.patience())
-        if claim.is_online:
+        if claim.reach and claim.is_online:
             usual = max(usual, _ONLINE_FOR)
         before, entry.freshness = entry.freshness, "fresh"
-        entry.deadline, entry.expires = now + usual, _stamp(stamp.to_seconds() + usual)
+        entry.deadline, entry.expires = now + usual, stamp.to_seconds() + usual
         self._set_deadline(entry)
         if before == "fresh":
             return
@@ -593,7 +592,7 @@ class DeviceIndex:
         """Let *entry* be silent for as long as *claim*, last *heard* then, says; unless it may for longer already."""
         deadline = heard + claim.lasts
         if deadline > entry.deadline:
-            entry.deadline, entry.expires = deadline, _stamp(claim.seen_at.to_seconds() + claim.lasts)
+            entry.deadline, entry.expires = deadline, claim.seen_at.to_seconds() + claim.lasts
         self._set_deadline(entry)
 
     def _set_deadline(self, entry: Entry) -> None:
@@ -661,9 +660,3 @@ class DeviceIndex:
         entry.told_anew()
         self._unsorted[entry.id] = None
         self._happenings.note(kind, entry, why, other)
-
-
-@lru_cache(maxsize=64)
-def _stamp(seconds: float) -> Time:
-    """Devices that are announced together expire together."""
-    return Time.from_seconds(seconds)
