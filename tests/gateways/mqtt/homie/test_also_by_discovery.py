@@ -13,6 +13,7 @@ import pytest
 
 from homebot.devices import Device, Sighting
 from homebot.discovery import DeviceIndex
+from homebot.gateways.mqtt.claim import Claim
 from homebot.gateways.mqtt.description import Described
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
@@ -134,25 +135,10 @@ def by_discovery(**device: object) -> Iterator[Described]:
 
 
 def sighting(one: Described) -> Sighting:
-    return Sighting(
-        gateway="mqtt",
-        key=f"{one.convention}:{one.key}",
-        kind="updated",
-        why="it was announced",
-        name=one.name,
-        service_type=one.parts[0].part.service_type,
-        address="",
-        command_address="",
-        metadata=(),
-        convention=one.convention,
-        identifiers=one.identifiers,
-        parts=tuple(part.part for part in one.parts),
-        announced_on=one.topic,
-        owns=one.owns,
-        seen_at=Time(sec=0, nanosec=0),
-        expires_at=Time(sec=3600, nanosec=0),
-        confirmed=False,
-    )
+    """As the gateway publishes it."""
+    claim = Claim("mqtt", f"{one.convention}:{one.key}", one)
+    begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
+    return claim.sighting("updated", "it was announced", at=begin, until=end, heard_at=0.0, confirmed=False)
 
 
 def devices(*announcements: Described) -> tuple[Device, ...]:
