@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import signal
 import sys
+import threading
 import time
 from typing import NoReturn
 
@@ -144,3 +146,11 @@ class ClingsOn(App):
                 await anyio.sleep_forever()
             except anyio.get_cancelled_exc_class():
                 continue
+
+
+class BlocksInC(App):
+    """Does not come back from a call into C, which nothing interrupts: another thread takes the signal."""
+
+    async def run(self) -> None:
+        threading.Timer(0.2, lambda: signal.pthread_kill(threading.get_ident(), signal.SIGTERM)).start()
+        time.sleep(60)  # noqa: ASYNC251

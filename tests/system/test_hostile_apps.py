@@ -77,6 +77,12 @@ def test_an_app_that_does_not_end_is_left_behind_in_time(tmp_path: Path) -> None
     assert "not everything stopped in time" in run.text
 
 
+def test_a_signal_ends_it_in_time_also_where_no_handler_of_python_runs(tmp_path: Path) -> None:
+    run = Run(tmp_path, "--app", f"{MODULE}:BlocksInC", PYTHONPATH=str(ROOT))
+    assert run.end() == 1
+    assert "not everything stopped in time" in run.text
+
+
 def test_a_log_that_nobody_reads_holds_nobody_up_and_tells_what_is_missing_when_it_is_read_again(
     tmp_path: Path,
 ) -> None:

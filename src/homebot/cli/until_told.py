@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-import signal
-from collections.abc import Callable, Coroutine, Iterator
-from contextlib import AbstractAsyncContextManager, contextmanager
-from types import FrameType
+from collections.abc import Callable, Coroutine
+from contextlib import AbstractAsyncContextManager
 from typing import TypeVar
 
 import anyio
 
+from homebot.cli.stop_signals import at_stop_signals
 from homebot.cli.watchdog import Watchdog
 from homebot.production_loop import ProductionLoop
 
@@ -49,7 +48,7 @@ async def until_told(
         if cut_start_short is not None:
             cut_start_short()
 
-    with Watchdog() as watchdog, _at_signals(watchdog.start, stop):
+    with Watchdog() as watchdog, at_stop_signals(watchdog.start, stop):
         async with service:
             loop = asyncio.get_running_loop()
             if isinstance(loop, ProductionLoop):
@@ -57,20 +56,3 @@ async def until_told(
             with anyio.move_on_after(seconds):
                 await told_to_stop.wait()
             watchdog.start()
-
-
-@contextmanager
-def _at_signals(at_once: Callable[[], None], in_the_loop: Callable[[], None]) -> Iterator[None]:
-    """Call both at SIGINT and SIGTERM, *at_once* also while the event loop is blocked."""
-    loop = asyncio.get_running_loop()
-
-    def handle(_number: int, _frame: FrameType | None) -> None:
-        at_once()
-        loop.call_soon_threadsafe(in_the_loop)
-
-    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -31,10 +31,13 @@ class Watchdog:
     def __init__(self) -> None:
         self._timers = (threading.Timer(SAY_AFTER, _say), threading.Timer(EXIT_AFTER, os._exit, [1]))
         self._is_started = False
+        self._lock = threading.RLock()  # reentrant, as a signal may come in the middle of a start
 
     def start(self) -> None:
-        """Let the time run. Twice is fine, and so is a signal handler."""
-        if not self._is_started:
+        """Let the time run. Twice is fine, and so are a signal handler and any thread."""
+        with self._lock:
+            if self._is_started:
+                return
             self._is_started = True
             for timer in self._timers:
                 timer.daemon = True
