@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import signal
 import socket
 import ssl
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import trustme
 
 from homebot.cli import main
 from homebot.cli.commands.broker import make_broker
@@ -161,16 +161,15 @@ def test_keep_alive_and_refused_filters_are_those_of_the_options_until_its_time_
 
 
 def test_it_asks_for_the_password_and_speaks_tls(run: Run, tmp_path: Path) -> None:
-    if shutil.which("openssl") is None:
-        pytest.skip("openssl is not installed")
-    names = ["-subj", "/CN=test", "-addext", "subjectAltName=IP:127.0.0.1", "-days", "2"]
-    curve = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
-    files = ["-keyout", "key.pem", "-out", "cert.pem"]
-    subprocess.run(["openssl", "req", "-x509", *curve, *names, *files], cwd=tmp_path, check=True, capture_output=True)
+    authority = trustme.CA()
+    server = authority.issue_cert("127.0.0.1")
+    server.private_key_pem.write_to_path(tmp_path / "key.pem")
+    server.cert_chain_pems[0].write_to_path(tmp_path / "cert.pem")
     login = ["--user", "home", "--password-file", "password"]
     broker = run(*login, "--tls-cert", "cert.pem", "--tls-key", "key.pem")
     assert broker.greeting["url"].startswith("mqtts://")
-    context = ssl.create_default_context(cafile=tmp_path / "cert.pem")
+    context = ssl.create_default_context()
+    authority.configure_trust(context)
     reasons = []
     for password in (b"hunter2", b"hunter3"):
         connect = Connect("a", ProtocolVersion.V5, username="home", password=password)

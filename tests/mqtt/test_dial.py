@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 import socket
 import ssl
-import subprocess
 from pathlib import Path
 
 import anyio
 import pytest
+import trustme
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.aiomqtt_client import AiomqttClient
@@ -20,26 +19,17 @@ from homebot.mqtt.dial import dial
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.tls import make_tls_context
 
-needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not installed")
-
 
 @pytest.fixture(scope="session")
 def certificates(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with an authority, and a server and a client certificate that it signed."""
     folder = tmp_path_factory.mktemp("certificates")
-    curve = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
-
-    def openssl(*arguments: str) -> None:
-        subprocess.run(["openssl", *arguments], cwd=folder, check=True, capture_output=True)
-
-    openssl("req", "-x509", *curve, "-keyout", "ca.key", "-out", "ca.pem", "-subj", "/CN=test", "-days", "2")
-    (folder / "names").write_text("subjectAltName=IP:127.0.0.1")
-    for who in ("server", "client"):
-        openssl("req", *curve, "-keyout", f"{who}.key", "-out", f"{who}.csr", "-subj", f"/CN={who}")
-        openssl(
-            *("x509", "-req", "-in", f"{who}.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial"),
-            *("-extfile", "names", "-days", "2", "-out", f"{who}.pem"),
-        )
+    authority = trustme.CA()
+    authority.cert_pem.write_to_path(folder / "ca.pem")
+    for name, identity in (("server", "127.0.0.1"), ("client", "client@example.org")):
+        issued = authority.issue_cert(identity)
+        issued.private_key_pem.write_to_path(folder / f"{name}.key")
+        issued.cert_chain_pems[0].write_to_path(folder / f"{name}.pem")
     return folder
 
 
@@ -52,7 +42,6 @@ def server_context(certificates: Path, *, wants_client: bool = False) -> ssl.SSL
     return context
 
 
-@needs_openssl
 async def test_messages_go_over_tls(certificates: Path) -> None:
     async with Broker(tls=server_context(certificates)) as broker:
         client = AiomqttClient(
@@ -64,7 +53,6 @@ async def test_messages_go_over_tls(certificates: Path) -> None:
             assert [len(message.payload) for message in await client.receive()] == [100_000]
 
 
-@needs_openssl
 async def test_a_client_certificate_opens_the_door(certificates: Path) -> None:
     async with Broker(tls=server_context(certificates, wants_client=True)) as broker:
         options = MqttOptions.from_url(
@@ -89,7 +77,6 @@ def shake_hands(listener: socket.socket, context: ssl.SSLContext) -> None:
                 pass
 
 
-@needs_openssl
 async def test_without_a_client_certificate_a_strict_broker_refuses(certificates: Path) -> None:
     """TLS 1.3 tells it only after the hand-shake, in the place of the answer to CONNECT."""
     context = server_context(certificates, wants_client=True)
@@ -104,7 +91,6 @@ async def test_without_a_client_certificate_a_strict_broker_refuses(certificates
                     pass
 
 
-@needs_openssl
 async def test_a_broker_whose_certificate_is_not_trusted_is_refused(certificates: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         options = MqttOptions.from_url(f"mqtts://127.0.0.1:{listener.getsockname()[1]}")
@@ -115,7 +101,6 @@ async def test_a_broker_whose_certificate_is_not_trusted_is_refused(certificates
                     pass
 
 
-@needs_openssl
 async def test_tls_to_a_port_without_tls_asks_whether_it_is_the_port(certificates: Path) -> None:
     async with Broker() as broker:
         options = MqttOptions.from_url(f"mqtts://127.0.0.1:{broker.port}", ca_file=certificates / "ca.pem")
@@ -144,7 +129,6 @@ async def test_an_unknown_host_is_a_link_error() -> None:
         await dial(MqttOptions(host="no-such-host.invalid"), None)
 
 
-@needs_openssl
 async def test_a_peer_that_never_shakes_hands_is_a_link_error_and_its_socket_is_closed(certificates: Path) -> None:
     closed = anyio.Event()
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
+import trustme
+from cryptography.hazmat.primitives.serialization import (
+    BestAvailableEncryption,
+    Encoding,
+    PrivateFormat,
+    load_pem_private_key,
+)
 
 from homebot.errors import UsageError
 from homebot.mqtt.options import MqttOptions
@@ -16,16 +21,15 @@ from homebot.mqtt.tls import make_tls_context
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a certificate, its key, the same key locked, and a key of somebody else."""
-    if shutil.which("openssl") is None:
-        pytest.skip("openssl is not installed")
     folder = tmp_path_factory.mktemp("files")
-    curve = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-days", "2"]
-    for command in (
-        ["req", "-x509", *curve, "-nodes", "-keyout", "me.key", "-out", "me.pem", "-subj", "/CN=me"],
-        ["req", "-x509", *curve, "-nodes", "-keyout", "other.key", "-out", "other.pem", "-subj", "/CN=other"],
-        ["pkcs8", "-topk8", "-in", "me.key", "-out", "locked.key", "-passout", "pass:hunter2"],
-    ):
-        subprocess.run(["openssl", *command], cwd=folder, check=True, capture_output=True)
+    authority = trustme.CA()
+    for name in ("me", "other"):
+        issued = authority.issue_cert("127.0.0.1", common_name=name)
+        issued.private_key_pem.write_to_path(folder / f"{name}.key")
+        issued.cert_chain_pems[0].write_to_path(folder / f"{name}.pem")
+    key = load_pem_private_key((folder / "me.key").read_bytes(), password=None)
+    locked = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, BestAvailableEncryption(b"hunter2"))
+    (folder / "locked.key").write_bytes(locked)
     (folder / "empty.pem").write_text("nothing")
     return folder
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 import socket
 import ssl
-import subprocess
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+import trustme
 from structlog.testing import capture_logs
 
 from homebot.clock import ManualClock
@@ -264,28 +262,22 @@ async def test_password_and_names_of_hosts(dial: Dial) -> None:
 
 
 @pytest.fixture
-def certificate(tmp_path: Path) -> Path:
-    """A folder with ``cert.pem`` and ``key.pem`` for 127.0.0.1."""
-    if shutil.which("openssl") is None:
-        pytest.skip("openssl is not installed")
-    curve = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
-    names = ["-subj", "/CN=test", "-addext", "subjectAltName=IP:127.0.0.1", "-days", "2"]
-    files = ["-keyout", "key.pem", "-out", "cert.pem"]
-    subprocess.run(["openssl", "req", "-x509", *curve, *names, *files], cwd=tmp_path, check=True, capture_output=True)
-    return tmp_path
+def authority() -> trustme.CA:
+    return trustme.CA()
 
 
 @pytest.fixture
-def tls(certificate: Path) -> ssl.SSLContext:
+def tls(authority: trustme.CA) -> ssl.SSLContext:
     server = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-    server.load_cert_chain(certificate / "cert.pem", certificate / "key.pem")
+    authority.issue_cert("127.0.0.1").configure_cert(server)
     return server
 
 
 async def test_tls_clients_are_served_and_closed_with_a_reason(
-    dial: Dial, certificate: Path, tls: ssl.SSLContext
+    dial: Dial, authority: trustme.CA, tls: ssl.SSLContext
 ) -> None:
-    trusting = ssl.create_default_context(cafile=certificate / "cert.pem")
+    trusting = ssl.create_default_context()
+    authority.configure_trust(trusting)
     async with Broker(tls=tls) as broker:
         assert broker.url.startswith("mqtts://")
         client = await dial(broker, context=trusting)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import ssl
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
-from typing import Self
+from typing import Final, Self
 
 from homebot.mqtt.certificate import load_certificate
-from homebot.testing.mqtt.certificates import ServerCertificate
 
 __all__ = ["TestTls"]
+
+_VALID: Final = timedelta(days=30)  # a test run, however long, on a computer with a wrong clock
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +31,34 @@ class TestTls:
 
     @classmethod
     def make(cls, folder: Path, now: datetime) -> Self:
-        """Make new keys, and write what clients and server need into *folder*."""
-        made = ServerCertificate.make(now)
-        ca_file, own_file = folder / "ca.pem", folder / "server.pem"
-        ca_file.write_text(made.authority, encoding="ascii")
-        own_file.touch(mode=0o600)
-        own_file.write_text(made.certificate + made.key, encoding="ascii")
+        """Make new keys, and write what clients and server need into *folder*.
+
+        Args:
+            folder: A folder that exists.
+            now: In UTC; the certificate is valid from a day before to thirty days after.
+
+        Raises:
+            ImportError: The package trustme is not installed.
+        """
+        try:
+            import trustme  # noqa: PLC0415 - loads 60 modules that only tests with TLS need
+        except ModuleNotFoundError as exc:
+            if exc.name != "trustme":
+                raise
+            raise ImportError("a test broker with TLS needs trustme: pip install 'homebot[testing]'") from exc
+        authority = trustme.CA(organization_name="homebot tests")
+        server = authority.issue_cert(
+            "localhost",
+            "127.0.0.1",
+            "::1",
+            common_name="localhost",
+            not_before=now - timedelta(days=1),
+            not_after=now + _VALID,
+        )
+        ca_file, server_file = folder / "ca.pem", folder / "server.pem"
+        authority.cert_pem.write_to_path(ca_file)
+        server_file.touch(mode=0o600)
+        server.private_key_and_cert_chain_pem.write_to_path(server_file)
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-        load_certificate(context, own_file, None, what="test certificate", key_option="key_file")
+        load_certificate(context, server_file, None, what="test certificate", key_option="key_file")
         return cls(ca_file, context)
