@@ -1,0 +1,41 @@
+"""Packages of somebody else: installed as pip does it, and found by entry point without an edit of homebot."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGES = Path(__file__).parent
+
+
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize("package", sorted(path.name for path in PACKAGES.glob("homebot-*")))
+def test_the_tests_of_a_package_pass_where_it_is_installed(package: str, tmp_path: Path) -> None:
+    """It is built as a wheel and installed beside homebot; its tests start a homebot that finds it by entry point."""
+    installed = tmp_path / "installed"
+    source = tmp_path / "source"
+    shutil.copytree(PACKAGES / package, source, ignore=shutil.ignore_patterns("__pycache__"))
+    offline = ["--no-deps", "--no-index", "--no-build-isolation", "--disable-pip-version-check", "--quiet"]
+    _run(sys.executable, "-m", "pip", "install", *offline, "--target", str(installed), str(source))
+    for module in source.glob("homebot_*.py"):
+        module.unlink()
+    _run(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", cwd=source, path=installed)
+
+
+def _run(*command: str, cwd: Path = PACKAGES, path: Path = PACKAGES) -> None:
+    own = {name: value for name, value in os.environ.items() if not name.startswith(("COV_", "PYTEST_"))}
+    done = subprocess.run(
+        command,
+        cwd=cwd,
+        env=own | {"PYTHONPATH": str(path)},
+        capture_output=True,
+        text=True,
+        timeout=50,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
