@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import sqlite3
-import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -82,13 +81,9 @@ def take_over(path: Path) -> bool:
 def _data_directory() -> Path:
     if given := os.environ.get("HOMEBOT_DATA"):
         return Path(given)
-    if given := os.environ.get("XDG_DATA_HOME"):
-        return Path(given) / "homebot"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Application Support" / "homebot"
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "homebot"
-    return Path.home() / ".local" / "share" / "homebot"
+    from platformdirs import user_data_path  # noqa: PLC0415 - a start that keeps no index goes without
+
+    return user_data_path("homebot", appauthor=False)
 
 
 @final
