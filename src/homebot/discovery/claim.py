@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from types import MappingProxyType
+from typing import Any, TypeAlias
 
 from homebot.devices import Sighting
 from homebot.devices.value import PlainValue
@@ -31,6 +33,10 @@ name one radio address."""
 
 NATIVE = WHOLE | {"", "thesis"}
 """Conventions of the devices themselves, preferred to what somebody else makes of them."""
+
+
+_NOTHING: Mapping[Any, Any] = MappingProxyType({})
+"""Most announcements have nothing of what few have; a dict of their own would be 64 bytes of each device."""
 
 
 @dataclass(slots=True)
@@ -79,11 +85,13 @@ class Claim:
         first_seen: When it was first heard of.
         seen_at: When the device was last heard through it, or it was announced.
         heard: The same on the clock that is never set; minus infinity where that was before the start.
+        key: What it goes by in the index.
         confirmed: Whether the device itself was heard through it since the start.
         said: Each fact with its value, and when it was first said.
         told: What its parts told, by part and capability.
         events: What happened last, by part and capability.
-        reach: Whether it can be reached, as it says, by part; the whole is ``""``.
+        reach: Whether it can be reached, as it says, by part; the whole is ``""``. See :meth:`set_reach`.
+        is_online: Whether it said live that it is online, so that its last will watches over it.
     """
 
     sighting: Sighting
@@ -92,24 +100,25 @@ class Claim:
     seen_at: Time
     confirmed: bool
     heard: float = -math.inf
-    said: dict[str, tuple[str, Time]] = field(default_factory=dict)
+    key: ClaimKey = field(init=False)
+    said: Mapping[str, tuple[str, Time]] = field(init=False)
     told: dict[tuple[str, str], Told] = field(default_factory=dict)
-    events: dict[tuple[str, str], Told] = field(default_factory=dict)
-    reach: dict[str, Reach] = field(default_factory=dict)
+    events: Mapping[tuple[str, str], Told] = field(init=False)
+    reach: Mapping[str, Reach] = field(init=False)
+    is_online: bool = False
+
+    def __post_init__(self) -> None:
+        self.key = (self.sighting.gateway, self.sighting.key)
+        self.said = self.events = self.reach = _NOTHING
+
+    def set_reach(self, reach: Mapping[str, Reach]) -> None:
+        """Make *reach* what it says of whether it can be reached."""
+        self.reach = reach or _NOTHING
+        self.is_online = any(one.value and one.live for one in reach.values())
 
     def reach_of(self, part: str) -> Reach | None:
         """What was said of whether *part* can be reached, by itself or with the whole; None where nothing was."""
         return self.reach.get(part) or self.reach.get("")
-
-    @property
-    def is_online(self) -> bool:
-        """Whether it said live that it is online, so that its last will watches over it."""
-        return any(one.value and one.live for one in self.reach.values())
-
-    @property
-    def key(self) -> ClaimKey:
-        """What it goes by in the index."""
-        return self.sighting.gateway, self.sighting.key
 
     @property
     def lasts(self) -> float:
@@ -154,10 +163,9 @@ def note_description(claim: Claim, before: Sighting) -> None:
     said = {"name": now.name, "area": now.area, **{one.key: one.value for one in now.metadata}}
     kept = {name: found for name, found in claim.said.items() if name in said}
     anew = {name: (value, now.seen_at) for name, value in said.items() if known.get(name) != value}
-    claim.said = {**kept, **anew}
+    claim.said = {**kept, **anew} or _NOTHING
     places = {(part.id, capability.name) for part in now.parts for capability in part.capabilities}
     claim.told = {place: told for place, told in claim.told.items() if place in places}
-    claim.reach = {
-        part: one for part, one in claim.reach.items() if not part or any(part == has.id for has in now.parts)
-    }
-    claim.events = {place: told for place, told in claim.events.items() if place in places}
+    parts = {"", *(part.id for part in now.parts)}
+    claim.set_reach({part: one for part, one in claim.reach.items() if part in parts})
+    claim.events = {place: told for place, told in claim.events.items() if place in places} or _NOTHING

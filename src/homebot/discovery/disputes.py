@@ -12,8 +12,9 @@ Anybody may announce anything, also a lamp whose command topic is a lock's. So i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.discovery.claim import NATIVE, Claim, ClaimKey
@@ -82,19 +83,15 @@ class TopicUse(NamedTuple):
 def topic_use(claim: Claim, device: str) -> TopicUse:
     """Return what the announcement *claim* of *device* does with topics."""
     sighting = claim.sighting
-    writes: dict[str, None] = {}
-    reads: dict[str, None] = {}
-    for part in sighting.parts:
-        writes.update(dict.fromkeys(part.writes))
-        reads.update(dict.fromkeys(part.reads))
+    writes = _each_once([part.writes for part in sighting.parts])
     if sighting.command_address and sighting.speaks_plainly:
-        writes[sighting.command_address] = None
+        writes = _each_once([writes, (sighting.command_address,)])
     return TopicUse(
         claim.key,
         device,
         sighting.announced_on,
-        tuple(writes),
-        tuple(reads),
+        writes,
+        _each_once([part.reads for part in sighting.parts]),
         sighting.owns,
         sighting.identifiers if sighting.owns else (),
         next((one.value for one in sighting.metadata if one.key == "via_device"), ""),
@@ -103,11 +100,18 @@ def topic_use(claim: Claim, device: str) -> TopicUse:
     )
 
 
+def _each_once(topics: list[tuple[str, ...]]) -> tuple[str, ...]:
+    if len(topics) == 1 and len(topics[0]) <= 1:
+        return topics[0]  # the usual case; the same object takes no memory
+    return tuple(dict.fromkeys(chain.from_iterable(topics)))
+
+
 def _is_filter(topic: str) -> bool:
     return "+" in topic or "#" in topic
 
 
-_Uses: TypeAlias = dict[ClaimKey, TopicUse]
+_Uses: TypeAlias = TopicUse | dict[ClaimKey, TopicUse]
+"""What several announcements do with a topic; of most topics it is one, which takes no dict."""
 
 
 @dataclass(slots=True, eq=False)
@@ -183,7 +187,7 @@ class Disputes:
         if use is None:
             return NOBODY
         node = self._find(key[0], topic)
-        if node is not None and node.users and key in node.users:
+        if node is not None and _has(node.users, key):
             return node.verdicts.get(key, "") if node.verdicts else ""
         return "" if use.has(topic) else NOBODY
 
@@ -196,7 +200,7 @@ class Disputes:
             if use.owns and use.has(topic):
                 continue
             node = self._at(use, topic)
-            if node.users and len(node.users) >= MAX_USERS:
+            if isinstance(node.users, dict) and len(node.users) >= MAX_USERS:
                 continue
             node.users = _with(node.users, use)
             touched[node] = None
@@ -216,8 +220,8 @@ class Disputes:
             node = self._find(use.key[0], topic)
             if node is None:
                 continue
-            is_owner = bool(node.owners) and use.key in (node.owners or ())
-            is_user = bool(node.users) and use.key in (node.users or ())
+            is_owner = _has(node.owners, use.key)
+            is_user = _has(node.users, use.key)
             node.owners = _without(node.owners, use.key)
             node.users = _without(node.users, use.key)
             node.speakers = _without(node.speakers, use.key)
@@ -232,8 +236,7 @@ class Disputes:
             before, node.verdicts = node.verdicts, _verdicts(node) or None
             if before or node.verdicts:
                 known, now = before or {}, node.verdicts or {}
-                users = (node.users or {}).items()
-                concerned.update(use.device for key, use in users if known.get(key) != now.get(key))
+                concerned.update(use.device for use in _all(node.users) if known.get(use.key) != now.get(use.key))
             if node.is_unused:
                 self._tidy(node)
         return frozenset(concerned)
@@ -268,16 +271,29 @@ class Disputes:
 
 
 def _with(uses: _Uses | None, use: TopicUse) -> _Uses:
+    if isinstance(uses, dict):
+        uses[use.key] = use
+        return uses
+    return use if uses is None or uses.key == use.key else {uses.key: uses, use.key: use}
+
+
+def _all(uses: _Uses | None) -> Collection[TopicUse]:
     if uses is None:
-        return {use.key: use}
-    uses[use.key] = use
-    return uses
+        return ()
+    return uses.values() if isinstance(uses, dict) else (uses,)
+
+
+def _has(uses: _Uses | None, key: ClaimKey) -> bool:
+    if uses is None:
+        return False
+    return key in uses if isinstance(uses, dict) else uses.key == key
 
 
 def _without(uses: _Uses | None, key: ClaimKey) -> _Uses | None:
-    if uses is not None:
+    if isinstance(uses, dict):
         uses.pop(key, None)
-    return uses or None
+        return uses or None
+    return None if _has(uses, key) else uses
 
 
 def _below(node: _Node, most: int | None = None) -> Iterator[_Node]:
@@ -295,7 +311,7 @@ def _below(node: _Node, most: int | None = None) -> Iterator[_Node]:
 
 def _verdicts(node: _Node) -> dict[ClaimKey, str]:
     """Who may not use a topic, each with who has it."""
-    users = tuple((node.users or {}).values())
+    users = tuple(_all(node.users))
     if not users:
         return {}
     owners = _owners(node)
@@ -330,18 +346,18 @@ def _owners(node: _Node | None) -> tuple[TopicUse, ...]:
     """Whose own the topic is; of those that are above each other the nearest."""
     while node is not None:
         if node.owners:
-            return tuple(node.owners.values())
+            return tuple(_all(node.owners))
         node = node.parent
     return ()
 
 
 def _holders(node: _Node) -> list[tuple[TopicUse, str]]:
     """Who speaks on the topic, and who wants to be told things on one above it, with that topic."""
-    found = [(one, node.topic) for one in (node.speakers or {}).values()]
+    found = [(one, node.topic) for one in _all(node.speakers)]
     above = node.parent
     while above is not None:
         if above.users:
-            found += [(one, above.topic) for one in above.users.values()]
+            found += [(one, above.topic) for one in _all(above.users)]
         above = above.parent
     return found
 

@@ -17,7 +17,7 @@ from homebot.devices import (
     State,
 )
 from homebot.devices.device_types import wanted_types
-from homebot.devices.value import Value
+from homebot.devices.value import PlainValue, Value
 from homebot.devices.words import takes_words, words_address
 from homebot.discovery.claim import Claim, ClaimKey, Told, preference
 from homebot.discovery.echoes import Echoes
@@ -55,7 +55,7 @@ class Entry:
         saved_at: When it was last to be written to the index file that it was seen, on the clock that is never set.
         known_ids: Ids that parts had, beside those of the description that stands.
         is_denied: Whether any of its announcements says that something of it cannot be reached.
-        echoes: What happened lately, and by how many routes that was told.
+        echoes: What happened lately, and by how many routes that was told; None where nothing happens.
     """
 
     id: str
@@ -72,7 +72,7 @@ class Entry:
     rival: str = ""
     known_ids: PartIds = field(default_factory=lambda: NO_IDS)
     is_denied: bool = False
-    echoes: Echoes = field(default_factory=Echoes)
+    echoes: Echoes | None = None
     _description: _Description | None = None
     _device: Device | None = None
 
@@ -155,6 +155,12 @@ class Entry:
         if not self.is_denied:
             return ()
         return offline_parts(self.claims, merged.places, {number: one.id for number, one in enumerate(merged.parts)})
+
+    def is_new_event(self, place: int, capability: str, value: PlainValue, route: ClaimKey, now: float) -> bool:
+        """Whether an event was not told by another route already; see :meth:`Echoes.is_new`."""
+        if self.echoes is None:
+            self.echoes = Echoes()
+        return self.echoes.is_new(place, capability, value, route, now)
 
     def _described(self, disputed: Disputed) -> _Description:
         if self._description is None:

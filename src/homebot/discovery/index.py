@@ -29,7 +29,7 @@ from homebot.discovery.parts import MergedParts
 from homebot.discovery.postings import Postings
 from homebot.discovery.regroup import Regrouped, regroup
 from homebot.discovery.strays import Strays
-from homebot.discovery.values import can_tell, is_denied, reach, state_of, tell
+from homebot.discovery.values import NOT_ANNOUNCED, can_tell, is_denied, reach, state_of, tell
 from homebot.messages import Time
 
 __all__ = ["MAX_CLAIMS", "MAX_DEVICES", "DeviceIndex", "IndexCounters"]
@@ -150,40 +150,41 @@ class DeviceIndex:
             now: As for :meth:`observe`.
         """
         self._now = report.received_at.to_seconds() if now is None else now
-        self._take(report)
-
-    def _take(self, report: Report) -> None:
         key = (report.gateway, report.key)
-        claim = self._claims.get(key)
-        if claim is None:
-            sighting = self._strays.wake(report)
-            if sighting is not None:
-                self._add(key, sighting)
-            claim = self._claims.get(key)
+        claim = self._claims.get(key) or self._woken(key, report)
         if claim is None:
             self._strays.put(key, report, self._now)
             return
-        entry, live, stamp = self._owner[key], not report.retained, report.received_at
-        is_life = live and bool(report.address)
+        entry, live = self._owner[key], not report.retained
+        is_life = live and report.address != ""
         before = self._reach(entry) if entry.is_denied else None
         for reading in report.readings:
-            if reading.capability == REACHABLE:
+            capability = reading.capability
+            if capability == REACHABLE:
                 before = before or self._reach(entry)
                 if report.address:
-                    reach(entry, claim, reading, stamp, self._now, live=live)
-                else:
-                    claim.reach.pop(reading.part, None)  # it tells that no more
+                    reach(entry, claim, reading, report.received_at, self._now, live=live)
+                else:  # it tells that no more
+                    claim.set_reach({part: one for part, one in claim.reach.items() if part != reading.part})
                 is_life = is_life and reading.value.flag
-            elif reading.capability in EVENTS:
+            elif capability in EVENTS:
                 if live:
-                    self._happen(entry, claim, reading, stamp)
-            else:
-                self._tell(entry, claim, reading, stamp, live=live)
-        entry.told_anew()
+                    self._happen(entry, claim, reading, report.received_at)
+            elif (told := tell(claim, reading, report, self._now)) is not None:
+                self._tell(entry, claim, reading, told)
         if is_life:
-            self._hear(entry, claim, stamp, "it spoke itself")
+            self._hear(entry, claim, report.received_at, "it spoke itself")
+        else:
+            entry.told_anew()
         if before is not None and self._reach(entry) != before:
             self._note("changed", entry, entry.reachability().why)
+
+    def _woken(self, key: ClaimKey, report: Report) -> Claim | None:
+        """The announcement of a device that was forgotten, where *report* shows that it is alive."""
+        sighting = self._strays.wake(report)
+        if sighting is not None:
+            self._add(key, sighting)
+        return self._claims.get(key)
 
     def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...]]:
         """Whether it can be reached, and which of its parts cannot."""
@@ -334,6 +335,15 @@ class DeviceIndex:
         if len(self._claims) >= _CLAIMS_PER_DEVICE * self._max_devices:
             self.counters.rejected += 1
             return
+        claim = Claim(
+            sighting=sighting,
+            number=0,
+            first_seen=sighting.seen_at,
+            seen_at=sighting.seen_at,
+            confirmed=sighting.confirmed,
+            heard=self._now,
+        )
+        key = claim.key  # one object, wherever it is kept
         affected = self._bonds.put(key, sighting)
         sibling = self._bonds.sibling(key)
         is_alone = sibling is None and len(affected) == 1
@@ -343,15 +353,8 @@ class DeviceIndex:
             self.counters.rejected += 1
             return
         self._number += 1
-        claim = Claim(
-            sighting=sighting,
-            number=self._number,
-            first_seen=sighting.seen_at,
-            seen_at=sighting.seen_at,
-            confirmed=sighting.confirmed,
-            heard=self._now,
-        )
         self._claims[key] = claim
+        claim.number = self._number
         is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first word was overtaken
         why = "it was announced" if is_late else sighting.why
         if is_alone:
@@ -363,7 +366,7 @@ class DeviceIndex:
         if sighting.confirmed and not is_alone:
             self._hear(self._owner[key], claim, sighting.seen_at, why)
         for report in self._strays.take(key, self._now):
-            self._take(report)
+            self.report(report, self._now)
 
     def _join(self, entry: Entry, claim: Claim) -> None:
         """The usual case, a further announcement of the same device in the same way, without a look at all others."""
@@ -506,20 +509,24 @@ class DeviceIndex:
     def _describe(self, entry: Entry, new: Claim | None = None) -> None:
         """What the announcements of *entry* say changed, maybe by *new* alone: look anew at what follows from it."""
         entry.described_anew()
-        claims = entry.claims.values() if new is None else (new,)
+        claims = tuple(entry.claims.values()) if new is None else (new,)
         if new is None:
-            entry.evidence = tuple(self._evidence(entry)) if len(entry.claims) > 1 else ()
-            entry.lasts = max(claim.lasts for claim in claims)
+            entry.evidence = tuple(self._evidence(entry)) if len(claims) > 1 else ()
+            entry.lasts = max([claim.lasts for claim in claims])
             entry.is_denied = is_denied(claims)
         else:
             entry.lasts = max(entry.lasts, new.lasts)
         concerned: set[str] = set()
         for claim in claims:
             concerned |= self._disputes.put(topic_use(claim, entry.id))
-        self._settle(concerned)
+        if concerned:
+            self._settle(concerned)
         self._unsorted[entry.id] = None
         self._mark(entry.id)
-        owner = next((found for claim in claims if (found := self._rival(entry, claim))), "")
+        owner = ""
+        for claim in claims:
+            if owner := self._rival(entry, claim):
+                break
         if new is not None and not owner:
             return
         before, entry.rival = entry.rival, owner
@@ -546,9 +553,12 @@ class DeviceIndex:
 
     def _rival(self, entry: Entry, claim: Claim) -> str:
         """The device that keeps a topic from *claim*; empty where none does."""
-        topics = (topic for part in claim.sighting.parts for topic in part.writes)
-        found = (self._disputes.owner(claim.key, topic) for topic in topics)
-        return next((one for one in found if one in self._entries and one != entry.id), "")
+        for part in claim.sighting.parts:
+            for topic in part.writes:
+                owner = self._disputes.owner(claim.key, topic)
+                if owner and owner != entry.id and owner in self._entries:
+                    return owner
+        return ""
 
     def _disputed(self, claim: Claim, part: Part) -> str:
         for topic in part.writes:
@@ -572,14 +582,15 @@ class DeviceIndex:
             self._mark(entry.id)
         claim.confirmed = True
         claim.seen_at, claim.heard = stamp, now
-        entry.rhythm.heard(now)
+        usual = entry.rhythm.heard(now)
         entry.told_anew()
-        usual = max(entry.lasts, entry.rhythm.patience())
-        if claim.reach and claim.is_online:
-            usual = max(usual, _ONLINE_FOR)
+        if usual < entry.lasts:
+            usual = entry.lasts
+        if usual < _ONLINE_FOR and claim.is_online:
+            usual = _ONLINE_FOR
         before, entry.freshness = entry.freshness, "fresh"
         entry.deadline, entry.expires = now + usual, stamp.to_seconds() + usual
-        self._set_deadline(entry)
+        self._deadlines.set(entry.id, entry.deadline)
         if before == "fresh":
             return
         self._unsorted[entry.id] = None
@@ -599,15 +610,13 @@ class DeviceIndex:
         forgets = self._forget_after if entry.freshness == "stale" else 0.0
         self._deadlines.set(entry.id, entry.deadline + forgets)
 
-    def _tell(self, entry: Entry, claim: Claim, reading: Reading, stamp: Time, *, live: bool) -> None:
-        """Note a value; make it findable, and tell it, where it is a new one."""
-        place = (reading.part, reading.capability)
-        if place not in claim.told and not can_tell(claim, *place):
+    def _tell(self, entry: Entry, claim: Claim, reading: Reading, told: Told) -> None:
+        """Make a new value findable, and tell it."""
+        if told is NOT_ANNOUNCED:
             self.counters.unknown_parts += 1
             return
-        told = tell(claim, reading, stamp, self._now, live=live)
         is_sorted = entry.id not in self._unsorted
-        if told is None or not (is_sorted or self.tells_states):
+        if not (is_sorted or self.tells_states):
             return
         merged = entry.parts(self._disputed)
         number = merged.places.get((*claim.key, reading.part))
@@ -629,9 +638,10 @@ class DeviceIndex:
         merged = entry.parts(self._disputed)
         number = merged.places.get((*claim.key, reading.part))
         value = reading.value.plain()
-        if number is None or not entry.echoes.is_new(number, reading.capability, value, claim.key, self._now):
+        if number is None or not entry.is_new_event(number, reading.capability, value, claim.key, self._now):
             return
-        told = claim.events[reading.part, reading.capability] = Told(value, stamp, stamp, live=True, heard=self._now)
+        told = Told(value, stamp, stamp, live=True, heard=self._now)
+        claim.events = {**claim.events, (reading.part, reading.capability): told}
         if self.tells_states:
             state = state_of(merged.parts[number].id, reading, told)
             self._happenings.note_state(entry, merged, state)

@@ -26,41 +26,46 @@ class Rhythm:
     The longest gap does not count once there are three: it may have been a power cut.
     """
 
-    __slots__ = ("_gaps", "_last")
+    __slots__ = ("_gaps", "_last", "_patience")
 
     def __init__(self, gaps: Iterable[float] = ()) -> None:
-        self._gaps = list(gaps)[-_KEPT:]
         self._last: float | None = None
+        self._learn(tuple(gaps)[-_KEPT:])
 
     @property
     def gaps(self) -> tuple[float, ...]:
         """The gaps in seconds, oldest first."""
-        return tuple(self._gaps)
+        return self._gaps
 
-    def heard(self, now: float) -> None:
-        """Note that it spoke at *now*, in seconds."""
-        if self._last is None:
+    def heard(self, now: float) -> float:
+        """Note that it spoke at *now*, in seconds; return :meth:`patience`."""
+        last = self._last
+        if last is None:
             self._last = now
-            return
-        gap = now - self._last
-        if gap < _BURST:
-            return
-        self._last = now
-        self._gaps.append(gap)
-        if len(self._gaps) > _KEPT:
-            del self._gaps[0]
+        elif (gap := now - last) >= _BURST:
+            self._last = now
+            self._learn((*self._gaps, gap)[-_KEPT:])
+        return self._patience
 
     def patience(self) -> float:
         """Return for how many seconds after its last word its silence is usual; 0 where nothing is known yet."""
-        if not self._gaps:
-            return 0.0
-        if len(self._gaps) < _FEW:
-            return min(_TIMES * min(self._gaps), _LONGEST_OF_FEW)
-        return min(_TIMES * sorted(self._gaps)[-2], _LONGEST)
+        return self._patience
 
     def join(self, other: Rhythm) -> None:
         """Take over what *other* learnt of the same device, where that is more."""
         if len(other._gaps) > len(self._gaps):
-            self._gaps = other._gaps
+            self._learn(other._gaps)
         if other._last is not None:
             self._last = max(other._last, self._last or other._last)
+
+    def _learn(self, gaps: tuple[float, ...]) -> None:
+        self._gaps = gaps
+        self._patience = _patience(gaps)
+
+
+def _patience(gaps: tuple[float, ...]) -> float:
+    if not gaps:
+        return 0.0
+    if len(gaps) < _FEW:
+        return min(_TIMES * min(gaps), _LONGEST_OF_FEW)
+    return min(_TIMES * sorted(gaps)[-2], _LONGEST)

@@ -5,44 +5,51 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from homebot.devices import State
-from homebot.devices.report import Reading
+from homebot.devices.report import Reading, Report
 from homebot.discovery.claim import Claim, Reach, Told
 from homebot.discovery.entry import Entry
 from homebot.messages import Time
 
-__all__ = ["can_tell", "is_denied", "reach", "state_of", "tell"]
+__all__ = ["NOT_ANNOUNCED", "can_tell", "is_denied", "reach", "state_of", "tell"]
+
+NOT_ANNOUNCED = Told(None, Time(sec=0, nanosec=0), Time(sec=0, nanosec=0), live=False)
+"""Stands for what no part was announced for."""
 
 
 def can_tell(claim: Claim, part_id: str, capability: str) -> bool:
     """Whether a part with that capability was announced."""
-    part = next((one for one in claim.sighting.parts if one.id == part_id), None)
-    return part is not None and any(one.name == capability for one in part.capabilities)
+    for part in claim.sighting.parts:
+        if part.id == part_id:
+            return any(one.name == capability for one in part.capabilities)
+    return False
 
 
-def tell(claim: Claim, reading: Reading, stamp: Time, now: float, *, live: bool) -> Told | None:
+def tell(claim: Claim, reading: Reading, report: Report, now: float) -> Told | None:
     """Note a value of a part; what the broker had kept never overwrites what was told live.
 
     Args:
         claim: Through which announcement it was told.
         reading: The value.
-        stamp: When it was told.
-        now: The same on the clock that is never set.
-        live: Whether the device told it itself.
+        report: What it came in.
+        now: When that was, on the clock that is never set.
 
     Returns:
-        What is known now, where the value is a new one; else None.
+        What is known now, where the value is a new one; else None. :data:`NOT_ANNOUNCED` where no such part was
+        announced, or not with that capability.
     """
     place = (reading.part, reading.capability)
-    value = reading.value.plain()
+    value, stamp, live = reading.value.plain(), report.received_at, not report.retained
     known = claim.told.get(place)
     if known is None:
+        if not can_tell(claim, *place):
+            return NOT_ANNOUNCED
         known = claim.told[place] = Told(value, stamp, stamp, live, now)
         return known
     if known.live and not live:
         return None
-    is_same = known.value == value and type(known.value) is type(value)
     known.told_at, known.live, known.heard = stamp, live, now
-    if is_same:
+    before = known.value
+    if before == value and type(before) is type(value):
         return None
     known.value, known.since = value, stamp
     return known
@@ -56,15 +63,17 @@ def reach(entry: Entry, claim: Claim, reading: Reading, stamp: Time, now: float,
     answer = value if isinstance(value, bool) else None
     known = claim.reach.get(reading.part)
     if known is not None and known.value is answer:
-        known.live = live
+        if known.live is not live:
+            known.live = live
+            claim.set_reach(claim.reach)
         return
-    claim.reach[reading.part] = Reach(answer, stamp, now, live)
+    claim.set_reach({**claim.reach, reading.part: Reach(answer, stamp, now, live)})
     entry.is_denied = is_denied(entry.claims.values())
 
 
 def is_denied(claims: Iterable[Claim]) -> bool:
     """Whether any of *claims* says that something cannot be reached."""
-    return any(one.value is False for claim in claims for one in claim.reach.values())
+    return any(one.value is False for claim in claims if claim.reach for one in claim.reach.values())
 
 
 def state_of(part_id: str, reading: Reading, told: Told) -> State:

@@ -34,7 +34,7 @@ class Time(Message):
         be: a wrong stamp is less of a fault than none.
         """
         sec, nanosec = divmod(round(min(max(seconds, _FIRST), _LAST) * _NANOSECONDS), _NANOSECONDS)
-        return cls(sec=sec, nanosec=nanosec)
+        return cls.of_checked(sec=sec, nanosec=nanosec)
 
     def to_seconds(self) -> float:
         """Seconds since the Unix epoch."""
