@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import TYPE_CHECKING
 
+import pytest
+
 from homebot.mqtt.packets import (
+    NO_PROPERTIES,
     FilterRequest,
     Properties,
     ProtocolVersion,
@@ -248,3 +252,20 @@ def test_subscribers_share_the_encoded_bytes(join: Join) -> None:
     join("p").publish("t", bytes(1000))
     first, second, third = (subscriber.link.last for subscriber in subscribers)
     assert first is second is third
+
+
+@pytest.mark.parametrize("retain", [False, True])
+@pytest.mark.parametrize("sent", [0, 1, 2])
+def test_subscribers_of_one_message_get_it_each_with_their_own_options(join: Join, *, sent: int, retain: bool) -> None:
+    options = list(product((None, 1, 2), (False, True), (0, 1, 2)))
+    options += options[::-1]
+    subscribers = [join(str(number)) for number in range(len(options))]
+    for subscriber, (identifier, keeps_flag, qos) in zip(subscribers, options, strict=True):
+        subscriber.subscribe(FilterRequest("t", qos, retain_as_published=keeps_flag), identifier=identifier)
+    join("p").publish("t", b"x", sent, 1 if sent else None, retain=retain)
+    for subscriber, (identifier, keeps_flag, granted) in zip(subscribers, options, strict=True):
+        qos = min(granted, sent)
+        properties = NO_PROPERTIES if identifier is None else Properties(subscription_identifiers=(identifier,))
+        assert subscriber.messages() == [
+            Publish("t", b"x", qos, retain and keeps_flag, packet_id=1 if qos else None, properties=properties)
+        ]

@@ -8,6 +8,8 @@ import pytest
 
 from homebot.mqtt.packets import (
     Disconnect,
+    Pingreq,
+    Pingresp,
     ProtocolVersion,
     Puback,
     Pubcomp,
@@ -87,6 +89,23 @@ def test_no_more_than_receive_maximum_is_in_flight(join: Join) -> None:
     assert payloads(client) == [b"2"]
     client.send(Puback(2), Puback(3))
     assert payloads(client) == [b"3"]
+
+
+def test_what_acknowledgements_make_room_for_is_sent_before_the_answer_to_a_later_packet(join: Join) -> None:
+    """Acknowledgements that come together are one occasion to send, other packets between them part it."""
+    client = join("s", receive_maximum=2)
+    client.subscribe("t")
+    other = join("p")
+    for number in range(5):
+        other.publish("t", str(number).encode(), 1, packet_id=number + 1)
+    client.take()
+    client.send(Puback(1), Puback(2), Pingreq(), Puback(3))
+    assert client.take() == [
+        Publish("t", b"2", 1, packet_id=3),
+        Publish("t", b"3", 1, packet_id=4),
+        Pingresp(),
+        Publish("t", b"4", 1, packet_id=5),
+    ]
 
 
 def test_a_receive_maximum_lowered_on_return_is_kept(join: Join) -> None:

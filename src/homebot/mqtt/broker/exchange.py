@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple, final
 
 from homebot.clock import Clock
+from homebot.mqtt.broker.delivery import REFUSED, TAKEN, Delivery
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY, Message
 from homebot.mqtt.broker.queue import Parcel
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.retained import RetainedMessages
-from homebot.mqtt.broker.session import Delivery, Session
+from homebot.mqtt.broker.session import Session
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscription import Subscription
 from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
@@ -78,21 +79,15 @@ class Exchange:
         if self._on_message is not None:
             self._on_message(message)
         retained = not message.retain or self._retain(message)
-        route = self.subscriptions.route(message.topic)
-        refused = False
+        targets, groups = self.subscriptions.route(message.topic)
         slow: list[Session] = []
         large = message.size >= BULKY
-        if len(route.targets) > _MANY and self._turn is not None:
-            self._turn.spend(2 * len(route.targets))
-        for target in route.targets:
-            outcome = _deliver(target, message, large)
-            if outcome is Delivery.SLOW:
-                slow.append(target.session)
-            elif outcome:
-                refused = True
-        for group in route.groups:
+        if len(targets) > _MANY and self._turn is not None:
+            self._turn.spend(2 * len(targets))
+        refused = bool(targets) and _deliver_to_all(targets, message, large, slow)
+        for group in groups:
             chosen, outcome = _deliver_to_one(group, message, large)
-            if outcome is Delivery.REFUSED:
+            if outcome is REFUSED:
                 refused = True
             elif chosen is not None and outcome:
                 slow.append(chosen)
@@ -102,7 +97,7 @@ class Exchange:
             return Receipt(ReasonCode.QUOTA_EXCEEDED, tuple(slow))
         if slow:
             return Receipt(ReasonCode.SUCCESS, tuple(slow))
-        return _DELIVERED if route.targets or route.groups else _UNMATCHED
+        return _DELIVERED if targets or groups else _UNMATCHED
 
     def without_room(self, topic: str) -> tuple[Session, ...]:
         """Connected sessions that are to get *topic* at QoS 1 or 2, and whose queue is full."""
@@ -183,21 +178,43 @@ class Exchange:
         )
 
 
-def _deliver(target: Target, message: Message, large: bool) -> Delivery:  # noqa: FBT001 - for every message, by position for speed
-    if target.matched and target.session.client_id == message.origin:
-        rest = target.without_local()
-        if rest is None:
-            return Delivery.TAKEN
-        target = rest
-    session, qos, keep_retain, identifiers, _ = target
-    parcel = Parcel(message, min(qos, message.qos), message.retain and keep_retain, identifiers)
-    return session.deliver_large(parcel) if large else session.deliver(parcel)
+def _deliver_to_all(
+    targets: Iterable[Target],
+    message: Message,
+    large: bool,  # noqa: FBT001 - for every message, by position for speed
+    slow: list[Session],
+) -> bool:
+    """Whether one of *targets* did not take it; those that took it but want no more for now are added to *slow*.
+
+    Receivers with the same options share one parcel.
+    """
+    refused = False
+    highest = message.qos
+    parcel: Parcel | None = None
+    for target in targets:
+        session, qos, retain, identifiers, matched = target
+        if matched and session.client_id == message.origin:
+            rest = target.without_local()
+            if rest is None:
+                continue
+            _, qos, retain, identifiers, _ = rest
+        if qos > highest:
+            qos = highest
+        retain = retain and message.retain
+        if parcel is None or parcel[1] != qos or parcel[2] is not retain or parcel[3] is not identifiers:
+            parcel = Parcel(message, qos, retain, identifiers)
+        outcome = session.deliver_large(parcel) if large else session.deliver(parcel)
+        if outcome is REFUSED:
+            refused = True
+        elif outcome is not TAKEN:
+            slow.append(session)
+    return refused
 
 
 def _deliver_to_one(group: ShareGroup, message: Message, large: bool) -> tuple[Session | None, Delivery]:  # noqa: FBT001 - as above
     chosen = group.choose()
     if chosen is None:
-        return None, Delivery.TAKEN
+        return None, TAKEN
     session, subscription = chosen
     identifiers = (subscription.identifier,) if subscription.identifier else ()
     retain = message.retain and subscription.retain_as_published

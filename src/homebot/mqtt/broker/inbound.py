@@ -94,7 +94,7 @@ class Inbound:
         if qos == 2:
             return self._publish_qos2(packet)
         receipt = self._forward(packet)
-        if qos and not self._is_lost(receipt):
+        if qos and not (self.gone and receipt.reason is ReasonCode.QUOTA_EXCEEDED):
             packet_id = packet.packet_id or 0
             if self._is_v5 and receipt.reason:
                 self._outbound.send(Puback(packet_id, receipt.reason))
@@ -119,16 +119,13 @@ class Inbound:
             self._outbound.send(Pubrec(packet_id))
             return ()
         receipt = self._forward(packet)
-        if self._is_lost(receipt):
+        if self.gone and receipt.reason is ReasonCode.QUOTA_EXCEEDED:
             return ()
         if not receipt.reason.failed or not self._is_v5:
             session.received.add(packet_id)
             self._open.add(packet_id)
         self._outbound.send(Pubrec(packet_id, receipt.reason))
         return receipt.slow
-
-    def _is_lost(self, receipt: Receipt) -> bool:
-        return self.gone and receipt.reason is ReasonCode.QUOTA_EXCEEDED
 
     def _forward(self, packet: Publish) -> Receipt:
         topic, payload, qos, retain, _, _, properties = packet

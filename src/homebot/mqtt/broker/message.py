@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import ceil
 from typing import final
 
-from homebot.mqtt.packets import NO_PROPERTIES, Properties, ProtocolVersion, Publish
+from homebot.mqtt.packets import NO_PROPERTIES, Properties, ProtocolVersion
 from homebot.mqtt.packets.publish import encode_publish_parts
 
 __all__ = ["BULKY", "Message", "size_of"]
@@ -16,7 +16,8 @@ BULKY = 8 * 1024
 """Bytes of a message whose copies are not made all at once, and that is not kept encoded while it waits: it would take
 twice the memory it is counted with."""
 
-_MAX_ENCODED = 8  # two versions at three QoS, and some for subscription identifiers
+_MAX_ENCODED = 7  # and the first: two versions at three QoS, and some for subscription identifiers
+_NOTHING = (b"", b"")
 
 
 @final
@@ -31,15 +32,20 @@ class Message:
         properties: What goes on to subscribers: no topic alias, no subscription identifiers.
         origin: Client id of the publisher.
         expires_at: When it is worthless, on the clock's monotonic scale, or None.
+        kind: What :attr:`encoded` is for: protocol version, QoS and retain flag, as :meth:`parts` joins them; -1 where
+            nothing is kept. Receivers alike are served from there without a call.
+        encoded: What :meth:`parts` returned first, for receivers without subscription identifiers.
         holders: How many places it has in queues.
         order: Its number among the retained messages; only they have one.
         size: About its bytes (topic, payload and properties), for the bounds.
     """
 
     __slots__ = (
-        "_parts",
+        "_more",
+        "encoded",
         "expires_at",
         "holders",
+        "kind",
         "order",
         "origin",
         "payload",
@@ -70,18 +76,19 @@ class Message:
         self.origin = origin
         self.expires_at = expires_at
         self.holders = 0
-        self.size = len(topic) + len(payload)
-        if properties is not NO_PROPERTIES:
-            self.size += size_of(properties)
-        self._parts: dict[object, tuple[bytes, bytes]] = {}
+        size = len(topic) + len(payload)
+        self.size = size if properties is NO_PROPERTIES else size + size_of(properties)
+        self.kind = -1
+        self.encoded = _NOTHING
+        self._more: dict[object, tuple[bytes, bytes]] | None = None  # for all other receivers
 
     def parts(
         self,
         version: ProtocolVersion,
         qos: int,
         retain: bool,  # noqa: FBT001 - as above
-        identifiers: tuple[int, ...],
-        now: float,
+        identifiers: tuple[int, ...] = (),
+        now: float = 0.0,
     ) -> tuple[bytes, bytes]:
         """The PUBLISH packet before and behind the packet id; at QoS 0 all of it and nothing.
 
@@ -96,22 +103,27 @@ class Message:
             now: The clock's monotonic time; a message that expires is sent with what is left of its interval.
         """
         is_v5 = version is ProtocolVersion.V5
-        key: object = is_v5 << 3 | qos << 1 | retain
+        kind = is_v5 << 3 | qos << 1 | retain
+        key: object = kind
         if is_v5 and (identifiers or self.expires_at is not None):
-            key = (key, identifiers, self._left(now))
-        parts = self._parts.get(key)
+            key = (kind, identifiers, self._left(now))
+        elif kind == self.kind:
+            return self.encoded
+        parts = None if self._more is None else self._more.get(key)
         if parts is None:
             properties = self.properties_for(identifiers, now) if is_v5 else NO_PROPERTIES
-            packet = Publish(self.topic, self.payload, qos, retain, properties=properties)
-            head, tail = encode_publish_parts(packet, version)
-            parts = (head, tail) if qos else (head + tail, b"")
-            if not retain and len(self._parts) < _MAX_ENCODED and (self.size < BULKY or not self.holders):
-                self._parts[key] = parts
+            parts = encode_publish_parts(self.topic, self.payload, qos, retain, properties, version)
+            if not qos:
+                parts = (b"".join(parts), b"")
+            if not retain and (self.size < BULKY or not self.holders):
+                self._keep(key, parts)
         return parts
 
     def forget_encoded(self) -> None:
         """Free what :meth:`parts` has kept: all who were there have got it."""
-        self._parts.clear()
+        self.kind = -1
+        self.encoded = _NOTHING
+        self._more = None
 
     def properties_for(self, identifiers: tuple[int, ...], now: float) -> Properties:
         """The MQTT 5 properties as one receiver gets them; arguments as for :meth:`parts`."""
@@ -123,6 +135,15 @@ class Message:
     def expired(self, now: float) -> bool:
         """Whether the message is worthless by *now*."""
         return self.expires_at is not None and self.expires_at <= now
+
+    def _keep(self, key: object, parts: tuple[bytes, bytes]) -> None:
+        if self.kind < 0 and isinstance(key, int):
+            self.kind = key
+            self.encoded = parts
+        elif self._more is None:
+            self._more = {key: parts}
+        elif len(self._more) < _MAX_ENCODED:
+            self._more[key] = parts
 
     def _left(self, now: float) -> int | None:
         return None if self.expires_at is None else max(ceil(self.expires_at - now), 0)

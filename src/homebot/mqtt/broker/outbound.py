@@ -10,7 +10,7 @@ from homebot.clock import Clock
 from homebot.mqtt.broker.link import Link
 from homebot.mqtt.broker.queue import Parcel
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.packets import MAX_PACKET_SIZE, Packet, ProtocolVersion, Publish, encode
+from homebot.mqtt.packets import MAX_PACKET_SIZE, Packet, ProtocolVersion, encode
 from homebot.mqtt.packets.publish import encode_publish_parts
 
 __all__ = ["Outbound"]
@@ -38,6 +38,7 @@ class Outbound:
         "_aliases",
         "_clock",
         "_counters",
+        "_is_v5",
         "_on_too_large",
         "link",
         "max_packet_size",
@@ -57,6 +58,7 @@ class Outbound:
         self.link = link
         self.version = version
         self.max_packet_size = max_packet_size
+        self._is_v5 = version is ProtocolVersion.V5
         self._clock = clock
         self._counters = counters
         self._alias_maximum = alias_maximum
@@ -76,14 +78,15 @@ class Outbound:
             dup: It may have been sent before.
         """
         message, qos, retain, identifiers, _ = parcel
-        alias = 0
-        if self._alias_maximum and len(message.topic) <= _LONGEST_ALIASED:
-            alias = self._aliases.get(message.topic) or self._next_alias()
+        alias = self._alias_for(message.topic) if self._alias_maximum else 0
         if alias:
             head, tail = self._aliased(parcel, alias)
+        elif identifiers or message.expires_at is not None:
+            head, tail = message.parts(self.version, qos, retain, identifiers, self._clock.monotonic())
+        elif message.kind == self._is_v5 << 3 | qos << 1 | retain:  # as parts(), which costs a call for each receiver
+            head, tail = message.encoded
         else:
-            now = 0.0 if message.expires_at is None else self._clock.monotonic()
-            head, tail = message.parts(self.version, qos, retain, identifiers, now)
+            head, tail = message.parts(self.version, qos, retain)
         data = b"".join((head, packet_id.to_bytes(2, "big"), tail)) if qos else head
         if len(data) > self.max_packet_size:
             self._counters.dropped_too_large += 1
@@ -97,7 +100,13 @@ class Outbound:
         self.link.write(data)
         return True
 
-    def _next_alias(self) -> int:
+    def _alias_for(self, topic: str) -> int:
+        """The alias *topic* has or is to get; 0 is none."""
+        if len(topic) > _LONGEST_ALIASED:
+            return 0
+        known = self._aliases.get(topic)
+        if known:
+            return known
         used = len(self._aliases)
         return used + 1 if used < self._alias_maximum else 0
 
@@ -105,12 +114,12 @@ class Outbound:
         message = parcel.message
         known = message.topic in self._aliases
         properties = message.properties_for(parcel.identifiers, self._clock.monotonic())
-        packet = Publish(
+        head, tail = encode_publish_parts(
             "" if known else message.topic,
             message.payload,
             parcel.qos,
             parcel.retain,
-            properties=replace(properties, topic_alias=alias),
+            replace(properties, topic_alias=alias),
+            self.version,
         )
-        head, tail = encode_publish_parts(packet, self.version)
         return (head, tail) if parcel.qos else (head + tail, b"")

@@ -113,10 +113,10 @@ class Peer:
                 self._reader.feed(data)
                 self._take_login()
             else:
-                for packet in self._reader.feed(data):
-                    self._handle(packet)
-                    if self._closed:
-                        return
+                self._reader.feed(data)
+                self._take_all(self._client)
+                if self._closed:
+                    return
         except PacketError as error:
             self._fail(error)
             return
@@ -146,12 +146,35 @@ class Peer:
         self._hub.counters.logins_pushed_out += 1
         self._push_out()
 
+    def _take_all(self, client: _Client) -> None:
+        """Take all packets that are complete; one call of ``pump`` is for all PUBACK that follow each other."""
+        pop, session = self._reader.pop, client.session
+        freed = False
+        while (packet := pop()) is not None:
+            if type(packet) is Puback:  # comes once for each message sent, and never waits
+                session.acknowledged(packet[0])
+                freed = True
+                continue
+            if freed:
+                session.pump()
+                freed = False
+            self._take(client, packet)
+            if self._closed:
+                return
+        if freed:
+            session.pump()
+
     def _handle(self, packet: Packet) -> None:
         client = self._client
         if client is None:
             self._login(packet)
-        elif type(packet) is Puback:  # comes once for each message sent, and never waits
+        else:
+            self._take(client, packet)
+
+    def _take(self, client: _Client, packet: Packet) -> None:
+        if type(packet) is Puback:
             client.session.acknowledged(packet.packet_id)
+            client.session.pump()
         elif self._holding.active and not isinstance(packet, _NEVER_HELD):
             if isinstance(packet, Publish):
                 client.inbound.check_quota(packet, self._holding.messages)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple, final
 
+from homebot.mqtt.broker.delivery import REFUSED, SLOW, TAKEN, Delivery
 from homebot.mqtt.broker.message import Message
 from homebot.mqtt.broker.queue_pool import ENTRY, QueuePool
 from homebot.mqtt.broker.replay import Replay
@@ -39,6 +40,7 @@ class MessageQueue:
 
     Attributes:
         parcels: What waits, the next to be sent first; only to be looked at.
+        size: The bytes of what waits.
 
     Args:
         max_messages: Bound in messages.
@@ -46,51 +48,67 @@ class MessageQueue:
         pool: Counts what is in all queues.
     """
 
-    __slots__ = ("_bytes", "_max_bytes", "_max_messages", "_pool", "_qos0", "_replays", "parcels")
+    __slots__ = (
+        "_high_bytes",
+        "_high_messages",
+        "_max_bytes",
+        "_max_messages",
+        "_pool",
+        "_qos0",
+        "_replays",
+        "parcels",
+        "size",
+    )
 
     def __init__(self, max_messages: int, max_bytes: int, pool: QueuePool) -> None:
         self._pool = pool
         self.parcels: deque[Parcel | Replay] = deque()
         self._replays: deque[tuple[Replay, int]] = deque()  # with what each was counted as
-        self._bytes = 0
+        self.size = 0
         self._qos0 = 0
         self._max_messages = max_messages
         self._max_bytes = max_bytes
+        self._high_messages = _three_quarters(max_messages)
+        self._high_bytes = _three_quarters(max_bytes)
 
     def __len__(self) -> int:
         return len(self.parcels)
 
     @property
-    def size(self) -> int:
-        """The bytes of what waits."""
-        return self._bytes
-
-    @property
     def full(self) -> bool:
         """Whether another message would be over the bound."""
-        return len(self.parcels) >= self._max_messages or self._bytes >= self._max_bytes
+        return len(self.parcels) >= self._max_messages or self.size >= self._max_bytes
 
     @property
     def high(self) -> bool:
         """Whether three quarters of the bound are reached: time to slow down who fills it."""
-        return 4 * len(self.parcels) >= 3 * self._max_messages or 4 * self._bytes >= 3 * self._max_bytes
+        return len(self.parcels) >= self._high_messages or self.size >= self._high_bytes
 
     @property
     def low(self) -> bool:
         """Whether half of the bound is free again."""
-        return 2 * len(self.parcels) <= self._max_messages and 2 * self._bytes <= self._max_bytes
+        return 2 * len(self.parcels) <= self._max_messages and 2 * self.size <= self._max_bytes
 
     @property
     def holds_qos0(self) -> bool:
         """Whether QoS 0 messages wait, which later ones must not overtake."""
         return self._qos0 > 0
 
+    def offer(self, parcel: Parcel) -> Delivery:
+        """Add at the end where the bound allows it; SLOW where it is :attr:`high` now, REFUSED where it is full."""
+        count = len(self.parcels)
+        if count >= self._max_messages or self.size >= self._max_bytes:
+            return REFUSED
+        self.append(parcel)
+        return SLOW if count + 1 >= self._high_messages or self.size >= self._high_bytes else TAKEN
+
     def append(self, parcel: Parcel) -> None:
         """Add at the end, whatever the bound says."""
         self.parcels.append(parcel)
-        message = parcel.message
-        self._bytes += message.size
-        self._qos0 += not parcel.qos
+        message, qos, _, _, _ = parcel
+        self.size += message.size
+        if not qos:
+            self._qos0 += 1
         if message.holders:  # as hold(), which costs a call for each receiver
             message.holders += 1
             self._pool.used += ENTRY
@@ -101,7 +119,7 @@ class MessageQueue:
         """Add at the end the retained messages of new subscriptions, whatever the bound says."""
         self.parcels.append(replay)
         self._replays.append((replay, replay.size))
-        self._bytes += replay.size
+        self.size += replay.size
         self._pool.add(replay.size)
         self._qos0 += 1
 
@@ -110,21 +128,22 @@ class MessageQueue:
         if self._replays and self._replays[-1][0] is replay:
             size = self._replays.pop()[1]
             self._replays.append((replay, replay.size))
-            self._bytes += replay.size - size
+            self.size += replay.size - size
             self._pool.add(replay.size - size)
 
     def popleft(self) -> Parcel | Replay:
         """Take the first."""
         first = self.parcels.popleft()
-        if isinstance(first, Replay):
+        if type(first) is Replay:
             size = self._replays.popleft()[1]
-            self._bytes -= size
+            self.size -= size
             self._pool.add(-size)
             self._qos0 -= 1
         else:
-            message = first.message
-            self._bytes -= message.size
-            self._qos0 -= not first.qos
+            message, qos, _, _, _ = first
+            self.size -= message.size
+            if not qos:
+                self._qos0 -= 1
             if message.holders > 1:
                 message.holders -= 1
                 self._pool.used -= ENTRY
@@ -151,3 +170,7 @@ class MessageQueue:
             if not isinstance(first, Replay):
                 parcels.append(first)
         return parcels
+
+
+def _three_quarters(bound: int) -> int:
+    return -(-3 * bound // 4)

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
-from enum import IntEnum
 from typing import Final, Protocol, final
 
 from homebot.clock import Clock
 from homebot.mqtt.broker.deadlines import Deadlines
+from homebot.mqtt.broker.delivery import REFUSED, SLOW, TAKEN, Delivery
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY
 from homebot.mqtt.broker.outbound import Outbound
@@ -25,21 +25,12 @@ from homebot.mqtt.broker.subscription import Subscription
 from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
 
-__all__ = ["Delivery", "HeldPublisher", "Session"]
-
+__all__ = ["HeldPublisher", "Session"]
 
 _SENT: Final = 6  # units of work to send a retained message,
 _BYTES: Final = 1000  # and bytes of it that are one more
 _COPIED: Final = 4000  # bytes that are copied for one unit
 _SMALL: Final = 1024  # bytes; messages up to this are not counted while they are in flight, where there are few
-
-
-class Delivery(IntEnum):
-    """What became of a message for one session: taken; taken, but slow down; not taken."""
-
-    TAKEN = 0
-    SLOW = 1
-    REFUSED = 2
 
 
 class HeldPublisher(Protocol):
@@ -151,29 +142,29 @@ class Session:
         """
         outbound = self.outbound
         queue = self._queue
-        if not parcel.qos:
+        if not parcel[1]:  # by place: by name it takes longer than all else that is asked here
             if outbound is None:
-                return Delivery.TAKEN
+                return TAKEN
             if queue.holds_qos0 and not queue.full:
                 queue.append(parcel)  # not past the retained message it replaces
             elif outbound.link.choked or queue.holds_qos0:
                 self._counters.dropped_qos0 += 1
             else:
                 outbound.publish(parcel)
-            return Delivery.TAKEN
+            return TAKEN
         if outbound is None:
             return self._keep(parcel)
-        if not queue and len(self._in_flight) < self._window and not outbound.link.choked:
+        if not queue.parcels and len(self._in_flight) < self._window and not outbound.link.choked:
             self._send(outbound, parcel)
-            return Delivery.TAKEN
-        if queue.full:
+            return TAKEN
+        outcome = queue.offer(parcel)
+        if outcome is TAKEN:
+            return TAKEN
+        if outcome is REFUSED:
             self._counters.dropped_overrun += 1
-            return Delivery.REFUSED
-        queue.append(parcel)
-        if not queue.high:
-            return Delivery.TAKEN
+            return REFUSED
         self._crowded[self] = None
-        return Delivery.TAKEN if self.overrun else Delivery.SLOW
+        return TAKEN if self.overrun else SLOW
 
     def deliver_large(self, parcel: Parcel) -> Delivery:
         """As :meth:`deliver`, for a message of at least ``BULKY`` bytes, of which each copy takes its time."""
@@ -184,7 +175,7 @@ class Session:
             return self.deliver(parcel)
         self._queue.append(parcel)
         self._work.later(self.pump)
-        return Delivery.TAKEN
+        return TAKEN
 
     def replay(self, replay: Replay) -> None:
         """Queue the retained messages for new subscriptions, also those at QoS 0; :meth:`pump` finds and sends them.
@@ -230,38 +221,38 @@ class Session:
     def pump(self) -> None:
         """Send what waits, as far as the client takes it."""
         outbound, queue, resend = self.outbound, self._queue, self._resend
-        parcels = queue.parcels
+        parcels, in_flight, window = queue.parcels, self._in_flight, self._window
         while outbound is not None and not outbound.link.choked:
-            if resend and len(self._in_flight) - len(resend) < self._window:
+            if resend and len(in_flight) - len(resend) < window:
                 self._send_again(outbound, resend.popleft())
             elif not parcels:
                 break
-            elif isinstance(parcel := parcels[0], Replay):
-                if not self._go_on_with(outbound, parcel):
+            elif type(first := parcels[0]) is Replay:
+                if not self._go_on_with(outbound, first):
                     break
-            elif (size := parcel.message.size) >= BULKY and not self._work.left:
-                self._work.later(self.pump)
-                break
-            elif not parcel.qos or len(self._in_flight) < self._window:
+            else:
+                message, qos, _, _, _ = parcel = first
+                if qos and len(in_flight) >= window:
+                    break
+                if message.size >= BULKY:
+                    if not self._work.left:
+                        self._work.later(self.pump)
+                        break
+                    self._work.spend(message.size // _COPIED)
                 queue.popleft()
-                if size >= BULKY:
-                    self._work.spend(size // _COPIED)
-                expires_at = parcel.message.expires_at
-                if expires_at is not None and expires_at <= self._clock.monotonic():
+                if message.expires_at is not None and message.expires_at <= self._clock.monotonic():
                     self._counters.dropped_expired += 1
-                elif parcel.qos:
+                elif qos:
                     self._send(outbound, parcel)
                 else:
                     outbound.publish(parcel)
                     self.settled += 1
-            else:
-                break
         if (self.overrun or self.held_publishers) and queue.low:
             self.overrun = False
             self._release_publishers()
 
     def acknowledged(self, packet_id: int) -> None:
-        """PUBACK came.
+        """PUBACK came; what has room now is left to :meth:`pump`, once for all that came together.
 
         Raises:
             PacketError: 0x82, the message was not sent at QoS 1.
@@ -269,9 +260,14 @@ class Session:
         if packet_id not in self._in_flight:
             return
         parcel = self._in_flight[packet_id]
-        if parcel is None or parcel.qos != 1:
+        if parcel is None or parcel[1] != 1:
             raise PacketError("PUBACK for a message at QoS 2", code=ReasonCode.PROTOCOL_ERROR)
-        self._forget(packet_id)
+        del self._in_flight[packet_id]
+        self.settled += 1
+        if parcel[0].size > _SMALL:
+            self._count_in_flight(parcel, -1)
+        if self._resend:
+            self._not_again(packet_id)
 
     def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
         """PUBREC came; returns the reason that PUBREL is to carry: 0, or 0x92 for an id nobody knows.
@@ -329,7 +325,7 @@ class Session:
             self._queue.popleft()
             self._counters.dropped_offline += 1
         self._queue.append(parcel)
-        return Delivery.TAKEN
+        return TAKEN
 
     def _go_on_with(self, outbound: Outbound, replay: Replay) -> bool:
         """Send a message of *replay*, or strike it out when it is over; False where it has to wait."""
@@ -373,7 +369,7 @@ class Session:
         self._last_id = packet_id
         if outbound.publish(parcel, packet_id):
             self._in_flight[packet_id] = parcel
-            if parcel.message.size > _SMALL:
+            if parcel[0].size > _SMALL:
                 self._count_in_flight(parcel, 1)
 
     def _send_again(self, outbound: Outbound, packet_id: int) -> None:

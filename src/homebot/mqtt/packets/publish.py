@@ -53,9 +53,8 @@ class Publish(NamedTuple):
     properties: Properties = NO_PROPERTIES
 
 
-@dataclass(frozen=True, slots=True)
-class Puback:
-    """The answer to a PUBLISH at QoS 1."""
+class Puback(NamedTuple):
+    """The answer to a PUBLISH at QoS 1; a tuple, as :class:`Publish`, because it comes as often."""
 
     packet_id: int
     reason: ReasonCode = ReasonCode.SUCCESS
@@ -110,7 +109,7 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         raise PacketError("PUBLISH ends before its topic", data[start:end])
     position = start + 2 + (data[start] << 8 | data[start + 1])
     qos = flags >> 1 & 3
-    if position > end or qos == 3 or (flags & 8 and not qos and version != ProtocolVersion.V31):
+    if position > end or qos == 3 or (flags & 8 and not qos and version is not ProtocolVersion.V31):
         raise PacketError(f"PUBLISH has flags 0x{flags:x} or is too short", data[start:end])
     try:
         topic = data[start + 2 : position].decode()
@@ -127,7 +126,7 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
             raise PacketError("packet id is 0", data[start:end], ReasonCode.PROTOCOL_ERROR)
         position += 2
     properties = NO_PROPERTIES
-    if version == ProtocolVersion.V5:
+    if version is ProtocolVersion.V5:
         if position < end and not data[position]:
             position += 1
         else:
@@ -145,7 +144,8 @@ def encode_publish(packet: Publish, version: ProtocolVersion) -> bytes:
     Raises:
         UsageError: QoS and packet id do not fit together, or a field does not fit its type.
     """
-    head, tail = encode_publish_parts(packet, version)
+    topic, payload, qos, retain, dup, _, properties = packet
+    head, tail = encode_publish_parts(topic, payload, qos, retain, properties, version, dup=dup)
     if packet.qos == 0:
         if packet.packet_id is not None:
             raise UsageError("a PUBLISH at QoS 0 has no packet id")
@@ -155,19 +155,31 @@ def encode_publish(packet: Publish, version: ProtocolVersion) -> bytes:
     return head + encode_uint16(packet.packet_id) + tail
 
 
-def encode_publish_parts(packet: Publish, version: ProtocolVersion) -> tuple[bytes, bytes]:
+def encode_publish_parts(
+    topic: str,
+    payload: bytes,
+    qos: int,
+    retain: bool,  # noqa: FBT001 - made for every message, by position for speed
+    properties: Properties,
+    version: ProtocolVersion,
+    *,
+    dup: bool = False,
+) -> tuple[bytes, bytes]:
     """What stands before and behind the packet id, so that receivers with other ids can share both.
 
-    The packet id itself is not looked at; at QoS 1 and 2 room for it is counted.
+    At QoS 1 and 2 room for the packet id is counted. Arguments as the attributes of :class:`Publish`.
+
+    Raises:
+        UsageError: A field does not fit its type.
     """
-    topic = encode_text(packet.topic)
-    properties = b""
-    if version == ProtocolVersion.V5:
-        properties = encode_properties(packet.properties, PacketType.PUBLISH)
-    first = 0x30 | packet.dup << 3 | packet.qos << 1 | packet.retain
-    size = len(topic) + len(properties) + len(packet.payload) + (2 if packet.qos else 0)
-    head = first.to_bytes(1, "big") + encode_varint(size) + topic
-    return head, (properties + packet.payload if properties else packet.payload)
+    name = encode_text(topic)
+    if version is ProtocolVersion.V5:
+        payload = encode_properties(properties, PacketType.PUBLISH) + payload
+    first = 0x30 | dup << 3 | qos << 1 | retain
+    size = len(name) + len(payload) + (2 if qos else 0)
+    if size < 0x80:
+        return bytes((first, size)) + name, payload
+    return first.to_bytes(1, "big") + encode_varint(size) + name, payload
 
 
 def decode_acknowledgement(packet_type: PacketType, body: bytes, version: ProtocolVersion) -> Acknowledgement:
