@@ -37,7 +37,7 @@ class Echoes:
     __slots__ = ("_lately",)
 
     def __init__(self) -> None:
-        self._lately: OrderedDict[_What, _Lately] = OrderedDict()
+        self._lately: OrderedDict[_What, _Lately] | None = None  # most devices have no events
 
     def is_new(self, place: int, capability: str, value: PlainValue, route: ClaimKey, now: float) -> bool:
         """Whether an event was not told by another route already.
@@ -50,6 +50,8 @@ class Echoes:
             now: When, on a clock that is never set.
         """
         what = (place, capability, value)
+        if self._lately is None:
+            self._lately = OrderedDict()
         lately = self._lately.get(what)
         if lately is None or now - lately.at > WINDOW:
             lately = self._lately[what] = _Lately(now)

@@ -301,7 +301,7 @@ def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoi
     for claim in claims if not found else ():
         sighting = claim.sighting
         if sighting.gateway not in found:
-            found[sighting.gateway] = Endpoint(
+            found[sighting.gateway] = Endpoint.of_checked(
                 gateway=sighting.gateway,
                 key=sighting.key,
                 address=sighting.address,

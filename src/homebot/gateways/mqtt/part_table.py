@@ -121,7 +121,8 @@ class PartTable(Generic[MessageT]):
             reads=codec.topics(),
             writes=tuple(self._writes),
         )
-        return DescribedPart(part, codec, asks=tuple(self._asks), fades=self._fades, remembers=self._remembers)
+        slim = Part.of_checked(**part.__dict__)  # without a set of its fields of its own, which is 700 bytes
+        return DescribedPart(slim, codec, asks=tuple(self._asks), fades=self._fades, remembers=self._remembers)
 
 
 JsonPart: TypeAlias = PartTable[JsonMessage]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Generic, Protocol, TypeAlias, TypeVar
+from types import MappingProxyType
+from typing import Generic, Never, Protocol, TypeAlias, TypeVar
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -35,6 +36,10 @@ class Opener(Protocol[MessageT_co]):
     def __call__(self, payload: bytes, *, retained: bool) -> MessageT_co | None:
         """Return the message; None where the payload is none. Never raises."""
         ...
+
+
+_NONE: Mapping[str, Never] = MappingProxyType({})
+"""One for all: most parts of a house have nothing in most tables."""
 
 
 def raw_bytes(payload: bytes, *, retained: bool) -> bytes:
@@ -71,11 +76,11 @@ class TableCodec(Generic[MessageT]):
         writers: Mapping[str, Writer],
         coded_writers: Mapping[str, CodedWriter] | None = None,
     ) -> None:
-        self._coded_writers = coded_writers or {}
+        self._coded_writers: Mapping[str, CodedWriter] = coded_writers or _NONE
         self._opened = opened
         self._readers = readers
-        self._event_readers = event_readers
-        self._writers = writers
+        self._event_readers: Mapping[str, tuple[Reader[MessageT], ...]] = event_readers or _NONE
+        self._writers: Mapping[str, Writer] = writers or _NONE
         self._wild = tuple(topic for topic in readers if "+" in topic or "#" in topic)
 
     def topics(self) -> tuple[str, ...]:

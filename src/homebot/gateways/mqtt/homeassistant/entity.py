@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import TypeVar
 
 from homebot.devices.part import Category
 from homebot.errors import WireError
@@ -16,6 +17,8 @@ from homebot.gateways.mqtt.payload import clean_text, shown
 from homebot.gateways.mqtt.readings import NOTHING, Readings
 
 __all__ = ["Entity"]
+
+ReadT = TypeVar("ReadT")
 
 
 class Entity(PartTable[Said]):
@@ -43,22 +46,25 @@ class Entity(PartTable[Said]):
 
         Where the template of the source is not supported, the part shows the payload as ``raw`` instead.
         """
-        return source is not None and self.hears_message(source, lambda _said, text: read(text))
+        return self._hears(source, _read_text, read)
 
     def hears_message(self, source: Source | None, read: Callable[[Said, str], Readings]) -> bool:
         """As :meth:`hears`, but *read* is given the whole message before the text."""
-        if source is None:
-            return False
-        if not source.problem:
-            self.reads(source.topic, partial(_read_source, source, read))
-            return True
-        self.reads(source.topic, partial(_read_raw, source.encoding))
-        self.offers("raw")
-        return False
+        return self._hears(source, _read_source, read)
 
     def listens_at(self, *commands: CommandTopic | None) -> None:
         """Name the topics that the part listens on."""
         self.listens(*(one.topic for one in commands if one is not None))
+
+    def _hears(self, source: Source | None, opened: Callable[[Source, ReadT, Said], Readings], read: ReadT) -> bool:
+        if source is None:
+            return False
+        if not source.problem:
+            self.reads(source.topic, partial(opened, source, read))
+            return True
+        self.reads(source.topic, partial(_read_raw, source.encoding))
+        self.offers("raw")
+        return False
 
 
 _CATEGORIES: Mapping[str, Category] = {"": "", "config": "config", "diagnostic": "diagnostic"}
@@ -76,6 +82,11 @@ def _category(config: Config) -> Category:
 def _read_source(source: Source, read: Callable[[Said, str], Readings], said: Said) -> Readings:
     text = source.text(said)
     return NOTHING if text is None else read(said, text)
+
+
+def _read_text(source: Source, read: Callable[[str], Readings], said: Said) -> Readings:
+    text = source.text(said)
+    return NOTHING if text is None else read(text)
 
 
 def _read_raw(encoding: str, said: Said) -> Readings:

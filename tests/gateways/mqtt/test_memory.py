@@ -1,0 +1,83 @@
+"""What a house takes in memory, in bytes that Python counts: the gateway's share and the directory's together."""
+
+from __future__ import annotations
+
+import gc
+import json
+import tracemalloc
+from collections.abc import Callable
+
+import pytest
+
+from homebot.discovery.index import DeviceIndex
+from homebot.gateways.mqtt.claims import Claims
+from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.filter_tree import FilterTree
+from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.messages import Time
+
+DEVICES, PARTS = 400, 300
+
+
+def many_devices(number: int) -> tuple[str, dict[str, object]]:
+    """One of one part."""
+    device = {"identifiers": [f"d{number}"], "name": f"D{number}"}
+    config = {"unique_id": f"d{number}", "name": "T", "state_topic": f"s/{number}", "unit_of_measurement": "W"}
+    return f"homeassistant/sensor/d{number}/config", {**config, "device": device}
+
+
+def many_parts(number: int) -> tuple[str, dict[str, object]]:
+    """One of 300 parts."""
+    parts = {
+        f"p{part}": {
+            "p": "sensor",
+            "unique_id": f"d{number}p{part}",
+            "name": f"Part {part}",
+            "state_topic": f"s/{number}",
+            "value_template": f"{{{{ value_json.p{part} }}}}",
+            "unit_of_measurement": "W",
+        }
+        for part in range(PARTS)
+    }
+    device = {"identifiers": [f"d{number}"], "name": f"D{number}"}
+    return f"homeassistant/device/d{number}/config", {"device": device, "origin": {"name": "x"}, "components": parts}
+
+
+def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> float:
+    """Return what each of *count* devices takes, in bytes."""
+    convention = HomeAssistantDiscovery(HomeAssistantSettings())
+    claims, index = Claims("mqtt", (convention,), StateTopics(()), FilterTree()), DeviceIndex(forget_after=1e6)
+    at, until = Time.from_seconds(1e9), Time.from_seconds(2e9)
+
+    def take(number: int) -> None:
+        topic, config = make(number)
+        for heard in convention.take(topic, json.dumps(config).encode(), retained=False):
+            assert isinstance(heard, Described)
+            change = claims.describe(heard)
+            index.observe(change.claim.sighting("appeared", "", at=at, until=until, heard_at=1.0, confirmed=True), 1.0)
+        index.take_changes()
+
+    for number in range(10):
+        take(number)
+    gc.collect()
+    tracemalloc.start()
+    try:
+        for number in range(10, 10 + count):
+            take(number)
+        index.sort()
+        gc.collect()
+        return tracemalloc.get_traced_memory()[0] / count
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("make", "count", "most"),
+    [(many_devices, DEVICES, 14_000), (many_parts, 10, 2_800 * PARTS)],
+    ids=["devices", "parts"],
+)
+def test_a_device_and_a_part_take_little(
+    make: Callable[[int], tuple[str, dict[str, object]]], count: int, most: int
+) -> None:
+    assert known(make, count) < most
