@@ -4,6 +4,7 @@ VENV ?= .venv
 BIN = $(VENV)/bin
 ARGS ?=
 BENCH = .venv-bench
+DOCS = .venv-docs
 
 SEED := $(or $(SEED),$(shell date +%s))
 CASES ?= 100000
@@ -18,7 +19,7 @@ SLOW = tests/system tests/fuzz tests/cli tests/bridges/rosbridge tests/mqtt/brok
 	tests/test_logger.py tests/test_loop_watch.py tests/test_public_face.py tests/test_readme.py
 SLOW_KINDS = *_against_* *_any_* *_fuzz* *_hostile*
 
-.PHONY: help run test test-fast fuzz houses check format bench lock test-lowest clean
+.PHONY: help run test test-fast fuzz houses check format docs bench lock test-lowest clean
 
 ## This list.
 help:
@@ -60,6 +61,11 @@ format: $(VENV)/.dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+## The documentation as a site, in site/; a broken link or cross reference is an error.
+docs: $(DOCS)/.ready
+	@NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/mkdocs build --strict $(ARGS)
+	@echo "open site/index.html, or: $(DOCS)/bin/mkdocs serve"
+
 ## Speed and memory, beside Home Assistant where it can be installed.
 bench: $(BENCH)/.ready $(BENCH)-ha/.tried
 	@$(BENCH)/bin/python benchmarks/run.py --home-assistant $(BENCH)-ha/bin/python $(ARGS)
@@ -67,7 +73,7 @@ bench: $(BENCH)/.ready $(BENCH)-ha/.tried
 ## Moves the versions that CI installs forward to the newest.
 lock:
 	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock
-	.venv-lock/bin/pip install --quiet --disable-pip-version-check -e ".[dev,all]"
+	.venv-lock/bin/pip install --quiet --disable-pip-version-check -e ".[dev,all,docs]"
 	.venv-lock/bin/pip freeze --exclude-editable > constraints.txt
 	rm -rf .venv-lock
 
@@ -79,7 +85,7 @@ test-lowest:
 
 ## Removes what the targets made.
 clean:
-	rm -rf $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(DOCS) site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
@@ -91,6 +97,11 @@ $(VENV)/.run: pyproject.toml constraints.txt | $(VENV)/bin/python
 $(VENV)/.dev: pyproject.toml constraints.txt | $(VENV)/bin/python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev,all]"
 	@touch $@ $(VENV)/.run
+
+$(DOCS)/.ready: pyproject.toml constraints.txt
+	@$(PYTHON) -m venv $(DOCS)
+	@$(DOCS)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
+	@touch $@
 
 # Nothing but what users install, so that start-up and memory are theirs.
 $(BENCH)/.ready: pyproject.toml constraints.txt
