@@ -615,7 +615,7 @@ async def test_a_broker_that_does_not_answer_connect_is_a_link_error() -> None:
 
     async with broker(script) as port:
         with pytest.raises(LinkError, match="no answer to CONNECT"):
-            async with make(port, timeout=0.02).connected():
+            async with make(port, timeout=0.5).connected():
                 pass
 
 

@@ -41,6 +41,9 @@ from homebot.mqtt.packets import (
 
 Kind = TypeVar("Kind")
 
+PATIENCE = 30.0
+"""Seconds after which something that is to come never will, however busy the machine is."""
+
 
 def owed(retained: RetainedMessages, *filters: str) -> list[Owed]:
     """What new subscriptions to *filters* get, with pauses wherever the broker makes one."""
@@ -255,7 +258,7 @@ class WireClient:
 
     async def take(self) -> Packet:
         """The next packet; EOFError where the broker closed instead."""
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             while (packet := self._packets.pop()) is None:
                 data = await self.reader.read(65_536)
                 if not data:

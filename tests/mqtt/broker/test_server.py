@@ -11,6 +11,7 @@ import anyio
 import pytest
 import trustme
 from structlog.testing import capture_logs
+from tests.mqtt.broker.conftest import PATIENCE
 
 from homebot.clock import ManualClock
 from homebot.errors import LinkError, UsageError
@@ -122,11 +123,11 @@ async def test_a_restart_may_forget_everything(dial: Dial) -> None:
 
 
 async def test_clients_that_do_not_read_do_not_hold_up_a_stop(dial: Dial) -> None:
-    limits = BrokerLimits(stop_timeout=0.05, linger=30)
+    limits = BrokerLimits(stop_timeout=0.05, linger=10 * PATIENCE)
     async with Broker(limits=limits) as broker:
         client = await dial(broker)
         client.writer.transport.pause_reading()  # type: ignore[attr-defined] # a socket transport
-        with anyio.fail_after(2):
+        with anyio.fail_after(PATIENCE):
             await broker.stop()
 
 
@@ -291,9 +292,9 @@ async def test_a_broker_stops_after_a_failed_tls_handshake(tls: ssl.SSLContext) 
     async with Broker(tls=tls) as broker:
         stranger = await anyio.connect_tcp("127.0.0.1", broker.port)
         await stranger.send(b"GET / HTTP/1.1\r\n\r\n")
-        with anyio.fail_after(5), contextlib.suppress(anyio.EndOfStream, anyio.BrokenResourceError):
+        with anyio.fail_after(PATIENCE), contextlib.suppress(anyio.EndOfStream, anyio.BrokenResourceError):
             await stranger.receive()
-        with anyio.fail_after(2):
+        with anyio.fail_after(PATIENCE):
             await broker.stop()
         await stranger.aclose()
 

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 import anyio
 import pytest
 from structlog.testing import capture_logs
-from tests.mqtt.broker.conftest import Dial
+from tests.mqtt.broker.conftest import PATIENCE, Dial
 
 from homebot.mqtt.broker import Broker, BrokerLimits
 from homebot.mqtt.packets import Connect, FilterRequest, Pingreq, Pingresp, Puback, Publish, Subscribe, encode
@@ -34,7 +34,7 @@ async def broker(tls: TestTls) -> AsyncIterator[Broker]:
 
 
 async def until(broker: Broker, connections: int) -> None:
-    with anyio.fail_after(5):
+    with anyio.fail_after(PATIENCE):
         while broker.stats.connections_accepted < connections:  # noqa: ASYNC110 - no event tells
             await anyio.sleep(0.01)
 
@@ -56,7 +56,7 @@ async def test_hand_shakes_that_do_not_end_make_room_for_others(
 async def test_a_hand_shake_has_a_deadline(tls: TestTls) -> None:
     async with Broker(tls=tls.context, limits=BrokerLimits(connect_timeout=0.1)) as broker:
         reader, writer = await asyncio.open_connection(broker.host, broker.port)
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             assert await reader.read() == b""
         writer.close()
         assert broker.stats.connections_failed == 1
@@ -82,7 +82,7 @@ async def test_a_hand_shake_in_single_bytes_succeeds(broker: Broker, trusting: s
                 incoming.write(await reader.read(1000))
         return data
 
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         while True:
             try:
                 client.do_handshake()
@@ -101,7 +101,7 @@ async def test_large_messages_go_both_ways(broker: Broker, dial: Dial, trusting:
     sender = await dial(broker, "s", context=trusting)
     await receiver.call(Subscribe(1, (FilterRequest("t", 1),)))
     payload = bytes(range(256)) * 12_000
-    with anyio.fail_after(20):
+    with anyio.fail_after(PATIENCE):
         await sender.send(Publish("t", payload, 1, packet_id=1))
         message = await receiver.take()
         assert isinstance(message, Publish)
@@ -118,7 +118,7 @@ async def test_a_publisher_is_held_back_for_a_slow_reader(tls: TestTls, dial: Di
         await slow.call(Subscribe(1, (FilterRequest("t", 1),)))
         await publisher.send(*(Publish("t", b"%d" % number, 1, packet_id=number) for number in range(1, 1001)))
         received: list[int] = []
-        with anyio.fail_after(20):
+        with anyio.fail_after(PATIENCE):
             while len(received) < 1000:
                 message = await slow.take()
                 assert isinstance(message, Publish)
@@ -132,7 +132,7 @@ async def test_who_speaks_no_tls_is_told_of(broker: Broker) -> None:
     with capture_logs() as lines:
         reader, writer = await asyncio.open_connection(broker.host, broker.port)
         writer.write(b"\x10\x0c\x00\x04MQTT\x04\x02\x00\x3c\x00\x00")
-        with anyio.fail_after(5):
+        with anyio.fail_after(PATIENCE):
             await reader.read()
         writer.close()
     (told,) = [line["message"] for line in lines if line["event"] == "broker.tls_failed"]
@@ -148,7 +148,7 @@ async def test_a_client_that_goes_in_the_middle_leaves_nothing(
         writer.close()
     client = await dial(broker, context=trusting)
     await client.close()
-    with anyio.fail_after(5):
+    with anyio.fail_after(PATIENCE):
         while broker.stats.clients or len(broker._sockets):  # noqa: ASYNC110 - no event tells
             await anyio.sleep(0.01)
     assert len(broker.hub.waiting_logins) == 0

@@ -8,6 +8,7 @@ from contextlib import ExitStack
 
 import anyio
 import pytest
+from tests.mqtt.broker.conftest import PATIENCE
 
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.packets import Connack, Connect, ProtocolVersion, encode
@@ -39,6 +40,6 @@ def _dial(broker: Broker) -> socket.socket:
 
 
 async def _receive(connection: socket.socket) -> bytes:
-    with anyio.fail_after(5):
+    with anyio.fail_after(PATIENCE):
         await anyio.wait_readable(connection)
     return connection.recv(1024)
