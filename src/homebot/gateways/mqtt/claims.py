@@ -12,6 +12,7 @@ from homebot.gateways.mqtt.convention import Convention
 from homebot.gateways.mqtt.description import Described
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, Excess, excess_of
 from homebot.gateways.mqtt.filter_tree import FilterTree, has_wildcard
+from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
 from homebot.gateways.mqtt.state_topics import StateTopics
 
 __all__ = ["Bounds", "Change", "Claims", "Route"]
@@ -32,6 +33,7 @@ class Bounds:
         readers: Parts that read one topic: each of its messages is work for all of them.
         excess: Bytes by which announcements are longer than what they offer explains, of all.
         excess_each: The same of one.
+        memory: Bytes that all take, about.
     """
 
     claims: int = 50_000
@@ -40,6 +42,7 @@ class Bounds:
     readers: int = 5000
     excess: int = MAX_EXCESS
     excess_each: int = MAX_EXCESS_EACH
+    memory: int = MAX_MEMORY
 
 
 _BOUNDS = Bounds()
@@ -105,6 +108,7 @@ class Claims:
         self._claims: dict[str, Claim] = {}
         self._parts = 0
         self._excess = Excess(bounds.excess, bounds.excess_each)
+        self._memory = MemoryAccount(bounds.memory)
         self._announcements: FilterTree[Convention] = FilterTree()
         for convention in conventions:
             for topic_filter in convention.filters():
@@ -117,6 +121,11 @@ class Claims:
     def excess(self) -> int:
         """Bytes by which all that stand are longer than what they offer explains."""
         return self._excess.total
+
+    @property
+    def memory(self) -> int:
+        """Bytes that all that stand take, about."""
+        return self._memory.total
 
     def get(self, key: str) -> Claim | None:
         """Return what stands under *key*."""
@@ -146,8 +155,8 @@ class Claims:
             length: Of the message that it alone was made of; 0 where that is unknown.
 
         Raises:
-            WireError: It has more than 1,000 parts, is one device or part too many, or too long. What stood before
-                stays.
+            WireError: It has more than 1,000 parts, is one device or part too many, too long, or there is no more
+                memory for it. What stood before stays.
         """
         key = f"{described.convention}:{described.key}"
         before = self._claims.get(key)
@@ -163,6 +172,7 @@ class Claims:
         self._claims[key] = claim
         self._parts += len(described.parts)
         self._excess.total += excess
+        self._memory.put(described)
         return Change(claim, before, refused, readers)
 
     def withdraw(self, key: str) -> Claim | None:
@@ -183,6 +193,7 @@ class Claims:
             raise WireError(f"{described.key!r} is one too many: {self._bounds.claims:,} announcements stand")
         if self._parts + count - (0 if before is None else len(before.described.parts)) > self._bounds.parts:
             raise WireError(f"{described.key!r} has parts too many: {self._bounds.parts:,} are described")
+        self._memory.check(described, None if before is None else before.described)
 
     def _enlist(self, claim: Claim) -> tuple[tuple[WireError, ...], _Readers]:
         refused: list[WireError] = []
@@ -208,6 +219,7 @@ class Claims:
     def _strike(self, claim: Claim) -> None:
         self._parts -= len(claim.described.parts)
         self._excess.total -= claim.excess
+        self._memory.drop(claim.described)
         for topic_filter, reader in claim.enlisted:
             self._topics.leave(topic_filter)
             self._readers.remove(topic_filter, reader)

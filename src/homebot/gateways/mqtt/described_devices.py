@@ -24,7 +24,7 @@ from homebot.gateways.mqtt.announcements import Announcements
 from homebot.gateways.mqtt.board import Board
 from homebot.gateways.mqtt.channels import Channels
 from homebot.gateways.mqtt.claim import Voice, Witness
-from homebot.gateways.mqtt.claims import Change, Claims, Route
+from homebot.gateways.mqtt.claims import Bounds, Change, Claims, Route
 from homebot.gateways.mqtt.commands import Commands
 from homebot.gateways.mqtt.convention import (
     Convention,
@@ -73,6 +73,7 @@ class DescribedDevices:
         counters: Its counters.
         stale_after: Seconds of silence after which a device counts as stale.
         lease: Lets the gateway act while no other homebot does.
+        max_memory: Bytes that what is announced may take, about.
 
     Attributes:
         commands: Brings commands to them.
@@ -95,6 +96,7 @@ class DescribedDevices:
         counters: GatewayCounters,
         stale_after: float,
         lease: ActingLease,
+        max_memory: int,
     ) -> None:
         self.lease = lease
         self.conventions = conventions
@@ -108,7 +110,9 @@ class DescribedDevices:
         self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters, self.filters())
         self._spare_memory = SpareMemory(self._timekeeper)
         self._topics = StateTopics(self.filters(), other_filters)
-        self._claims = Claims(gateway.node.name, conventions, self._topics, _tree(other_filters))
+        self._claims = Claims(
+            gateway.node.name, conventions, self._topics, _tree(other_filters), Bounds(memory=max_memory)
+        )
         self._last_words = LastWords()
         self._taking = anyio.Lock()
         self._deferred_some = anyio.Event()
@@ -320,6 +324,7 @@ class DescribedDevices:
         counts = (
             *self._counters.counts(),
             Count(name="announcements_excess_bytes", count=self._claims.excess),
+            Count(name="announcements_memory_bytes", count=self._claims.memory),
             Count(name="announcements_ignored", count=self._announcements.deferred.dropped),
             Count(name="offenders_dropped", count=self.tribunal.offenders.forgotten),
             Count(name="dropped_oversize", count=lost.dropped_oversize),

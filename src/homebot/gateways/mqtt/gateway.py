@@ -124,6 +124,7 @@ class MqttGateway(Gateway):
             self.counters,
             settings.stale_after,
             self._lease,
+            settings.max_memory,
         )
         self._plain = self._described.plain
         self._warn = self._described.tribunal.warn

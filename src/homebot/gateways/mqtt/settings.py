@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, f
 from homebot.config import FilePath, check_secret_file, read_secret
 from homebot.errors import HomebotError, UsageError
 from homebot.gateways.mqtt.conventions import announce, check_tables, default_conventions
+from homebot.gateways.mqtt.memory_account import MAX_MEMORY
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
 from homebot.units import Seconds
@@ -59,6 +60,8 @@ class MqttGatewaySettings(BaseModel):
             ``max_payload`` is then dropped here. So large is Zigbee2MQTT's list of all its devices alone, about 4 kB
             for each: 32 MiB is what that convention takes, for 5,000 devices. A device's own announcement is refused
             above 256 kB, unread. An MQTT 5 broker drops what is too large without a word.
+        max_memory: Bytes that what is announced may take, about, here and in the directory; what does not fit any more
+            is refused, and counted.
         session_expiry: Seconds for which the broker keeps messages for this gateway while it is away.
         stale_after: Seconds of silence after which a device counts as stale.
         conventions: Which uses of topics to understand, by entry-point name or ``module:Class``; by default all that
@@ -83,6 +86,7 @@ class MqttGatewaySettings(BaseModel):
     protocol: MqttProtocol = "auto"
     max_payload: Annotated[int, Field(ge=1024, lt=2**28)] = 256 * 1024
     max_announcement: Annotated[int, Field(ge=1024, lt=2**28)] = 32 * 1024 * 1024
+    max_memory: Annotated[int, Field(ge=1024 * 1024, lt=2**40)] = MAX_MEMORY
     session_expiry: Annotated[int, Field(ge=0, lt=2**32)] = 3600
     stale_after: Seconds = 3600.0
     conventions: tuple[str, ...] = Field(default_factory=default_conventions)

@@ -1,0 +1,137 @@
+"""How much memory announcements may take, held to a simple account of what stands."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractAsyncContextManager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.devices.part import Part
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.mqtt.claims import Bounds, Claims
+from homebot.gateways.mqtt.description import Described, DescribedPart, Publication
+from homebot.gateways.mqtt.filter_tree import FilterTree
+from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
+from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+
+REAL = Path(__file__).parent / "zigbee2mqtt" / "both_announcements.jsonl"
+ALL_MODELS = 4_478
+KB = 1024
+MOST = 100 * KB
+
+
+class Silent:
+    def topics(self) -> tuple[str, ...]:
+        return ()
+
+    def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
+        del topic, payload, retained
+        return {}
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+        del value, transition
+        raise RefusedError(capability, "it takes nothing")
+
+
+def described(key: str, parts: int = 1, *identifiers: str) -> Described:
+    made = (DescribedPart(Part(id=str(number), service_type="light"), Silent()) for number in range(parts))
+    return Described(key, "test", identifiers, key, tuple(made), f"hello/{key}")
+
+
+def taken(standing: Mapping[str, Described]) -> int:
+    """What the docs say."""
+    devices = len({one.identifiers or one.key for one in standing.values()})
+    return sum(5 * KB + 3 * KB * len(one.parts) for one in standing.values()) + 8 * KB * devices
+
+
+WHO = st.sampled_from([(), ("mac:1",), ("mac:2",)])
+STEPS = st.lists(st.tuples(st.sampled_from("abcdef"), st.none() | st.tuples(st.integers(1, 12), WHO)), max_size=40)
+
+
+@given(STEPS)
+def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, tuple[int, tuple[str, ...]] | None]]) -> None:
+    """What is one too many is refused and leaves all as it was; what is gone counts no more."""
+    claims = Claims("mqtt", (), StateTopics(()), FilterTree(), Bounds(memory=MOST))
+    standing: dict[str, Described] = {}
+    for key, wanted in steps:
+        if wanted is None:
+            claims.withdraw(f"test:{key}")
+            standing.pop(key, None)
+        else:
+            one = described(key, wanted[0], *wanted[1])
+            try:
+                claims.describe(one)
+            except WireError:
+                assert taken({**standing, f"{key} as well": one}) > MOST
+            else:
+                standing[key] = one
+        assert claims.memory == taken(standing) <= MOST
+        assert {claim.described.key for claim in claims.all()} == set(standing)
+    for key in tuple(standing):
+        claims.withdraw(f"test:{key}")
+    assert claims.memory == 0
+
+
+def test_the_refusal_says_what_to_do() -> None:
+    account = MemoryAccount(MOST)
+    account.put(described("one", 20))
+    with pytest.raises(WireError, match=re.escape("'two' is one too many: what is announced takes 74,752 bytes")) as no:
+        account.check(described("two", 20), None)
+    assert "set max_memory of the gateway higher" in str(no.value)
+
+
+def announced_by_real_devices() -> Iterator[Described]:
+    """The 196 models of the test data, by both of their ways."""
+    configs = HomeAssistantDiscovery(HomeAssistantSettings())
+    bridge = Zigbee2Mqtt(Zigbee2MqttSettings())
+    for line in REAL.read_text(encoding="utf-8").splitlines():
+        model = json.loads(line)
+        for where, config in model["discovery"].items():
+            payload = json.dumps({**config, "device": model["device"]}).encode()
+            for heard in configs.take(f"homeassistant/{where}/config", payload, retained=True):
+                assert isinstance(heard, Described)
+                yield heard
+        entries = [{"type": "EndDevice", "supported": True, **model["entry"]}]
+        for one in bridge.take("zigbee2mqtt/bridge/devices", json.dumps(entries).encode(), retained=True):
+            if isinstance(one, Described):
+                yield one
+
+
+def test_all_real_models_fit_by_both_of_their_ways() -> None:
+    account = MemoryAccount()
+    for one in announced_by_real_devices():
+        account.put(one)
+    models = len(REAL.read_text(encoding="utf-8").splitlines())
+    assert models > 100
+    assert account.total / models * ALL_MODELS < MAX_MEMORY
+
+
+@pytest.mark.parametrize(("devices", "parts"), [(500, 30), (10_000, 1), (10_000, 3)])
+def test_large_houses_fit_with_room(devices: int, parts: int) -> None:
+    account = MemoryAccount()
+    for number in range(devices):
+        one = described(str(number), parts, f"mac:{number}")
+        account.check(one, None)
+        account.put(one)
+    assert account.total < MAX_MEMORY / 2
+
+
+@pytest.mark.virtual_time
+async def test_what_is_one_too_many_is_counted_and_told(
+    make_house: Callable[..., AbstractAsyncContextManager[Any]],
+) -> None:
+    async with make_house(max_memory=1024 * KB) as house:
+        for number in range(80):
+            await house.announce(f"lamp{number}")
+        assert len(house.sighted()) == 64
+        assert house.gateway.counters.devices_refused == 80 - 64
