@@ -22,7 +22,7 @@ from structlog.typing import EventDict, Processor, WrappedLogger
 from homebot.clock import Clock
 from homebot.errors import UsageError
 from homebot.logger import ConsoleRenderer, LineWriter, sentence, with_local_time
-from homebot.output import CleanText, QueuedText
+from homebot.output import CleanText, QueuedText, wants_colour
 
 __all__ = ["LogFormat", "LogLimit", "configure_logging", "sentence"]
 
@@ -72,7 +72,7 @@ def configure_logging(
     if isinstance(out, CleanText):
         out = out.raw  # as it is written: a queue may be below
     renderer: Processor = (
-        structlog.processors.JSONRenderer() if log_format == "json" else ConsoleRenderer(colours=out.isatty())
+        structlog.processors.JSONRenderer() if log_format == "json" else ConsoleRenderer(colours=wants_colour(out))
     )
     if isinstance(out, QueuedText):
         out.queue.loss_text = partial(_loss_line, renderer)

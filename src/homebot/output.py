@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final, TextIO, cast, final
 
-__all__ = ["CONTROL", "CleanText", "OutputQueue", "QueuedText", "clean_output", "queued_output"]
+__all__ = ["CONTROL", "CleanText", "OutputQueue", "QueuedText", "clean_output", "queued_output", "wants_colour"]
 
 # Control characters, line and paragraph separators, and those that turn the direction of text.
 CONTROL: Final = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
@@ -208,6 +208,14 @@ class CleanText(io.TextIOBase):
     def fileno(self) -> int:
         """Return the descriptor of the stream."""
         return self.raw.fileno()
+
+
+def wants_colour(stream: TextIO) -> bool:
+    """Return whether what is written to *stream* may have colours: on a terminal, unless ``NO_COLOR`` is set.
+
+    Source: https://no-color.org
+    """
+    return stream.isatty() and not os.environ.get("NO_COLOR")
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from pydantic import BaseModel, field_validator
 
 from homebot.cli.door_client import DoorClient
 from homebot.cli.table import printable
+from homebot.cli.terminal import progress
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, Device
 from homebot.devices.query import quoted
 from homebot.devices.query.folding import fold
@@ -34,9 +35,13 @@ async def all_devices(door: DoorClient, service_type: str = "") -> tuple[Device,
     found: dict[str, Device] = {}
     for _ in range(_ROUNDS):
         page = await find_devices(door, "", _PAGE)
-        pages = [page, *[await find_devices(door, "", _PAGE, offset) for offset in range(_PAGE, page.total, _PAGE)]]
-        found |= {one.device.id: one.device for some in pages for one in some.results}
-        if len(found) >= pages[-1].total:
+        found |= {one.device.id: one.device for one in page.results}
+        with progress("devices", page.total if page.total > _PAGE else 0) as show:
+            for offset in range(_PAGE, page.total, _PAGE):
+                page = await find_devices(door, "", _PAGE, offset)
+                found |= {one.device.id: one.device for one in page.results}
+                show(len(found))
+        if len(found) >= page.total:
             break
     return tuple(found[one] for one in sorted(found))
 

@@ -10,7 +10,7 @@ from homebot.cli.device_json import device_json
 from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import all_devices, house_time
 from homebot.cli.moments import ago
-from homebot.cli.table import to_table, without_empty
+from homebot.cli.terminal import print_table
 from homebot.cli.thing_files import write_things
 from homebot.cli.through_door import through_door
 from homebot.cli.values import life, main_parts, says, types
@@ -24,6 +24,7 @@ from homebot.similar import did_you_mean
 __all__ = ["list_devices"]
 
 _HEAD = ("DEVICE", "TYPE", "AREA", "SAYS", "GATEWAY", "LISTENS ON", "STATE", "LAST SEEN")
+_IF_ANY = ("AREA", "SAYS", "LISTENS ON")
 _WRONG_COMMAND_LINE = 2
 
 
@@ -44,7 +45,8 @@ def list_devices(options: argparse.Namespace) -> int:
             print(f"no device offers {options.type} now" if options.type else "no device was discovered yet")
         else:
             now = await house_time(door)
-            print(to_table(*without_empty({"AREA", "SAYS", "LISTENS ON"}, _HEAD, [_row(one, now) for one in devices])))
+            rows = [_row(one, now) for one in devices]
+            print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("GATEWAY", "LISTENS ON"))
         return 0
 
     code = through_door(options, run)

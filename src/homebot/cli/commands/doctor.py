@@ -10,7 +10,8 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import find_devices, house_time
 from homebot.cli.moments import ago
 from homebot.cli.outbox import gateway_state
-from homebot.cli.table import printable, to_lines
+from homebot.cli.table import printable
+from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.through_door import through_door
 from homebot.devices import Device, GatewayState
 from homebot.devices.quarantine import Count, GetHealth, HealthResponse, PartFailure, Quarantine
@@ -51,7 +52,8 @@ def doctor(options: argparse.Namespace) -> int:
         for name, health in sorted((await _health(door)).items()):
             is_well = _tell_health(name, health, now, everything=options.counts) and is_well
         is_well = await _tell_devices(door, now) and is_well
-        print("\nall is well" if is_well else "\nnot all is well")
+        print()
+        print_line("all is well" if is_well else "not all is well", "bold green" if is_well else "bold red")
         return 0 if is_well else 1
 
     return through_door(options, run)
@@ -128,10 +130,7 @@ def _dispute(device: Device) -> str:
 
 def _tell(title: str, rows: Sequence[tuple[str, ...]], total: int = 0, hint: str = "") -> None:
     """Print *rows*, and how many of the *total* they are where there are more."""
-    if rows:
-        print(f"{title}:")
-    for line in to_lines(rows):
-        print(f"  {line}")
+    print_rows(rows, f"{title}:")
     if total > len(rows):
         print(f"  … these are the first {len(rows)} of {total}{hint}")
 

@@ -9,6 +9,7 @@ from homebot.cli.device_json import device_json
 from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import find_devices
 from homebot.cli.table import to_table, without_empty
+from homebot.cli.terminal import is_terminal, print_table
 from homebot.cli.through_door import through_door
 from homebot.cli.values import life, says, types
 from homebot.devices.services import QueryDevicesResponse
@@ -16,6 +17,7 @@ from homebot.devices.services import QueryDevicesResponse
 __all__ = ["find"]
 
 _HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "SAYS", "STATE")
+_IF_ANY = ("AREA", "SAYS")
 
 
 def find(options: argparse.Namespace) -> int:
@@ -39,15 +41,20 @@ def find(options: argparse.Namespace) -> int:
 
 
 def _show(found: QueryDevicesResponse, *, why: bool) -> None:
-    rows = [
+    rows: list[tuple[str, ...]] = [
         (one.device.id, one.device.name, types(one.device), one.device.area, says(one.device), life(one.device))
         for one in found.results
     ]
-    head, *lines = to_table(*without_empty({"AREA", "SAYS"}, _HEAD, rows)).splitlines()
-    print(head)
-    for line, result in zip(lines, found.results, strict=True):
-        print(line)
-        if why:
-            print("".join(f"    {reason}\n" for reason in result.reasons), end="")
+    reasons = [one.reasons for one in found.results]
+    if not why:
+        print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("NAME",))
+    elif is_terminal():
+        rows = [(*row, "; ".join(some)) for row, some in zip(rows, reasons, strict=True)]
+        print_table((*_HEAD, "WHY"), rows, if_any=_IF_ANY, if_room=("NAME",))
+    else:
+        head, *lines = to_table(*without_empty(_IF_ANY, _HEAD, rows)).splitlines()
+        print(head)
+        for line, some in zip(lines, reasons, strict=True):
+            print("\n    ".join([line, *some]))
     if found.total > len(found.results):
         print(f"… and {found.total - len(found.results)} more; --limit shows more of them")

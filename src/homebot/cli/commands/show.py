@@ -10,7 +10,8 @@ from homebot.cli.device_json import device_json
 from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import house_time, named_device, reasons_for
 from homebot.cli.moments import ago
-from homebot.cli.table import to_lines
+from homebot.cli.table import printable
+from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.thing_files import thing_text
 from homebot.cli.through_door import through_door
 from homebot.cli.values import in_words, life, span
@@ -19,7 +20,7 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Capability
 from homebot.devices.words import read_words_address
 
-__all__ = ["describe", "show"]
+__all__ = ["show"]
 
 _USES = {(True, True): "read and set", (True, False): "read", (False, True): "set", (False, False): ""}
 
@@ -35,40 +36,40 @@ def show(options: argparse.Namespace) -> int:
             print(json.dumps(device_json(device), indent=2))
         else:
             reasons = await reasons_for(door, device)
-            print("\n".join(describe(device, reasons, await house_time(door))))
+            _describe(device, reasons, await house_time(door))
         return 0
 
     return through_door(options, run)
 
 
-def describe(device: Device, reasons: tuple[str, ...], now: float) -> Iterator[str]:
-    """Yield the lines that tell people of *device*.
+def _describe(device: Device, reasons: tuple[str, ...], now: float) -> None:
+    """Print what is known of *device*.
 
     Args:
         device: The device.
         reasons: Why a search for its name finds it.
         now: The house's time.
     """
-    yield from to_lines([(device.id, device.name)])
-    yield from _section("", _overview(device, now))
+    print_line(f"{printable(device.id)}  {printable(device.name)}".rstrip(), "bold")
+    print_rows([*_overview(device, now)])
     values = {(one.part, one.capability): one for one in (*device.states, *device.events)}
     for part in device.parts:
         title = _title(part) + (": cannot be reached" if part.id in device.offline_parts else "")
-        yield from _section(title, _part(part, values, now))
+        _section(title, _part(part, values, now))
     words = [one for one in device.endpoints if one.address or one.command_address]
     rows = [(one.gateway, "speaks on", one.address) for one in words if _is_topic(one.address)]
     rows += [(one.gateway, "listens on", one.command_address) for one in words if _is_topic(one.command_address)]
-    yield from _section("addresses", rows)
-    yield from _section("identifiers", [(one,) for one in device.identifiers])
+    _section("addresses", rows)
+    _section("identifiers", [(one,) for one in device.identifiers])
     facts = [
         (one.name, one.value, f"said {_by(one.gateway, one.convention, one.key)}", ago(one.said_at, now))
         for one in device.facts
     ]
     facts = facts or [(one.key, one.value, "", "") for one in device.metadata]
-    yield from _section("facts", facts)
-    yield from _section("one device, because", [(one,) for one in device.evidence])
-    yield from _section("disputed", [(one,) for one in device.conflicts])
-    yield from _section("a search for its name finds it, because", [(one,) for one in reasons])
+    _section("facts", facts)
+    _section("one device, because", [(one,) for one in device.evidence])
+    _section("disputed", [(one,) for one in device.conflicts])
+    _section("a search for its name finds it, because", [(one,) for one in reasons])
 
 
 def _overview(device: Device, now: float) -> Iterator[tuple[str, ...]]:
@@ -117,13 +118,10 @@ def _capability(capability: Capability, state: State | None, now: float) -> tupl
     return capability.name, shown, use, span(capability), since
 
 
-def _section(title: str, rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
-    lines = to_lines(list(rows))
-    if lines:
-        if title:
-            yield ""
-            yield from to_lines([(title,)])
-        yield from (f"  {line}" for line in lines)
+def _section(title: str, rows: Iterable[tuple[str, ...]]) -> None:
+    if shown := [*rows]:
+        print()
+        print_rows(shown, title)
 
 
 def _by(gateway: str, convention: str, key: str) -> str:

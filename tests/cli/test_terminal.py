@@ -1,0 +1,190 @@
+"""What is printed on a terminal fits it, and nothing from outside steers it; elsewhere it is plain text."""
+
+from __future__ import annotations
+
+import fcntl
+import io
+import os
+import pty
+import re
+import struct
+import subprocess
+import sys
+import termios
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from typing import TYPE_CHECKING, cast
+
+import pytest
+from rich.cells import cell_len
+
+from homebot.cli.table import to_lines, to_table
+from homebot.cli.terminal import print_line, print_rows, print_table, progress
+from homebot.output import clean_output
+
+if TYPE_CHECKING:
+    from typing import TextIO
+
+    from tests.cli.conftest import Homebot
+
+HEAD = ("DEVICE", "SAYS", "GATEWAY", "STATE")
+ROWS = (("lamp", "on", "mqtt", "fresh"), ("客廳的燈", "關, 40 %", "mqtt", "stale, unreachable"))
+WIDTH = 30
+
+
+class Terminal(io.StringIO):
+    """Text that claims to be shown to somebody."""
+
+    def isatty(self) -> bool:
+        return True
+
+    def lines(self) -> list[str]:
+        """The lines that one sees, without what sets colours."""
+        return [line.rstrip() for line in re.sub(r"\x1b\[[\d;]*m", "", self.getvalue()).splitlines()]
+
+
+@pytest.fixture(autouse=True)
+def _environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("COLUMNS", str(WIDTH))
+    monkeypatch.delenv("NO_COLOR", raising=False)
+
+
+@contextmanager
+def on_terminal() -> Iterator[Terminal]:
+    """Standard output and error are as a command has them, on a terminal. No fixture, as pytest sets them per phase."""
+    shown = Terminal()
+    stream = cast("TextIO", shown)
+    with redirect_stdout(stream), redirect_stderr(stream), clean_output():
+        yield shown
+
+
+def test_wide_characters_keep_the_columns_in_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    with on_terminal() as terminal:
+        monkeypatch.setenv("COLUMNS", "80")
+        print_table(HEAD, ROWS)
+        places = [
+            cell_len(line.partition(word)[0])
+            for line, word in zip(terminal.lines(), ("GATEWAY", "mqtt", "mqtt"), strict=True)
+        ]
+        assert places == [20, 20, 20]
+
+
+def test_rows_of_another_length_begin_in_the_same_column() -> None:
+    with on_terminal() as terminal:
+        print_rows([("on_off", "on", "since"), ("reads", "lamp/out"), ("光", "x", "y")])
+        assert terminal.lines() == ["  on_off  on  since", "  reads   lamp/out", "  光      x  y"]
+
+
+def test_no_line_is_wider_than_the_terminal_and_nothing_is_cut() -> None:
+    with on_terminal() as terminal:
+        print_table(HEAD[:2], [("a" * 50, "b" * 70), ("客" * 40, "關")])
+        print_rows([("name", "one " * 20), ("名" * 30, "x", "y" * 40)], "title")
+        assert max(cell_len(line) for line in terminal.lines()) <= WIDTH
+        text = terminal.getvalue()
+        assert [text.count(sign) for sign in "ab客關名y"] == [50 + text.count("name"), 70, 40, 1, 30, 40]
+
+
+def test_columns_for_which_there_is_no_room_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    with on_terminal() as terminal:
+        print_table(HEAD, [ROWS[0]], if_room=("GATEWAY", "SAYS"))
+        print_table(HEAD, [ROWS[0]], if_room=("GATEWAY",))
+        monkeypatch.setenv("COLUMNS", "18")
+        print_table(HEAD, [ROWS[0]], if_room=("GATEWAY", "SAYS"))
+        whole, rows, narrow, less = (
+            "DEVICE  SAYS  GATEWAY  STATE",
+            "lamp    on    mqtt     fresh",
+            "DEVICE  STATE",
+            "lamp    fresh",
+        )
+        assert terminal.lines() == [
+            whole,
+            rows,
+            whole,
+            rows,
+            narrow,
+            less,
+            "not shown for want",
+            "of room: SAYS,",
+            "GATEWAY",
+        ]
+
+
+def test_nothing_from_outside_is_markup_or_steers_the_terminal() -> None:
+    with on_terminal() as terminal:
+        evil = "[red]:smile:[/]\x1b[2J\u202e"
+        print_table(("A",), [(evil,)])
+        print_rows([(evil,)], evil)
+        print_line(evil, "bold")
+        shown = "".join(terminal.lines())
+        assert shown.count("[red]:smile:[/]") == 4
+        assert not set(shown) & {"\x1b", "\u202e"}
+
+
+def test_colours_are_for_states_and_not_where_they_are_not_wanted(monkeypatch: pytest.MonkeyPatch) -> None:
+    with on_terminal() as terminal:
+        print_table(("SAYS", "STATE"), [("fresh", "fresh, unreachable")])
+        assert "\x1b[31mfresh, unreachable\x1b[0m" in terminal.getvalue()
+        assert terminal.getvalue().count("\x1b[3") == 1
+        monkeypatch.setenv("NO_COLOR", "1")
+        terminal.truncate(0)
+        print_table(("SAYS", "STATE"), [("fresh", "fresh, unreachable")])
+        assert "\x1b[3" not in terminal.getvalue()
+        monkeypatch.setenv("TERM", "dumb")
+        terminal.truncate(0)
+        print_line("all is well", "green")
+        assert "\x1b" not in terminal.getvalue()
+
+
+def test_where_there_is_no_terminal_the_text_is_plain(capsys: pytest.CaptureFixture[str]) -> None:
+    print_table(HEAD, ROWS, if_room=("GATEWAY",))
+    assert capsys.readouterr().out == f"{to_table(HEAD, ROWS)}\n"
+    print_rows(ROWS, "title")
+    assert capsys.readouterr().out == "".join(
+        f"{line}\n" for line in ("title", *(f"  {one}" for one in to_lines(ROWS)))
+    )
+    with progress("devices", 400) as show:
+        show(200)
+    print_line("done", "bold")
+    assert capsys.readouterr() == ("done\n", "")
+
+
+def test_progress_is_shown_and_taken_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    with on_terminal() as terminal:
+        monkeypatch.setenv("COLUMNS", "80")
+        with progress("devices", 400) as show:
+            show(200)
+        assert "devices" in terminal.getvalue()
+        assert " 50%" in terminal.getvalue()
+        assert terminal.getvalue().endswith("\x1b[2K")  # the line is erased
+        before = terminal.getvalue()
+        with progress("devices", 0) as show:
+            show(0)
+        assert terminal.getvalue() == before
+
+
+def test_a_command_on_a_real_terminal_is_as_wide_as_that(homebot: Homebot) -> None:
+    reads, writes = pty.openpty()
+    fcntl.ioctl(writes, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 40, 0, 0))
+    environment = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    command = [sys.executable, "-m", "homebot", "--door", homebot.door, "devices"]
+    done = subprocess.run(command, stdout=writes, stderr=writes, env=environment, timeout=20, check=True)
+    os.close(writes)
+    text = os.read(reads, 10_000).decode()
+    os.close(reads)
+    lines = re.sub(r"\x1b\[[\d;]*m", "", text).splitlines()
+    assert done.returncode == 0
+    assert lines[0].split() == ["DEVICE", "TYPE", "STATE", "LAST", "SEEN"]
+    assert "not shown for want of room: GATEWAY" in lines[-2]
+    assert max(map(len, lines)) <= 40
+
+
+def test_a_command_whose_output_is_piped_does_not_load_rich(homebot: Homebot) -> None:
+    """Neither does structlog, which would wherever it is installed."""
+    code = (
+        "import sys\nfrom homebot.cli import main\n"
+        f"main(['--door', '{homebot.door}', 'devices'])\n"
+        "print('structlog' in sys.modules, 'rich' in sys.modules)\nimport rich.console"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=20)
+    assert done.stdout.splitlines()[-1] == "True False"
