@@ -33,9 +33,6 @@ MAX_FACTS = 200
 """Facts of one device that are told; those of the preferred announcements first."""
 
 
-_NO_TIME = Time(sec=0, nanosec=0)
-
-
 @dataclass(slots=True, eq=False)
 class Entry:
     """What the index keeps of a device.

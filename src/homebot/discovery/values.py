@@ -12,7 +12,7 @@ from homebot.messages import Time
 
 __all__ = ["NOT_ANNOUNCED", "can_tell", "is_denied", "reach", "state_of", "tell"]
 
-NOT_ANNOUNCED = Told(None, Time(sec=0, nanosec=0), Time(sec=0, nanosec=0), live=False)
+NOT_ANNOUNCED = Told(None, Time.from_seconds(0.0), Time.from_seconds(0.0), live=False)
 """Stands for what no part was announced for."""
 
 

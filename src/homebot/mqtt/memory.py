@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
-from typing import Final, final
+from functools import cache
+from typing import Final, Protocol, TypeAlias, final
 
 __all__ = ["MemoryKeeper"]
 
 _WORTH_IT: Final = 8 * 1024 * 1024  # bytes; giving back takes some milliseconds
 
 
-class _MallocInfo(ctypes.Structure):
+class _MallocInfo(Protocol):
     """``struct mallinfo2`` of glibc 2.33; its field ``fordblks`` says how many bytes the allocator holds unused."""
 
-    _fields_ = tuple(
-        (name, ctypes.c_size_t)
-        for name in (
-            *("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks"),
-            *("fordblks", "keepcost"),
-        )
-    )
     fordblks: int
+
+
+_Allocator: TypeAlias = tuple[Callable[[], _MallocInfo], Callable[[int], int]]
+"""Says what it holds, and gives back what is free."""
 
 
 @final
@@ -37,21 +34,32 @@ class MemoryKeeper:
         Args:
             activity: A count that grows with all that may have freed memory.
         """
-        if activity == self._seen or _info is None or _trim is None:
+        if activity == self._seen or (allocator := _allocator()) is None:
             return
         self._seen = activity
-        if _info().fordblks >= _WORTH_IT:
-            _trim(0)
+        info, trim = allocator
+        if info().fordblks >= _WORTH_IT:
+            trim(0)
 
 
-def _find() -> tuple[Callable[[], _MallocInfo] | None, Callable[[int], int] | None]:
+@cache
+def _allocator() -> _Allocator | None:
+    import ctypes  # noqa: PLC0415 - ten milliseconds, which no start needs
+
+    class MallocInfo(ctypes.Structure):
+        _fields_ = tuple(
+            (name, ctypes.c_size_t)
+            for name in (
+                *("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks"),
+                *("fordblks", "keepcost"),
+            )
+        )
+        fordblks: int
+
     try:
         libc = ctypes.CDLL(None)
         info, trim = libc.mallinfo2, libc.malloc_trim
     except (AttributeError, OSError, TypeError):  # another libc than glibc, or an old one
-        return None, None
-    info.restype = _MallocInfo
+        return None
+    info.restype = MallocInfo
     return info, trim
-
-
-_info, _trim = _find()

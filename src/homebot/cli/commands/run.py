@@ -42,6 +42,7 @@ which takes 20 ms at most; at everything only once 1.2 million more have come to
 
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 when a part was given up on the way."""
+    gc.set_threshold(*COLLECT_AFTER)
     config, house = configuration(options)
     with queued_output() as lost_lines:
         return _run_apart(options, config, house, lost_lines)
@@ -51,7 +52,6 @@ def _run_apart(options: argparse.Namespace, config: Config, house: World | None,
     """Run where nothing waits for whoever reads the log."""
     if options.log_format is not None:
         configure_logging(options.log_format)
-    gc.set_threshold(*COLLECT_AFTER)
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
     # A simulated house begins each time as it is described, so there is nothing to remember.
     is_kept = house is None and not options.ephemeral
