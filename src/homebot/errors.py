@@ -58,7 +58,7 @@ class HomebotError(Exception):
 
 
 class UsageError(HomebotError):
-    """The program or its configuration asks for something that cannot be."""
+    """A mistake in the program or its configuration; the message says what to change."""
 
 
 class InvalidNameError(UsageError):
@@ -95,7 +95,7 @@ class ParameterError(UsageError):
 
 
 class ClosedError(UsageError):
-    """The thing was closed and cannot be used any more."""
+    """A node, topic, service or connection was used after it was closed."""
 
 
 class ConfigError(UsageError):
@@ -127,7 +127,7 @@ class PluginError(UsageError):
 
 
 class PeerError(HomebotError):
-    """Somebody outside sent something unusable or said no; the same again will fail again."""
+    """A device, broker or client sent something invalid or refused a request; repeating it fails again."""
 
 
 class WireError(PeerError):
@@ -146,10 +146,10 @@ class WireError(PeerError):
 
 
 class RefusedError(PeerError):
-    """A peer, or a policy of ours, answered a request with no.
+    """A device, broker or gateway refused a request.
 
     Attributes:
-        reason: Why, in words; never holds a secret.
+        reason: The reason, for people; never contains a secret.
         code: The protocol's reason code where there is one.
     """
 
@@ -160,11 +160,11 @@ class RefusedError(PeerError):
 
 
 class WrongCodeError(RefusedError):
-    """A device wants a code, or another one; no message shows any."""
+    """A device requires a code and got none, or a wrong one. The message never shows it."""
 
 
 class LinkError(HomebotError):
-    """The link to a peer is absent, broke, or timed out; it may work later."""
+    """A connection to a broker or gateway is missing, was lost or timed out; it may work later."""
 
 
 class ExitError(HomebotError):
@@ -192,7 +192,7 @@ class AbortError(HomebotError):
 
 
 class ServiceError(HomebotError):
-    """A service call brought no response.
+    """A service call got no response.
 
     Attributes:
         service: Full name of the service.
@@ -204,7 +204,7 @@ class ServiceError(HomebotError):
 
 
 class ServiceUnavailableError(ServiceError):
-    """No server takes the call now; nothing was done."""
+    """The service has no server, or its queue is full; nothing was done."""
 
     def __init__(
         self, service: str, problem: str = "has no server; wait for it with `await client.wait_for_service(timeout)`"
@@ -213,10 +213,10 @@ class ServiceUnavailableError(ServiceError):
 
 
 class ServiceFailedError(ServiceError):
-    """The server raised while it served the call; the cause is chained.
+    """The server raised an exception, which is chained as the cause.
 
     Attributes:
-        reason: The server's exception in words.
+        reason: The text of that exception.
     """
 
     def __init__(self, service: str, reason: str) -> None:

@@ -1,4 +1,4 @@
-"""What every application is: a node that acts on the devices of the house."""
+"""The base class of apps: a node that acts on the devices of the house."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ __all__ = ["App", "NoSettings"]
 
 
 class NoSettings(BaseModel):
-    """The settings of an app that has none."""
+    """The empty table of an app without settings."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 class App(ABC):
-    """The base of applications; the plug-in group is ``homebot.apps``.
+    """The base class of apps; the entry-point group is ``homebot.apps``.
 
-    Write :meth:`run`, and give :attr:`Settings` a pydantic model when the app can be configured.
+    Override :meth:`run`. For settings, assign a pydantic model to ``Settings``.
 
     Args:
-        node: The node it is: ``/<name>``.
-        settings: Its table ``[apps.NAME]``, checked; an instance of :attr:`Settings`.
+        node: The node of the app, ``/<name>``.
+        settings: The table ``[apps.NAME]`` of the configuration, validated: an instance of ``Settings``.
 
     Attributes:
-        Settings: The model of its table.
-        node: That node, for topics, services, timers and parameters of its own.
+        Settings: The model of the app's table; by default a table with keys is an error.
+        node: The node of the app, for its topics, services, timers, parameters and log.
         devices: The devices of the house.
     """
 
@@ -44,7 +44,11 @@ class App(ABC):
 
     @abstractmethod
     async def run(self) -> None:
-        """Do what the app is for, until cancelled; returning ends the app in good order."""
+        """Run until cancelled; returning ends the app in good order.
+
+        An exception is logged and the app started again, half a second later at first; after five crashes within a
+        minute it is given up.
+        """
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Run the app; the runtime calls this."""

@@ -44,9 +44,12 @@ _COMMANDS_DEPTH = 1000
 
 
 class Devices:
-    """The devices of the house, as the node *node* sees them.
+    """Finds, follows and commands the devices of the house, for one node; an app has it as ``self.devices``.
 
-    Everything made here belongs to the node and ends with it.
+    Queries and subscriptions made here belong to the node and end with it.
+
+    Args:
+        node: The node.
     """
 
     def __init__(self, node: Node) -> None:
@@ -74,17 +77,21 @@ class Devices:
     async def find(
         self, service_type: str | Kind[P, HandleT] = "", *none: P.args, **query: P.kwargs
     ) -> tuple[Device, ...] | tuple[HandleT, ...]:
-        """Return the devices that offer a service type, or the handles of a kind, sorted by id.
+        """Return the handles of a kind that match now, or the devices that offer a service type; sorted by id.
+
+        An app starts before its devices are known. :meth:`follow` gives those that are there and those to come.
 
         Args:
-            service_type: For example ``"lights"``, all when it is empty; or a kind, for example :class:`Light`.
-            none: Nothing stands in between.
-            query: What must be true of the handles, as the kind's ``wanted`` says: ``area="kitchen", on=True``.
+            service_type: A kind of handle, for example :class:`Light`; or a service type, for example ``"lights"``,
+                empty for all devices.
+            none: Not used: conditions are given by name.
+            query: The conditions, all of which must hold, for example ``area="kitchen", on=True``; each kind documents
+                those that it has.
 
         Raises:
-            TypeError: The kind has no such condition; the message names what was probably meant.
-            ValueError: A condition has a value that it does not take.
-            ServiceError: The directory does not answer.
+            TypeError: The kind has no such condition; the message suggests the nearest.
+            ValueError: A condition does not accept the value.
+            ServiceError: The directory did not answer.
         """
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
@@ -102,7 +109,8 @@ class Devices:
     ) -> Follow | FollowHandles[HandleT]:
         """Return a live query: ``async for change in devices.follow("lights")``, or ``devices.follow(Light, on=True)``.
 
-        Arguments and errors as for :meth:`find`; what comes is told by :class:`Follow` and :class:`FollowHandles`.
+        Arguments and errors are those of :meth:`find`. The first form yields :class:`DeviceChange` (see
+        :class:`Follow`), the second :class:`HandleChange` (see :class:`FollowHandles`).
         """
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
@@ -110,23 +118,32 @@ class Devices:
         return FollowHandles(self._node, self._typed(), service_type.wanted(*none, **query))
 
     def offer(self, offer: Offer, gateway: str = "mqtt") -> Offering:
-        """Offer something to the other systems of the house: ``with devices.offer(robot) as offering``.
+        """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.
 
-        It is seen where the gateway publishes offers, as that of MQTT does with ``[gateways.mqtt.homeassistant]`` and
-        ``publish = true``.
+        Args:
+            offer: The thing.
+            gateway: The gateway that publishes it. That of MQTT does so with ``publish = true`` in
+                ``[gateways.mqtt.homeassistant]``.
+
+        Returns:
+            An object that reports its state and yields the commands of others; leaving the block withdraws the offer.
         """
         return Offering(self._node, offer, gateway)
 
     async def listen(self, device: Device, handler: MessageHandler) -> None:
         """Call *handler* with every raw message of *device*, in order, one at a time.
 
-        What the device said since this node came into being is included, as far as its gateway still has it, and so is
-        the state that the broker keeps of it. A second call replaces the handler, and nothing comes twice. A gateway
-        that is away is asked when it comes, and again whenever it was restarted.
+        Messages since this node was created are delivered first, as far as the gateway still has them, and so is a
+        retained state. A second call replaces the handler; no message is delivered twice. A gateway that is not running
+        is asked when it starts, and again after each restart.
+
+        Args:
+            device: The device.
+            handler: A function or coroutine function of one :class:`RawMessage`.
 
         Raises:
-            RefusedError: A gateway of the device does not deliver, or cannot be; its others are listened to.
-            ServiceError: It is there but does not answer; likewise.
+            RefusedError: One of its gateways does not deliver raw messages; the others are listened to all the same.
+            ServiceError: One of its gateways did not answer; likewise.
         """
         problem: RefusedError | ServiceError | None = None
         for endpoint in device.endpoints:
@@ -138,18 +155,18 @@ class Devices:
             raise problem
 
     async def tell(self, device: Device, payload: str) -> tuple[str, ...]:
-        """Send *payload* to *device* through its first endpoint that takes commands and whose gateway is there.
+        """Send the text *payload*, for example ``on``, through the first endpoint that accepts commands.
 
-        It returns when the gateway has the command in its queue; that the device obeyed is not proven by it. A word
-        reaches one part of a device: handles reach each, by ``find(Switch)`` or :meth:`handles`.
+        It returns when the gateway has queued the command. Whether the device obeyed shows in what it reports next. A
+        text reaches one part of a device; to reach others, use their handles (:meth:`handles`).
 
         Returns:
-            The names of the other parts of the device that would have taken the word as well and were not told it, such
-            as the other gangs of a wall switch.
+            The names of the other parts that would have accepted the text and did not get it, such as the other gangs
+            of a wall switch.
 
         Raises:
-            RefusedError: The device takes no commands, or its gateway only observes.
-            LinkError: No gateway of it is there now; nothing was sent.
+            RefusedError: The device accepts no commands, or its gateway only observes.
+            LinkError: None of its gateways is running; nothing was sent.
         """
         endpoints = [endpoint for endpoint in device.endpoints if endpoint.command_address]
         if not endpoints:
@@ -180,12 +197,12 @@ class Devices:
         self._handlers[endpoint.gateway, endpoint.key] = handler
 
     def handles(self, device: Device, kind: Kind[..., HandleT], sequence: int = 0) -> tuple[HandleT, ...]:
-        """Return the handles of a kind that *device* has; no directory is asked.
+        """Return the handles of *kind* that *device* has, without asking the directory.
 
         Args:
             device: The device.
             kind: For example :class:`Light`.
-            sequence: That of the :class:`DeviceChange` that *device* is out of.
+            sequence: The ``sequence`` of the :class:`DeviceChange` that *device* came with; 0 if it came with none.
         """
         typed, wanted = self._typed(), kind.wanted()
         known = typed.known(device, sequence)

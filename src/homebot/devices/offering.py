@@ -21,7 +21,7 @@ _COMMANDS_DEPTH = 100
 
 
 class Offering:
-    """An offer that is seen inside a ``with`` block and withdrawn behind it; one task reads its commands.
+    """An offer that others see within a ``with`` block, and that is withdrawn after it; one task reads its commands.
 
     Args:
         node: Who offers.

@@ -17,22 +17,22 @@ class AlarmPanel(Handle):
 
     @classmethod
     def wanted(cls, *, state: str | None = None, **place: Unpack[Place]) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            state: How it says it is, for example ``disarmed``.
-            place: As for every kind; see :class:`Handle`.
+            state: The state that it reports, for example ``disarmed``.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(place, cls._is("alarm", state))
 
     @property
     def state(self) -> str | None:
-        """``disarmed``, ``armed_home``, ``armed_away``, ``pending``, ``triggered``, …; None where that is unknown."""
+        """``disarmed``, ``armed_home``, ``armed_away``, ``pending``, ``triggered``, …; None if unknown."""
         return self._text("alarm")
 
     @property
     def armed(self) -> bool | None:
-        """Whether it is armed; None where that is unknown, or it is on its way."""
+        """True if it is armed or triggered, False if disarmed; None if unknown or changing."""
         state = self.state or ""
         return True if state.startswith("armed_") or state == "triggered" else False if state == "disarmed" else None
 
@@ -40,35 +40,35 @@ class AlarmPanel(Handle):
         """Disarm it.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot do that, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("alarm", "disarmed", code=code)
 
     async def arm_home(self, *, code: str = "") -> None:
-        """Arm it for while somebody is at home.
+        """Arm it with somebody at home.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot do that, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("alarm", "armed_home", code=code)
 
     async def arm_away(self, *, code: str = "") -> None:
-        """Arm it for while nobody is.
+        """Arm it with nobody at home.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot do that, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("alarm", "armed_away", code=code)
 
@@ -76,46 +76,46 @@ class AlarmPanel(Handle):
         """Arm it for the night.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot do that, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("alarm", "armed_night", code=code)
 
     async def arm_vacation(self, *, code: str = "") -> None:
-        """Arm it for a long absence.
+        """Arm it for a vacation.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot do that, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("alarm", "armed_vacation", code=code)
 
     async def arm_custom_bypass(self, *, code: str = "") -> None:
-        """Arm it but for what was left out.
+        """Arm it without the sensors that were bypassed at the panel.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot do that, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("alarm", "armed_custom_bypass", code=code)
 
     async def trigger(self, *, code: str = "") -> None:
-        """Set it off.
+        """Trigger the alarm.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot do that, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("alarm", "triggered", code=code)

@@ -1,4 +1,4 @@
-"""What makes a room warm or cool: thermostats and air conditioners."""
+"""Thermostats and air conditioners."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["AirConditioner", "Thermostat"]
 
 
 class Thermostat(Handle):
-    """What holds a room at a temperature."""
+    """A thermostat, or another device that holds a room at a temperature."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"thermostat"})
 
@@ -19,13 +19,13 @@ class Thermostat(Handle):
     def wanted(
         cls, *, above: float | None = None, below: float | None = None, mode: str | None = None, **place: Unpack[Place]
     ) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            above: It measures more than this many °C.
-            below: It measures less than this many °C.
-            mode: The mode that it says it is in, for example ``heat``.
-            place: As for every kind; see :class:`Handle`.
+            above: It measures more than this, in °C.
+            below: It measures less than this, in °C.
+            mode: The mode that it reports, for example ``heat``.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(
             place,
@@ -36,53 +36,62 @@ class Thermostat(Handle):
 
     @property
     def temperature(self) -> float | None:
-        """What it measures, in °C."""
+        """The measured temperature in °C; None if unknown."""
         return self._number("local_temperature")
 
     @property
     def heating_setpoint(self) -> float | None:
-        """What it heats to, in °C."""
+        """The target temperature for heating in °C; None if unknown."""
         return self._number("heating_setpoint")
 
     @property
     def cooling_setpoint(self) -> float | None:
-        """What it cools to, in °C."""
+        """The target temperature for cooling in °C; None if unknown."""
         return self._number("cooling_setpoint")
 
     @property
     def mode(self) -> str | None:
-        """What it may do: ``off``, ``heat``, ``cool``, ``auto``, …."""
+        """The selected mode: ``off``, ``heat``, ``cool``, ``auto``, …; None if unknown."""
         return self._text("thermostat_mode")
 
     @property
     def action(self) -> str | None:
-        """What it does now: ``heating``, ``idle``, …."""
+        """The current activity: ``heating``, ``cooling``, ``idle``, …; None if unknown."""
         return self._text("thermostat_action")
 
     async def heat_to(self, celsius: float) -> None:
-        """Set the temperature to heat to.
+        """Set the target temperature for heating.
+
+        Args:
+            celsius: In °C, within the bounds of its ``heating_setpoint``.
 
         Raises:
-            RefusedError: It does not heat, or not to that.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not heat, or the temperature is out of bounds.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("heating_setpoint", celsius)
 
     async def cool_to(self, celsius: float) -> None:
-        """Set the temperature to cool to.
+        """Set the target temperature for cooling.
+
+        Args:
+            celsius: In °C, within the bounds of its ``cooling_setpoint``.
 
         Raises:
-            RefusedError: It does not cool, or not to that.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not cool, or the temperature is out of bounds.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("cooling_setpoint", celsius)
 
     async def set_mode(self, mode: str) -> None:
-        """Set what it may do.
+        """Select the mode.
+
+        Args:
+            mode: One of the options of its ``thermostat_mode``.
 
         Raises:
-            RefusedError: It has no such mode; names those it has.
-            LinkError: No gateway of it is there now.
+            RefusedError: It has no such mode; the message lists those it has.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("thermostat_mode", mode)
 

@@ -1,4 +1,4 @@
-"""A door's lock."""
+"""A door lock."""
 
 from __future__ import annotations
 
@@ -12,39 +12,39 @@ __all__ = ["DoorLock"]
 
 
 class DoorLock(Handle):
-    """A door's lock."""
+    """A door lock."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"door_lock"})
 
     @classmethod
     def wanted(cls, *, locked: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            locked: Whether it says that it is locked; one that is jammed or on its way is not.
-            place: As for every kind; see :class:`Handle`.
+            locked: Whether it reports that it is locked; one that is jammed or moving is not.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(place, None if locked is None else StateIs("lock", "=" if locked else "!=", "locked"))
 
     @property
     def state(self) -> str | None:
-        """``locked``, ``unlocked``, ``locking``, ``unlocking``, ``open``, ``opening`` or ``jammed``."""
+        """``locked``, ``unlocked``, ``locking``, ``unlocking``, ``open``, ``opening``, ``jammed``; None if unknown."""
         return self._text("lock")
 
     @property
     def locked(self) -> bool | None:
-        """Whether the bolt is out; None where that is unknown, or it is jammed or on its way."""
+        """True if the bolt is out; None if unknown, jammed or moving."""
         return {"locked": True, "unlocked": False, "open": False, "opening": False}.get(self.state or "")
 
     async def lock(self, *, code: str = "") -> None:
         """Lock it.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot be told, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("lock", "locked", code=code)
 
@@ -52,11 +52,11 @@ class DoorLock(Handle):
         """Unlock it; the latch still holds the door.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot be told, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("lock", "unlocked", code=code)
 
@@ -64,10 +64,10 @@ class DoorLock(Handle):
         """Unlock it and draw the latch, so that the door can be pushed open.
 
         Args:
-            code: Where it wants one; a secret, which no log and no error shows.
+            code: The code, if it requires one; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot do that, or wants another code.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this, or the code is wrong or missing.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("lock", "open", code=code)

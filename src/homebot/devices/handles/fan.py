@@ -17,17 +17,17 @@ class Fan(Handle):
 
     @classmethod
     def wanted(cls, *, on: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            on: Whether it says that it is on; one that has not said fits neither.
-            place: As for every kind; see :class:`Handle`.
+            on: Whether it reports that it is on; one whose state is unknown matches neither.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(place, cls._is("on_off", on))
 
     @property
     def on(self) -> bool | None:
-        """Whether it is on; None where that is unknown. One that only tells its speed is off at none."""
+        """True if it is on; None if unknown. A fan that reports only its speed is off at 0."""
         if (on := self._flag("on_off")) is not None:
             return on
         if self.speed is not None:
@@ -36,20 +36,23 @@ class Fan(Handle):
 
     @property
     def speed(self) -> float | None:
-        """How fast it turns, in percent."""
+        """The speed in percent, 0 to 100; None if unknown."""
         return self._number("fan_speed")
 
     @property
     def mode(self) -> str | None:
-        """Which of its own speeds it has."""
+        """The selected preset, one of the options of its ``fan_mode``; None if unknown."""
         return self._text("fan_mode")
 
     async def turn_on(self, *, speed: float | None = None) -> None:
-        """Turn it on, at *speed* percent where that is given.
+        """Turn it on.
+
+        Args:
+            speed: The speed in percent, 0 to 100; by default it stays as it is.
 
         Raises:
-            RefusedError: It cannot do that, and nothing was sent; or its gateway says no.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this, and nothing was sent; or its gateway refused.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         if speed is not None:
             self._check("fan_speed", float(speed))
@@ -59,11 +62,11 @@ class Fan(Handle):
             await self.command("fan_speed", speed)
 
     async def turn_off(self) -> None:
-        """Turn it off; where that is one of its speeds, set it to that.
+        """Turn it off, by its speed or preset if it has no switch.
 
         Raises:
-            RefusedError: It cannot be told.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         if not self.can("on_off") and (mode := self._mode_off()) is not None:
             await self.command("fan_mode", mode)
@@ -73,11 +76,11 @@ class Fan(Handle):
             await self.command("on_off", False)  # noqa: FBT003  # the value
 
     async def set_speed(self, speed: float) -> None:
-        """Make it turn at *speed* percent.
+        """Set the speed to *speed* percent, 0 to 100.
 
         Raises:
-            RefusedError: It has no speeds, or this is not in 0 to 100.
-            LinkError: No gateway of it is there now.
+            RefusedError: Its speed cannot be set, or the value is out of range.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("fan_speed", speed)
 

@@ -36,14 +36,14 @@ _MOMENT = 5.0
 
 @dataclass(frozen=True, slots=True)
 class HandleChange(Generic[HandleT]):
-    """Something happened to a part.
+    """A change of one part that a live query matches.
 
     Attributes:
-        kind: ``appeared``: it is wanted from now on; ``changed``: it, or what it tells, is different; ``event``:
-            something happened that is over, such as a press; ``removed``: it is gone, or what was asked for is no
-            longer true.
-        handle: Its handle, the same one each time.
-        event: What happened; None for any other kind.
+        kind: ``appeared``: it matches the query from now on; ``changed``: its description or a value changed;
+            ``event``: something happened that has no duration, such as a button press; ``removed``: it is gone or no
+            longer matches.
+        handle: The handle of the part, the same object each time.
+        event: The event, in ``event.capability`` and ``event.value``; None for the other kinds.
     """
 
     kind: Literal["appeared", "changed", "event", "removed"]
@@ -54,17 +54,18 @@ class HandleChange(Generic[HandleT]):
 class FollowHandles(Generic[HandleT]):
     """``async for change in devices.follow(Light, area="kitchen", on=True)``.
 
-    Each handle appears first and is removed last. Changes that come while the reader is busy are told as one, so that
-    it always hears the newest and nothing piles up; of events each is told, once. A directory that is away is waited
-    for. One task reads.
+    A live query: every handle that matches now is reported as ``appeared``, later ones when they appear. Of each handle
+    ``appeared`` comes first and ``removed`` last. Changes of one handle that happen while the reader is busy are
+    reported as one, so that nothing piles up; every event is reported, once. If the directory is not running, the query
+    waits for it. Only one task may read.
 
     Args:
-        node: Who asks; the query ends with it.
-        handles: Where the handles come from.
-        wanted: What is asked for.
+        node: The node that asks; the query ends with it.
+        handles: The source of the handles.
+        wanted: The query.
 
     Attributes:
-        events_lost: Events that were dropped because 1,000 waited for the reader.
+        events_lost: Number of events dropped because 1,000 were waiting for the reader.
     """
 
     def __init__(self, node: Node, handles: Handles, wanted: Wanted[HandleT]) -> None:

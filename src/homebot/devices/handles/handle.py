@@ -22,13 +22,14 @@ __all__ = ["Handle", "plain_value"]
 
 
 class Handle:
-    """A part of a device. The base of all kinds; by itself it finds parts of any type.
+    """One part of a device; the base class of all kinds. ``find(Handle)`` finds parts of every type.
 
-    What it tells is always the newest that was heard: after ``await lamp.turn_on()`` it is for the lamp to say that it
-    is on. Two handles of the same part are equal.
+    Its properties are the latest values that the device reported, and ``None`` where nothing is known. A command does
+    not change them: after ``await lamp.turn_on()`` the lamp is on once it reports so. Two handles of the same part and
+    kind are equal.
 
     Attributes:
-        service_types: The device types that are of this kind; empty for any.
+        service_types: The device types of this kind; empty for any.
     """
 
     service_types: ClassVar[frozenset[str]] = frozenset()
@@ -41,10 +42,12 @@ class Handle:
 
     @classmethod
     def wanted(cls, **place: Unpack[Place]) -> Wanted[Self]:
-        """Return what is asked for; the arguments of ``find`` and ``follow`` for this kind.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            place: Of any kind: ``area``, ``name``, ``reachable``, ``fresh``, ``category``.
+            place: ``area``: the room; ``name``: a name of the device or part; ``reachable``: whether it can be reached;
+                ``fresh``: whether it reported lately; ``category``: ``config`` for settings or ``diagnostic`` for
+                self-observations, which are left out otherwise.
         """
         return Wanted(cls, place)
 
@@ -59,80 +62,81 @@ class Handle:
 
     @property
     def id(self) -> str:
-        """The device's id, with the part's after a ``#`` where it has one; as lasting as those are."""
+        """The id of the device, with ``#`` and the id of the part where it has one; renaming does not change it."""
         return f"{self._known.device.id}#{self._part_id}" if self._part_id else self._known.device.id
 
     @property
     def part_id(self) -> str:
-        """The part's id in its device; see :attr:`homebot.devices.DevicePart.id`."""
+        """The id of the part, unique in its device; see :attr:`homebot.devices.DevicePart.id`."""
         return self._part_id
 
     @property
     def name(self) -> str:
-        """What people call it: the device's name, and the part's where it has one."""
+        """The name for people: the device's, followed by the part's where it has one."""
         part = self._known.part(self._part_id)
         own = part.part.name if part else ""
         return f"{self._known.device.name} {own}" if own else self._known.device.name
 
     @property
     def area(self) -> str:
-        """The room it is said to be in; empty where nobody said."""
+        """The room that the device is in; empty where none is known."""
         return self._known.device.area
 
     @property
     def device(self) -> Device:
-        """The whole device, as it was last described."""
+        """The device that it belongs to, as last announced."""
         return self._known.device
 
     @property
     def is_gone(self) -> bool:
-        """Whether the device was removed, or offers this part no longer."""
+        """True once the device was removed or no longer has this part; commands are refused then."""
         return self._known.is_gone or self._known.part(self._part_id) is None
 
     @property
     def reachable(self) -> bool | None:
-        """Whether it can be reached: the part, where that says so itself, else the device; None where none does."""
+        """True if it can be reached, as the part or else the device reports; None if neither reports it."""
         device = self._known.device
         return False if self._part_id in device.offline_parts else _REACHABLE[device.reachable.state]
 
     @property
     def freshness(self) -> Freshness:
-        """Whether it spoke itself lately."""
+        """``fresh``, ``unconfirmed`` or ``stale``; see :class:`homebot.devices.Device`."""
         return self._known.device.freshness
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
-        """What it can be asked or told."""
+        """The capabilities of the part, with units, bounds and options."""
         part = self._known.part(self._part_id)
         return part.part.capabilities if part is not None else ()
 
     def can(self, capability: str) -> bool:
-        """Whether it can be told *capability*, for example ``level``."""
+        """Return whether *capability*, for example ``level``, can be set."""
         return any(one.name == capability and one.settable for one in self.capabilities)
 
     def value(self, capability: str) -> PlainValue:
-        """Return what it last told of *capability*, in the vocabulary's unit; None for unknown.
+        """Return the latest value of *capability*, in the unit of the vocabulary; None if unknown.
 
         Raises:
-            UsageError: There is no such capability, or it is an event, which is no state; names what was meant.
+            UsageError: There is no such capability (the message suggests the nearest), or it is an event, not a state.
         """
         self._check_name(capability)
         return self._known.value(self._part_id, capability)
 
     async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> None:
-        """Make *capability* become *value*, in the vocabulary's unit; to say it twice changes nothing.
+        """Set *capability* to *value*. Commands are absolute: sending one twice has the effect of sending it once.
 
-        It returns when the network has the command; that the device obeyed is not proven by it.
+        It returns when the network has accepted the command. Whether the device obeyed shows in what it reports next.
 
         Args:
             capability: For example ``level``.
-            value: What it shall be.
-            transition: Seconds that the change shall take, where the device can do that.
-            code: What an alarm or a lock wants to be told first. It is a secret: no log and no error shows it.
+            value: The value, in the unit of the vocabulary.
+            transition: Seconds that the change takes, where the device supports that; 0 or more.
+            code: The code of an alarm or a lock; never logged or shown in an error.
 
         Raises:
-            RefusedError: It cannot do that, or not with this value or code; says what it can.
-            LinkError: No gateway of it is there now, or it has no link; it may work later.
+            RefusedError: It does not support this, or not this value, or the code is wrong. The message says what it
+                accepts.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         if not (0 <= transition < math.inf):
             raise RefusedError(f"a transition of {transition} s", "it must be 0 or longer, and end")

@@ -16,7 +16,7 @@ _SATURATION = 100.0
 
 
 class Light(Handle):
-    """A lamp: on or off, and as far as it can, dimmed, warm or cold, coloured."""
+    """A lamp that is on or off and, if it supports it, has a brightness, a colour temperature and a colour."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"light"})
 
@@ -30,14 +30,14 @@ class Light(Handle):
         colored: bool | None = None,
         **place: Unpack[Place],
     ) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            on: Whether it says that it is on; one that has not said fits neither.
-            dimmable: Whether its level can be set.
-            tunable: Whether its white can be made warmer and colder.
+            on: Whether it reports that it is on; one whose state is unknown matches neither.
+            dimmable: Whether its brightness can be set.
+            tunable: Whether its colour temperature can be set.
             colored: Whether its colour can be set.
-            place: As for every kind; see :class:`Handle`.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(
             place,
@@ -49,22 +49,22 @@ class Light(Handle):
 
     @property
     def on(self) -> bool | None:
-        """Whether it is on; None where that is unknown."""
+        """True if it is on; None if unknown."""
         return self._flag("on_off")
 
     @property
     def level(self) -> float | None:
-        """How bright it is, in percent; 0 only where it is off."""
+        """The brightness in percent, 0 to 100; 0 only if it is off. None if unknown."""
         return self._number("level")
 
     @property
     def kelvin(self) -> float | None:
-        """How warm or cold its white is."""
+        """The colour temperature in kelvin; None if unknown."""
         return self._number("color_temperature")
 
     @property
     def color(self) -> tuple[float, float] | None:
-        """Hue in degrees, 0 to 360, and saturation in percent."""
+        """The hue in degrees, 0 to 360, and the saturation in percent, 0 to 100; None if unknown."""
         match self.value("color"):
             case (float(hue), float(saturation)):
                 return hue, saturation
@@ -73,7 +73,7 @@ class Light(Handle):
 
     @property
     def effect(self) -> str | None:
-        """What it plays."""
+        """The name of the effect that is running; None if unknown or none."""
         return self._text("effect")
 
     async def turn_on(
@@ -85,18 +85,19 @@ class Light(Handle):
         effect: str | None = None,
         transition: float = 0.0,
     ) -> None:
-        """Turn it on; what is not given stays as it is.
+        """Turn it on. Settings that are not given stay as they are.
 
         Args:
-            level: Brightness in percent, above 0.
-            kelvin: White, in the lamp's own range.
-            color: Hue from 0 to 360 degrees and saturation from 0 to 100 percent.
-            effect: One of its effects.
-            transition: Seconds that the change shall take, where the lamp can do that.
+            level: The brightness in percent, above 0 and up to 100.
+            kelvin: The colour temperature in kelvin, within the bounds of the lamp's ``color_temperature``.
+            color: The hue in degrees, 0 to 360, and the saturation in percent, 0 to 100.
+            effect: One of the options of its ``effect``.
+            transition: Seconds that the change takes, where the lamp supports that; 0 or more.
 
         Raises:
-            RefusedError: It cannot do all of that, and nothing was sent; or its gateway says no.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support one of these or a value is out of range, and nothing was sent; or its
+                gateway refused.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         if level is not None and not 0 < level <= 100:
             raise RefusedError(f"{level:g} as level of {self.id}", "turned on, it takes above 0 to 100 %")
@@ -111,17 +112,17 @@ class Light(Handle):
         """Turn it off.
 
         Raises:
-            RefusedError: It cannot be told.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("on_off", False, transition=transition)  # noqa: FBT003  # the value
 
     async def set_level(self, level: float, *, transition: float = 0.0) -> None:
-        """Make it *level* percent bright; 0 turns it off.
+        """Set the brightness to *level* percent; 0 turns it off.
 
         Raises:
             RefusedError: It cannot be dimmed, or the level is not in 0 to 100.
-            LinkError: No gateway of it is there now.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         if level == 0:
             await self.turn_off(transition=transition)

@@ -11,22 +11,22 @@ __all__ = ["ElectricalMeter", "HumiditySensor", "LightSensor", "PressureSensor",
 
 
 class _Measuring(Handle):
-    """What measures one thing.
+    """A sensor of one quantity.
 
     Attributes:
-        measures: The capability whose value it is.
+        measures: The capability that ``above`` and ``below`` compare.
     """
 
     measures: ClassVar[str]
 
     @classmethod
     def wanted(cls, *, above: float | None = None, below: float | None = None, **place: Unpack[Place]) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            above: It measures more than this.
-            below: It measures less than this.
-            place: As for every kind; see :class:`Handle`.
+            above: It measures more than this, in the unit of its property.
+            below: It measures less than this, likewise.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(
             place,
@@ -43,7 +43,7 @@ class TemperatureSensor(_Measuring):
 
     @property
     def celsius(self) -> float | None:
-        """The temperature in °C; None where that is unknown."""
+        """The temperature in °C; None if unknown."""
         return self._number(self.measures)
 
 
@@ -55,19 +55,19 @@ class HumiditySensor(_Measuring):
 
     @property
     def percent(self) -> float | None:
-        """Relative humidity in percent; None where that is unknown."""
+        """The relative humidity in percent; None if unknown."""
         return self._number(self.measures)
 
 
 class LightSensor(_Measuring):
-    """What measures how bright it is."""
+    """A sensor of ambient light."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"light_sensor"})
     measures: ClassVar[str] = "illuminance"
 
     @property
     def lux(self) -> float | None:
-        """How bright it is, in lux; None where that is unknown."""
+        """The illuminance in lux; None if unknown."""
         return self._number(self.measures)
 
 
@@ -79,22 +79,22 @@ class PressureSensor(_Measuring):
 
     @property
     def hectopascal(self) -> float | None:
-        """Air pressure in hPa; None where that is unknown."""
+        """The air pressure in hPa; None if unknown."""
         return self._number(self.measures)
 
 
 class ElectricalMeter(_Measuring):
-    """What measures electricity; ``above`` and ``below`` are watts."""
+    """A meter of electrical power and energy; ``above`` and ``below`` compare its power, in W."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"electrical_meter"})
     measures: ClassVar[str] = "power"
 
     @property
     def watts(self) -> float | None:
-        """Power drawn, in W; None where that is unknown."""
+        """The power drawn in W; None if unknown."""
         return self._number("power")
 
     @property
     def kilowatt_hours(self) -> float | None:
-        """Energy drawn, in kWh; None where that is unknown."""
+        """The energy drawn in kWh, as counted by the meter; None if unknown."""
         return self._number("energy")

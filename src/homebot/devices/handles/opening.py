@@ -16,30 +16,30 @@ class _Opening(Handle):
 
     @classmethod
     def wanted(cls, *, closed: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            closed: Whether it says that it is closed; one that has not said fits neither.
-            place: As for every kind; see :class:`Handle`.
+            closed: Whether it reports that it is closed; one whose state is unknown matches neither.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(place, None if closed is None else StateIs(cls.moves_by, "=" if closed else "!=", "closed"))
 
     @property
     def position(self) -> float | None:
-        """How far open it is, in percent: 0 is closed."""
+        """The position in percent: 0 is closed, 100 is open. None if unknown."""
         return self._number("position")
 
     @property
     def movement(self) -> str | None:
-        """``open``, ``closed``, ``opening``, ``closing`` or ``stopped``."""
+        """``open``, ``closed``, ``opening``, ``closing`` or ``stopped``; None if unknown."""
         return self._text(self.moves_by)
 
     async def open(self) -> None:
         """Open it.
 
         Raises:
-            RefusedError: It cannot be told.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self._move("open", 100.0)
 
@@ -47,26 +47,26 @@ class _Opening(Handle):
         """Close it.
 
         Raises:
-            RefusedError: It cannot be told.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self._move("closed", 0.0)
 
     async def stop(self) -> None:
-        """Let it rest where it is.
+        """Stop moving.
 
         Raises:
-            RefusedError: It cannot be told.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command(self.moves_by, "stopped")
 
     async def set_position(self, position: float) -> None:
-        """Make it *position* percent open.
+        """Move to *position* percent: 0 is closed, 100 is open.
 
         Raises:
-            RefusedError: It has no positions, or this is not in 0 to 100.
-            LinkError: No gateway of it is there now.
+            RefusedError: It can only open and close, or the position is out of range.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("position", position)
 
@@ -84,21 +84,21 @@ class WindowCovering(_Opening):
 
     @property
     def tilt(self) -> float | None:
-        """How far its slats are open, in percent."""
+        """The tilt of the slats in percent: 0 is closed, 100 is open. None if unknown."""
         return self._number("tilt")
 
     async def set_tilt(self, tilt: float) -> None:
-        """Make its slats *tilt* percent open.
+        """Tilt the slats to *tilt* percent: 0 is closed, 100 is open.
 
         Raises:
-            RefusedError: It has no slats to tilt, or this is not in 0 to 100.
-            LinkError: No gateway of it is there now.
+            RefusedError: Its slats cannot be tilted, or the value is out of range.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("tilt", tilt)
 
 
 class Closure(_Opening):
-    """A window, door, gate or garage door with a motor; see :attr:`Handle.device` for which."""
+    """A motor-driven window, door, gate or garage door."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"closure"})
 

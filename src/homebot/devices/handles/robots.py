@@ -11,110 +11,110 @@ __all__ = ["LawnMower", "RoboticVacuumCleaner"]
 
 
 class RoboticVacuumCleaner(Handle):
-    """A robot that cleans floors."""
+    """A robotic vacuum cleaner or mop."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"robotic_vacuum_cleaner"})
 
     @classmethod
     def wanted(cls, *, state: str | None = None, **place: Unpack[Place]) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            state: What it says it does: ``cleaning``, ``docked``, ``returning``, ``paused``, ``idle`` or ``error``.
-            place: As for every kind; see :class:`Handle`.
+            state: The activity that it reports; see :attr:`state`.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(place, cls._is("vacuum", state))
 
     @property
     def state(self) -> str | None:
-        """``cleaning``, ``docked``, ``returning``, ``paused``, ``idle`` or ``error``."""
+        """``cleaning``, ``docked``, ``returning``, ``paused``, ``idle`` or ``error``; None if unknown."""
         return self._text("vacuum")
 
     @property
     def battery(self) -> float | None:
-        """Charge of its battery, in percent, also where the device tells that apart from the robot."""
+        """The charge of the battery in percent, even if another part of the device reports it; None if unknown."""
         return self._number_of_device("battery")
 
     async def start(self) -> None:
-        """Let it clean.
+        """Start or resume cleaning.
 
         Raises:
-            RefusedError: It cannot be told.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("vacuum", "cleaning")
 
     async def pause(self) -> None:
-        """Let it wait where it is.
+        """Pause where it is.
 
         Raises:
-            RefusedError: It cannot do that.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("vacuum", "paused")
 
     async def stop(self) -> None:
-        """Let it end what it does.
+        """Stop the job.
 
         Raises:
-            RefusedError: It cannot do that.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("vacuum", "idle")
 
     async def return_to_dock(self) -> None:
-        """Send it home.
+        """Return to the dock.
 
         Raises:
-            RefusedError: It cannot do that.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("vacuum", "returning")
 
 
 class LawnMower(Handle):
-    """A robot that mows."""
+    """A robotic lawn mower."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"x_lawn_mower"})
 
     @classmethod
     def wanted(cls, *, state: str | None = None, **place: Unpack[Place]) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            state: What it says it does: ``mowing``, ``paused``, ``docked``, ``returning`` or ``error``.
-            place: As for every kind; see :class:`Handle`.
+            state: The activity that it reports: ``mowing``, ``paused``, ``docked``, ``returning`` or ``error``.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(place, cls._is("mower", state))
 
     @property
     def state(self) -> str | None:
-        """``mowing``, ``paused``, ``docked``, ``returning`` or ``error``."""
+        """``mowing``, ``paused``, ``docked``, ``returning`` or ``error``; None if unknown."""
         return self._text("mower")
 
     async def start(self) -> None:
-        """Let it mow.
+        """Start or resume mowing.
 
         Raises:
-            RefusedError: It cannot be told.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("mower", "mowing")
 
     async def pause(self) -> None:
-        """Let it wait where it is.
+        """Pause where it is.
 
         Raises:
-            RefusedError: It cannot do that.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("mower", "paused")
 
     async def return_to_dock(self) -> None:
-        """Send it home.
+        """Return to the dock.
 
         Raises:
-            RefusedError: It cannot do that.
-            LinkError: No gateway of it is there now.
+            RefusedError: It does not support this.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("mower", "docked")

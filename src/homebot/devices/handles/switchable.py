@@ -1,4 +1,4 @@
-"""What is on or off, and nothing else: plugs, switches, sirens."""
+"""Devices that are on or off: plugs, switches, sirens."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ __all__ = ["Plug", "Siren", "Switch"]
 class _Switchable(Handle):
     @classmethod
     def wanted(cls, *, on: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
-        """Return what is asked for.
+        """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            on: Whether it says that it is on; one that has not said fits neither.
-            place: As for every kind; see :class:`Handle`.
+            on: Whether it reports that it is on; one whose state is unknown matches neither.
+            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
         return cls._asked(place, cls._is("on_off", on))
 
     @property
     def on(self) -> bool | None:
-        """Whether it is on; None where that is unknown."""
+        """True if it is on; None if unknown."""
         return self._flag("on_off")
 
     async def turn_on(self) -> None:
         """Turn it on.
 
         Raises:
-            RefusedError: It cannot be told.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("on_off", True)  # noqa: FBT003  # the value
 
@@ -39,30 +39,30 @@ class _Switchable(Handle):
         """Turn it off.
 
         Raises:
-            RefusedError: It cannot be told.
-            LinkError: No gateway of it is there now.
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
         """
         await self.command("on_off", False)  # noqa: FBT003  # the value
 
 
 class Plug(_Switchable):
-    """A socket for whatever is plugged in."""
+    """A smart plug or socket."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"plug"})
 
     @property
     def power(self) -> float | None:
-        """Watts drawn, where it measures that."""
+        """The power drawn in watts; None if unknown or not measured."""
         return self._number("power")
 
 
 class Switch(_Switchable):
-    """A relay, whatever it switches."""
+    """A relay or switch; the kind for an output when nothing says what it feeds."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"switch"})
 
 
 class Siren(_Switchable):
-    """What makes itself heard."""
+    """A siren."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"siren"})
