@@ -1,0 +1,224 @@
+"""The packets of one client that has logged in, without a socket.
+
+Order: packets are handled one after the other as they come. While a publisher is held back for a slow subscriber,
+its acknowledgements and pings are still handled, everything else waits in its order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar, final
+
+from homebot.mqtt.broker.filter_requests import FilterRequests
+from homebot.mqtt.broker.holding import Holding
+from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.inbound import Inbound
+from homebot.mqtt.broker.login import expiry_of
+from homebot.mqtt.broker.outbound import Outbound
+from homebot.mqtt.broker.session import Session
+from homebot.mqtt.packets import (
+    Auth,
+    Disconnect,
+    Packet,
+    PacketError,
+    PacketReader,
+    Pingreq,
+    Pingresp,
+    Puback,
+    Pubcomp,
+    Publish,
+    Pubrec,
+    Pubrel,
+    ReasonCode,
+    Subscribe,
+    Unsubscribe,
+)
+
+__all__ = ["ClientPackets"]
+
+
+@final
+class ClientPackets:
+    """Does what each packet asks for.
+
+    Args:
+        hub: The broker.
+        session: The client's.
+        outbound: Where the answers go.
+        on_disconnect: Called when the client takes its leave, with whether its will is to be published; it calls
+            :meth:`stop`.
+        on_failure: The same for what it must not have sent, where that had to wait before it was looked at.
+    """
+
+    def __init__(
+        self,
+        hub: Hub,
+        session: Session,
+        outbound: Outbound,
+        on_disconnect: Callable[[bool], None],
+        on_failure: Callable[[PacketError], None],
+    ) -> None:
+        self._hub = hub
+        self._session = session
+        self._outbound = outbound
+        self._on_disconnect = on_disconnect
+        self._on_failure = on_failure
+        self._stopped = False
+        self._inbound = Inbound(hub, session, outbound)
+        self._holding = Holding(hub, outbound.link, self._go_on)
+        self._filters = FilterRequests(hub, session, outbound, self._holding, self._resume)
+
+    @property
+    def reading(self) -> bool:
+        """Whether the client's socket is read."""
+        return self._holding.reading
+
+    def take_all(self, reader: PacketReader) -> None:
+        """Take all packets that are complete; one call of ``pump`` is for all PUBACK that follow each other.
+
+        Raises:
+            PacketError: The client must not have sent this.
+        """
+        pop, session = reader.pop, self._session
+        freed = False
+        while (packet := pop()) is not None:
+            if type(packet) is Puback:  # comes once for each message sent, and never waits
+                session.acknowledged(packet[0])
+                freed = True
+                continue
+            if freed:
+                session.pump()
+                freed = False
+            self.take(packet)
+            if self._stopped:
+                return
+        if freed:
+            session.pump()
+
+    def take(self, packet: Packet) -> None:
+        """Take one packet.
+
+        Raises:
+            PacketError: The client must not have sent it.
+        """
+        if type(packet) is Puback:
+            self._session.acknowledged(packet.packet_id)
+            self._session.pump()
+        elif self._holding.active and not isinstance(packet, _NEVER_HELD):
+            if isinstance(packet, Publish):
+                self._inbound.check_quota(packet, self._holding.messages)
+            self._holding.keep(packet)
+        else:
+            self._act(packet)
+
+    def stop(self) -> PacketError | None:
+        """The connection ends: forward the messages that were held back, as far as there is room.
+
+        Nobody can be kept waiting any more.
+
+        Returns:
+            What was wrong with one of them.
+        """
+        self._stopped = True
+        self._holding.stop()
+        self._holding.paused = False
+        self._hub.turn.forget(self._resume)
+        self._filters.stop()
+        self._inbound.gone = True
+        try:
+            while (packet := self._holding.take()) is not None:
+                if isinstance(packet, Publish):
+                    self._inbound.publish(packet)
+        except PacketError as error:
+            return error
+        finally:
+            self._holding.packets.clear()
+        return None
+
+    def _act(self, packet: Packet) -> None:
+        if type(packet) is Publish:
+            if packet.qos:
+                self._inbound.check_quota(packet, self._holding.messages)
+            if self._hub.exchange.crowded and self._wait_for_room(packet):
+                return
+            slow = self._inbound.publish(packet)
+            if slow:
+                self._holding.wait_for(slow)
+            if self._hub.turn.units <= 0:
+                self._holding.paused = True
+                self._hub.turn.later(self._resume)
+        else:
+            handler = self._HANDLERS.get(type(packet))
+            if handler is None:
+                raise _protocol_error(f"a client must not send {type(packet).__name__}")
+            handler(self, packet)
+
+    def _wait_for_room(self, packet: Publish) -> bool:
+        """Whether *packet* has to wait because a queue is full."""
+        full = self._inbound.must_wait_for(packet)
+        if full:
+            self._holding.keep_first(packet)
+            self._holding.wait_for(full, endless=not self._inbound.refusable)
+        return bool(full)
+
+    def _taken(self, packet: Pubrec) -> None:
+        reason = self._session.taken(packet.packet_id, packet.reason)
+        if not packet.reason.failed:
+            self._outbound.send(Pubrel(packet.packet_id, reason))
+
+    def _released(self, packet: Pubrel) -> None:
+        self._inbound.release(packet)
+
+    def _completed(self, packet: Pubcomp) -> None:
+        self._session.completed(packet.packet_id)
+
+    def _ping(self, _packet: Pingreq) -> None:
+        self._outbound.send(Pingresp())
+
+    def _subscribe(self, packet: Subscribe) -> None:
+        self._filters.subscribe(packet)
+
+    def _unsubscribe(self, packet: Unsubscribe) -> None:
+        self._filters.unsubscribe(packet)
+
+    def _disconnect(self, packet: Disconnect) -> None:
+        seconds = packet.properties.session_expiry_interval
+        if seconds is not None:
+            if seconds and not self._session.expiry:
+                raise _protocol_error("a session that was to end with the connection cannot be prolonged")
+            self._session.expiry = expiry_of(seconds)
+        self._on_disconnect(packet.reason is not ReasonCode.SUCCESS)
+
+    def _auth(self, _packet: Auth) -> None:
+        raise PacketError("there is no extended authentication", code=ReasonCode.BAD_AUTHENTICATION_METHOD)
+
+    def _resume(self) -> None:
+        """What waits behind a packet that took long has its turn."""
+        if self._holding.paused and not self._filters.active:
+            self._holding.paused = False
+            self._go_on()
+
+    def _go_on(self) -> None:
+        try:
+            while not self._stopped and (packet := self._holding.take()) is not None:
+                self._act(packet)
+        except PacketError as error:
+            self._on_failure(error)
+
+    _HANDLERS: ClassVar[dict[type, Callable[..., None]]] = {
+        Pubrel: _released,
+        Pubrec: _taken,
+        Pubcomp: _completed,
+        Pingreq: _ping,
+        Subscribe: _subscribe,
+        Unsubscribe: _unsubscribe,
+        Disconnect: _disconnect,
+        Auth: _auth,
+    }
+
+
+_NEVER_HELD = (Pubrec, Pubrel, Pubcomp, Pingreq)
+
+
+def _protocol_error(problem: str) -> PacketError:
+    return PacketError(problem, code=ReasonCode.PROTOCOL_ERROR)
