@@ -17,6 +17,7 @@ from io import TextIOWrapper
 import homebot
 from homebot.cli import broker, config, devices, doctor, find, forget, import_thing, node, run, service, show, topic
 from homebot.cli.arguments import add_global_options
+from homebot.cli.completion import SHELLS, PrintCompletion
 from homebot.errors import HomebotError
 from homebot.output import clean_output
 
@@ -78,6 +79,12 @@ def make_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"homebot {homebot.__version__}")
+    parser.add_argument(
+        "--print-completion",
+        action=PrintCompletion,
+        choices=SHELLS,
+        help='print what the shell needs to complete commands and options: eval "$(homebot --print-completion bash)"',
+    )
     add_global_options(parser)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for command in COMMANDS:

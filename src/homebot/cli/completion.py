@@ -1,0 +1,40 @@
+"""``homebot --print-completion``: what a shell needs to complete commands, options, choices and files."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+__all__ = ["SHELLS", "PrintCompletion"]
+
+SHELLS: Final = ("bash", "zsh")
+
+
+class PrintCompletion(argparse.Action):
+    """Prints the completion script of the whole parser for a shell, and ends the program."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,  # noqa: ARG002 - argparse's signature
+        values: str | Sequence[object] | None,
+        option_string: str | None = None,  # noqa: ARG002 - as above
+    ) -> None:
+        """Print it."""
+        import shtab  # noqa: PLC0415 - nobody else needs it
+
+        for action in _actions(parser):
+            if action.metavar in {"FILE", "DIR"}:
+                kind = shtab.FILE if action.metavar == "FILE" else shtab.DIRECTORY
+                action.complete = kind  # type: ignore[attr-defined]  # where shtab looks
+        print(shtab.complete(parser, str(values)))
+        parser.exit()
+
+
+def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    for action in parser._actions:  # noqa: SLF001 - argparse has no other way, and shtab goes it too
+        yield action
+        if isinstance(action, argparse._SubParsersAction):  # noqa: SLF001 - as above
+            for command in action.choices.values():
+                yield from _actions(command)
