@@ -88,7 +88,7 @@ class Config(BaseModel):
         home: About the home.
         gateways: A table for each gateway, by the name of its node.
         apps: A table for each app, by the name of its node.
-        door: Where tools reach this homebot; empty for the default.
+        door: The address at which rosbridge clients reach this homebot; empty for the default.
         discovery: How long devices are remembered.
         source: The file, or what else the values came from; for messages.
         folder: Where relative paths in it begin: the folder of the file.
@@ -109,7 +109,8 @@ def load_config(path: Path) -> Config:
     """Read the TOML file *path*.
 
     Raises:
-        ConfigError: It cannot be read, is no TOML, others may change it, or it holds an unknown key or a wrong value.
+        ConfigError: It cannot be read, is invalid TOML, may be changed by other users, or has an unknown key or an
+            invalid value; the message names file, key and reason.
     """
     source = str(path)
     tables = read_toml(path)
@@ -122,7 +123,7 @@ def load_config(path: Path) -> Config:
 
 
 def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE) -> Config:
-    """Return the configuration that *tables* spell.
+    """Return the configuration in *tables*, which are as in the TOML file.
 
     Args:
         tables: The tables.

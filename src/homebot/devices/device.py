@@ -151,30 +151,30 @@ class State(Message):
 
 
 class Device(Message):
-    """A device in the house.
+    """A device in the house, as all its announcements together describe it.
 
     Attributes:
-        id: Unique in this homebot, for example ``lights/roomlights405``; stays when the device is renamed.
-        name: What people call it.
+        id: Unique in this homebot, for example ``lights/roomlights405``; renaming the device does not change it.
+        name: The name for people.
         service_type: What it offers in the first place: the word of a device that speaks plain words by itself, for
             example ``lights``, else a device type of the vocabulary.
         endpoints: The ways to reach it in raw or plain words, at least one.
         metadata: Further facts.
-        first_seen: When it was first heard of.
-        last_seen: When it was last heard of, to about a second.
-        expires: When it becomes stale unless it is heard of again.
+        first_seen: The time of its first message or announcement.
+        last_seen: The time of its latest message or announcement, to about a second.
+        expires: The time at which it becomes stale if nothing more is received.
         freshness: ``fresh``: it spoke itself; ``unconfirmed``: only a message that the broker had kept, or the index
             file, speaks for it; ``stale``: it has been silent for too long.
         service_types: All that it offers: device types of the vocabulary, then the advertised words.
-        area: The room it is said to be in; empty where nobody said.
+        area: The room that it is in; empty where none is known.
         names: Every name it has, :attr:`name` first.
         identifiers: Who it is; see :func:`homebot.devices.identity.identifiers`.
-        parts: What it offers, each part once.
+        parts: Its parts, each once.
         facts: What was said of it, by whom, and when; of each name the one that counts first.
-        reachable: Whether it can be reached, as its parts are together.
-        offline_parts: Ids of its parts that cannot be reached, as their announcements say.
-        states: What its parts last told; events are no states.
-        events: What happened last, and when; it is over.
+        reachable: Whether it can be reached, as its parts together report.
+        offline_parts: The ids of parts that report that they cannot be reached.
+        states: The latest value of each capability of its parts.
+        events: The latest event of each capability that has events, such as a button press.
         evidence: Why its announcements are one device, in words; empty for a single announcement.
         conflicts: What is disputed about it, in words; nothing of that counts until it is resolved.
     """

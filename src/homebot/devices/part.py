@@ -12,15 +12,15 @@ Category: TypeAlias = Literal["", "config", "diagnostic"]
 
 
 class Capability(Message):
-    """One thing that a part can be asked or told.
+    """One value of a part that can be read, set, or both.
 
     Attributes:
         name: From the vocabulary, for example ``on_off``; see :data:`homebot.devices.capabilities.CAPABILITIES`.
         readable: Whether the part reports it; one that does not is *optimistic*: nobody knows its state.
-        settable: Whether it can be told.
-        unit: Of its values, for example ``°C``; empty where there is none, or as the vocabulary says.
-        bounds: Smallest and largest value; empty where none is known.
-        options: The texts it takes or says; empty where any.
+        settable: Whether it can be set.
+        unit: The unit of its values, for example ``°C``; empty where there is none, or as the vocabulary says.
+        bounds: The smallest and the largest value; empty where unknown.
+        options: The texts that it accepts or reports; empty for any.
     """
 
     name: str
@@ -32,20 +32,20 @@ class Capability(Message):
 
 
 class Part(Message):
-    """Something a device offers: a lamp, one of two relays, a thermometer.
+    """One function of a device: a lamp, one of two relays, a thermometer.
 
     Attributes:
         id: Unique in its device, and lasting; empty for the only part of a simple device.
-        name: What people call it, where it has a name beside its device's.
+        name: The name for people, where the part has one of its own.
         service_type: A device type of the vocabulary, for example ``light``; see
             :data:`homebot.devices.device_types.DEVICE_TYPES`.
-        advertised: What the device itself called that, for example ``lights`` or ``cover``.
-        tag: What kind it is of its type, for example ``window`` or ``blind``; empty where nothing was said.
+        advertised: The type in the words of its announcement, for example ``lights`` or ``cover``.
+        tag: The kind within its type, for example ``window`` or ``blind``; empty where nothing was said.
         category: ``config`` for a setting, ``diagnostic`` for a self-observation; empty for what the device is for.
         guessed: Whether the service type was guessed rather than declared.
-        capabilities: What it can do.
-        reads: Where it speaks (MQTT: topic filters).
-        writes: Where it listens (MQTT: topics).
+        capabilities: The values that it reports and the commands that it accepts.
+        reads: The addresses on which it reports (MQTT: topic filters).
+        writes: The addresses on which it accepts commands (MQTT: topics).
     """
 
     id: str

@@ -15,7 +15,7 @@ __all__ = ["RawCommand", "RawMessage"]
 
 
 class RawMessage(Message):
-    """What a device said.
+    """A raw message of a device, as received.
 
     Attributes:
         gateway: The gateway that heard it.

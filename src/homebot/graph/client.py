@@ -37,7 +37,7 @@ _NOT_YET = object()
 
 
 class Client(Generic[RequestT, ResponseT]):
-    """Calls one service, from anywhere, as often and as much side by side as you like.
+    """Calls one service. Calls may run concurrently, from any task.
 
     Attributes:
         info: The endpoint as the graph shows it.

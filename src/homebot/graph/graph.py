@@ -30,7 +30,7 @@ WATCH_DEPTH = 10_000  # a house has some thousand entities; a watcher that is th
 
 
 class Graph:
-    """The look-up directory of everything on the graph.
+    """A computation graph: the directory of its nodes, topics and services.
 
     Args:
         clock: The time that nodes, timers and lifespans go by; by default that of the running loop. Timers sleep on the
@@ -38,7 +38,7 @@ class Graph:
 
     Attributes:
         clock: That clock.
-        failures: What callbacks of its nodes let through.
+        failures: The exceptions that callbacks of its nodes let through.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:

@@ -64,7 +64,7 @@ class LivelinessPolicy(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class QoSProfile:
-    """What one end of a topic offers or requests.
+    """The quality of service that one end of a topic offers or requests, as in ROS 2.
 
     Attributes:
         depth: Messages kept, at least 1. On a keyed topic: per key.

@@ -15,7 +15,7 @@ ResponseT = TypeVar("ResponseT", bound=Message)
 
 @dataclass(frozen=True)
 class ServiceType(Generic[RequestT, ResponseT]):
-    """Which message asks and which message answers, as ROS's generated ``Trigger.Request`` and ``Trigger.Response``.
+    """The request and response messages of a service, as ROS's generated ``Trigger.Request`` and ``Trigger.Response``.
 
     Attributes:
         ros_type: The full ROS name, ``package/srv/Name``.

@@ -67,19 +67,20 @@ class Runtime:
     Args:
         config: What to run.
         house: A simulated house to carry over the embedded broker; at midnight of the day, in UTC, as it is.
-        with_door: Whether tools come in; without it, and with *broker*, nothing needs a socket.
-        clock: The time to go by; by default that of the running loop.
+        with_door: Whether to listen for rosbridge clients, such as the command line; without it, and with *broker*, no
+            socket is opened.
+        clock: The clock; by default that of the running loop.
         broker: Stands in for the embedded broker. All MQTT goes through it, in memory; it is the caller's to run.
-        random: Source of all that is left to chance; a seeded one makes every run the same.
-        loop_watch: Knows what blocks the event loop; its health tells of it.
-        lost_lines: Tells how many lines of the log were lost.
-        index_file: Where the directory remembers devices over a restart; None for nowhere.
+        random: The source of random numbers; a seeded one makes every run the same.
+        loop_watch: Watches for code that blocks the event loop; health reports show what it found.
+        lost_lines: Returns the number of log lines lost so far.
+        index_file: The file in which the directory keeps devices over a restart; None for none.
 
     Attributes:
-        graph: The graph everything meets on.
-        supervisor: Who keeps the components running.
+        graph: The graph on which everything meets.
+        supervisor: Restarts components that crash, and counts that.
         broker_url: Address of the embedded broker, or None when there is none.
-        door: Where tools come in; None before it is open.
+        door: The server for rosbridge clients; None before it listens.
 
     Raises:
         ConfigError: A class cannot be found, a table is wrong, or there is a *house* but no embedded broker.

@@ -1,4 +1,4 @@
-"""What tests of homebot, and of programs made with it, need.
+"""Houses, virtual time and event logs for tests of programs that use homebot.
 
 Each name is imported when it is first asked for: pytest loads the plug-in of this package for everybody.
 """

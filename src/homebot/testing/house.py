@@ -45,7 +45,7 @@ _SHOWN = 10
 
 
 class TestHouse:
-    """What a test can do to a house and see of it.
+    """A running homebot on a broker of its own, with which a test plays the devices.
 
     Args:
         runtime: The homebot under test.
