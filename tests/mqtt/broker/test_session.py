@@ -217,7 +217,7 @@ def test_packet_ids_start_anew_after_the_last_and_pass_over_those_in_use(join: J
     client = join("s")
     client.subscribe("t")
     client.publish("t", b"open", 1, packet_id=1)
-    client.hub.sessions._sessions["s"]._last_id = 65_534
+    client.hub.sessions._sessions["s"].in_flight._last_id = 65_534
     client.publish("t", b"last", 1, packet_id=1)
     client.publish("t", b"next", 1, packet_id=1)
     assert [message.packet_id for message in client.messages()] == [1, 65_535, 2]

@@ -79,21 +79,21 @@ class ClientPackets:
         Raises:
             PacketError: The client must not have sent this.
         """
-        pop, session = reader.pop, self._session
+        pop, acknowledged = reader.pop, self._session.in_flight.acknowledged
         freed = False
         while (packet := pop()) is not None:
             if type(packet) is Puback:  # comes once for each message sent, and never waits
-                session.acknowledged(packet[0])
+                acknowledged(packet[0])
                 freed = True
                 continue
             if freed:
-                session.pump()
+                self._session.pump()
                 freed = False
             self.take(packet)
             if self._stopped:
                 return
         if freed:
-            session.pump()
+            self._session.pump()
 
     def take(self, packet: Packet) -> None:
         """Take one packet.
@@ -102,7 +102,7 @@ class ClientPackets:
             PacketError: The client must not have sent it.
         """
         if type(packet) is Puback:
-            self._session.acknowledged(packet.packet_id)
+            self._session.in_flight.acknowledged(packet.packet_id)
             self._session.pump()
         elif self._holding.active and not isinstance(packet, _NEVER_HELD):
             if isinstance(packet, Publish):

@@ -1,19 +1,18 @@
 """What the broker keeps for one client id, and the delivery of messages to it. No I/O.
 
-A message at QoS 1 or 2 is *in flight* from the moment it is written until the client has acknowledged it; the
-number in flight is bounded by the client's Receive Maximum, the others wait in the queue. When the client comes
-back to its session, everything in flight is sent again, in the first order, before the queue.
+What is in flight is bounded, the other messages wait in the queue. When the client comes back to its session,
+everything in flight is sent again before the queue.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterator
 from typing import Final, Protocol, final
 
 from homebot.clock import Clock
 from homebot.mqtt.broker.deadlines import Deadlines
 from homebot.mqtt.broker.delivery import REFUSED, SLOW, TAKEN, Delivery
+from homebot.mqtt.broker.in_flight import InFlight
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY
 from homebot.mqtt.broker.outbound import Outbound
@@ -23,14 +22,13 @@ from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscription import Subscription
 from homebot.mqtt.broker.work import WorkBudget
-from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
+from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["HeldPublisher", "Session"]
 
 _SENT: Final = 6  # units of work to send a retained message,
 _BYTES: Final = 1000  # and bytes of it that are one more
 _COPIED: Final = 4000  # bytes that are copied for one unit
-_SMALL: Final = 1024  # bytes; messages up to this are not counted while they are in flight, where there are few
 
 
 class HeldPublisher(Protocol):
@@ -53,7 +51,7 @@ class Session:
         received: Packet ids of QoS 2 messages taken from the client and not released.
         overrun: The client stayed too slow for too long; its queue takes no more than it has room for.
         held_publishers: Those who wait for this session to catch up.
-        settled: How many messages the client has acknowledged, or taken from the queue at QoS 0, ever.
+        in_flight: What the client has not acknowledged.
 
     Args:
         client_id: As above.
@@ -85,7 +83,6 @@ class Session:
         self.received: set[int] = set()
         self.overrun = False
         self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
-        self.settled = 0
         self._crowded = {} if crowded is None else crowded
         self._work = WorkBudget(clock, Deadlines()) if work is None else work
         self._clock = clock
@@ -93,12 +90,9 @@ class Session:
         self._counters = counters
         self._pool = QueuePool(limits.max_all_queued_bytes) if pool is None else pool
         self._queue = MessageQueue(limits.max_queued_messages, limits.max_queued_bytes, self._pool)
-        self._unacknowledged = 0  # bytes of large messages in flight
         self.host = host
-        self._in_flight: dict[int, Parcel | None] = {}  # None once PUBREC has come
-        self._resend: deque[int] = deque()
-        self._window = limits.max_inflight
-        self._last_id = 0
+        self.in_flight = InFlight(limits.max_inflight, self._pool)
+        self._settled = 0
 
     @property
     def queued(self) -> int:
@@ -108,7 +102,12 @@ class Session:
     @property
     def size(self) -> int:
         """The bytes of what waits for it, or is large and not acknowledged."""
-        return self._queue.size + self._unacknowledged
+        return self._queue.size + self.in_flight.size
+
+    @property
+    def settled(self) -> int:
+        """How many messages the client has acknowledged, or taken from the queue at QoS 0, ever."""
+        return self.in_flight.settled + self._settled
 
     @property
     def congested(self) -> bool:
@@ -132,7 +131,7 @@ class Session:
             return 3
         if self._queue.full:
             return 2
-        return int(len(self._in_flight) >= self._window or self.outbound.link.choked)
+        return int(self.in_flight.full or self.outbound.link.choked)
 
     def deliver(self, parcel: Parcel) -> Delivery:
         """Send a message or keep it for later.
@@ -154,8 +153,9 @@ class Session:
             return TAKEN
         if outbound is None:
             return self._keep(parcel)
-        if not queue.parcels and len(self._in_flight) < self._window and not outbound.link.choked:
-            self._send(outbound, parcel)
+        in_flight = self.in_flight
+        if not queue.parcels and len(in_flight.parcels) < in_flight.window and not outbound.link.choked:
+            in_flight.send(outbound, parcel)
             return TAKEN
         outcome = queue.offer(parcel)
         if outcome is TAKEN:
@@ -201,13 +201,7 @@ class Session:
     def resume(self, outbound: Outbound, receive_maximum: int) -> None:
         """The client is connected: send what is in flight again, then what waited."""
         self.outbound = outbound
-        self._window = min(receive_maximum, self._limits.max_inflight)
-        self._resend.clear()
-        for packet_id, parcel in self._in_flight.items():
-            if parcel is None:
-                outbound.send(Pubrel(packet_id))
-            else:
-                self._resend.append(packet_id)
+        self.in_flight.resume(outbound, min(receive_maximum, self._limits.max_inflight))
         self._note_crowd()
         self.pump()
 
@@ -220,11 +214,11 @@ class Session:
 
     def pump(self) -> None:
         """Send what waits, as far as the client takes it."""
-        outbound, queue, resend = self.outbound, self._queue, self._resend
-        parcels, in_flight, window = queue.parcels, self._in_flight, self._window
+        outbound, queue, in_flight = self.outbound, self._queue, self.in_flight
+        parcels, sent, resend, window = queue.parcels, in_flight.parcels, in_flight.resend, in_flight.window
         while outbound is not None and not outbound.link.choked:
-            if resend and len(in_flight) - len(resend) < window:
-                self._send_again(outbound, resend.popleft())
+            if resend and len(sent) - len(resend) < window:
+                in_flight.send_again(outbound)
             elif not parcels:
                 break
             elif type(first := parcels[0]) is Replay:
@@ -232,7 +226,7 @@ class Session:
                     break
             else:
                 message, qos, _, _, _ = parcel = first
-                if qos and len(in_flight) >= window:
+                if qos and len(sent) >= window:
                     break
                 if message.size >= BULKY:
                     if not self._work.left:
@@ -243,65 +237,29 @@ class Session:
                 if message.expires_at is not None and message.expires_at <= self._clock.monotonic():
                     self._counters.dropped_expired += 1
                 elif qos:
-                    self._send(outbound, parcel)
+                    in_flight.send(outbound, parcel)
                 else:
                     outbound.publish(parcel)
-                    self.settled += 1
+                    self._settled += 1
         if (self.overrun or self.held_publishers) and queue.low:
             self.overrun = False
             self._release_publishers()
 
-    def acknowledged(self, packet_id: int) -> None:
-        """PUBACK came; what has room now is left to :meth:`pump`, once for all that came together.
-
-        Raises:
-            PacketError: 0x82, the message was not sent at QoS 1.
-        """
-        if packet_id not in self._in_flight:
-            return
-        parcel = self._in_flight[packet_id]
-        if parcel is None or parcel[1] != 1:
-            raise PacketError("PUBACK for a message at QoS 2", code=ReasonCode.PROTOCOL_ERROR)
-        del self._in_flight[packet_id]
-        self.settled += 1
-        if parcel[0].size > _SMALL:
-            self._count_in_flight(parcel, -1)
-        if self._resend:
-            self._not_again(packet_id)
-
     def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
-        """PUBREC came; returns the reason that PUBREL is to carry: 0, or 0x92 for an id nobody knows.
-
-        Raises:
-            PacketError: 0x82, the message was not sent at QoS 2.
-        """
-        if packet_id not in self._in_flight:
-            return ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
-        parcel = self._in_flight[packet_id]
-        if parcel is not None and parcel.qos != 2:
-            raise PacketError("PUBREC for a message at QoS 1", code=ReasonCode.PROTOCOL_ERROR)
+        """PUBREC came; see :meth:`InFlight.taken`."""
+        answer = self.in_flight.taken(packet_id, reason)
         if reason.failed:
-            self._forget(packet_id)
-        else:
-            self._in_flight[packet_id] = None
-            if parcel is not None:
-                self._count_in_flight(parcel, -1)
-            self._not_again(packet_id)
-        return ReasonCode.SUCCESS
+            self.pump()
+        return answer
 
     def completed(self, packet_id: int) -> None:
         """PUBCOMP came."""
-        if packet_id in self._in_flight:
-            self._forget(packet_id)
+        self.in_flight.completed(packet_id)
+        self.pump()
 
     def unsent_shares(self) -> Iterator[Parcel]:
         """Take all messages of shared subscriptions that this client has not acknowledged, for the others."""
-        parcels = [each for each in self._in_flight.values() if each is not None]
-        for parcel in parcels:
-            self._count_in_flight(parcel, -1)
-        parcels += self._queue.clear()
-        self._in_flight.clear()
-        self._resend.clear()
+        parcels = self.in_flight.clear() + self._queue.clear()
         return (each for each in parcels if each.share is not None and each.qos)
 
     def shrink(self) -> None:
@@ -310,15 +268,6 @@ class Session:
         while self._queue and self._queue.size > wanted:
             self._queue.popleft()
             self._counters.dropped_offline += 1
-
-    def _count_in_flight(self, parcel: Parcel, sign: int) -> None:
-        message = parcel.message
-        if message.size > _SMALL:
-            self._unacknowledged += sign * message.size
-            if sign > 0:
-                self._pool.hold(message)
-            else:
-                self._pool.release(message)
 
     def _keep(self, parcel: Parcel) -> Delivery:
         while self._queue and self._queue.full:
@@ -340,7 +289,7 @@ class Session:
             return False
         message, subscription = owed
         qos = min(message.qos, subscription.qos)
-        if qos and len(self._in_flight) >= self._window:
+        if qos and self.in_flight.full:
             return False
         if not work.left:
             work.later(self.pump)
@@ -350,49 +299,15 @@ class Session:
         identifiers = (subscription.identifier,) if subscription.identifier else ()
         parcel = Parcel(message, qos, retain=True, identifiers=identifiers)
         if qos:
-            self._send(outbound, parcel)
+            self.in_flight.send(outbound, parcel)
         else:
             outbound.publish(parcel)
-            self.settled += 1
+            self._settled += 1
         return True
 
     def _note_crowd(self) -> None:
         if self._queue.high:
             self._crowded[self] = None
-
-    def _send(self, outbound: Outbound, parcel: Parcel) -> None:
-        packet_id = self._last_id
-        while True:
-            packet_id = packet_id % 65_535 + 1
-            if packet_id not in self._in_flight:
-                break
-        self._last_id = packet_id
-        if outbound.publish(parcel, packet_id):
-            self._in_flight[packet_id] = parcel
-            if parcel[0].size > _SMALL:
-                self._count_in_flight(parcel, 1)
-
-    def _send_again(self, outbound: Outbound, packet_id: int) -> None:
-        parcel = self._in_flight[packet_id]
-        if parcel is not None and not outbound.publish(parcel, packet_id, dup=True):
-            del self._in_flight[packet_id]
-            self._count_in_flight(parcel, -1)
-
-    def _forget(self, packet_id: int) -> None:
-        self.settled += 1
-        parcel = self._in_flight.pop(packet_id)
-        if parcel is not None and parcel.message.size > _SMALL:
-            self._count_in_flight(parcel, -1)
-        if self._resend:
-            self._not_again(packet_id)
-        if self._queue or self._resend:
-            self.pump()
-        elif self.held_publishers:
-            self._release_publishers()
-
-    def _not_again(self, packet_id: int) -> None:
-        if packet_id in self._resend:  # it was answered before it was sent again
-            self._resend.remove(packet_id)
 
     def _release_publishers(self) -> None:
         publishers, self.held_publishers = self.held_publishers, {}

@@ -1,0 +1,152 @@
+"""The messages that were sent to one client at QoS 1 and 2, until it has acknowledged them. No I/O.
+
+A message is *in flight* from the moment it is written until then; the number in flight is bounded by the client's
+Receive Maximum. When the client comes back to its session, everything in flight is sent again, in the first order.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final, final
+
+from homebot.mqtt.broker.outbound import Outbound
+from homebot.mqtt.broker.queue import Parcel
+from homebot.mqtt.broker.queue_pool import QueuePool
+from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
+
+__all__ = ["InFlight"]
+
+_SMALL: Final = 1024  # bytes; messages up to this are not counted, because there are few of them
+
+
+@final
+class InFlight:
+    """What one client has not acknowledged.
+
+    Args:
+        window: As below, until the client connects.
+        pool: Counts the large ones among what waits for all clients.
+
+    Attributes:
+        parcels: By packet id; None once PUBREC has come. Only to be looked at, as the others.
+        resend: The ids of those that are still to be sent again.
+        window: How many there may be.
+        size: The bytes of the large ones.
+        settled: How many messages the client has acknowledged, ever.
+    """
+
+    __slots__ = ("_last_id", "_pool", "parcels", "resend", "settled", "size", "window")
+
+    def __init__(self, window: int, pool: QueuePool) -> None:
+        self.parcels: dict[int, Parcel | None] = {}
+        self.resend: deque[int] = deque()
+        self.window = window
+        self.size = 0
+        self.settled = 0
+        self._pool = pool
+        self._last_id = 0
+
+    @property
+    def full(self) -> bool:
+        """Whether the client has to acknowledge something first."""
+        return len(self.parcels) >= self.window
+
+    def send(self, outbound: Outbound, parcel: Parcel) -> None:
+        """Send a message with an id of its own; there must be room for it."""
+        packet_id = self._last_id
+        while True:
+            packet_id = packet_id % 65_535 + 1
+            if packet_id not in self.parcels:
+                break
+        self._last_id = packet_id
+        if outbound.publish(parcel, packet_id):
+            self.parcels[packet_id] = parcel
+            if parcel[0].size > _SMALL:
+                self._count(parcel, 1)
+
+    def send_again(self, outbound: Outbound) -> None:
+        """Send the next of those that are to be sent again."""
+        packet_id = self.resend.popleft()
+        parcel = self.parcels[packet_id]
+        if parcel is not None and not outbound.publish(parcel, packet_id, dup=True):
+            del self.parcels[packet_id]
+            self._count(parcel, -1)
+
+    def resume(self, outbound: Outbound, window: int) -> None:
+        """The client is connected: send PUBREL again, and note what else is to be sent again."""
+        self.window = window
+        self.resend.clear()
+        for packet_id, parcel in self.parcels.items():
+            if parcel is None:
+                outbound.send(Pubrel(packet_id))
+            else:
+                self.resend.append(packet_id)
+
+    def acknowledged(self, packet_id: int) -> None:
+        """PUBACK came.
+
+        Raises:
+            PacketError: 0x82, the message was not sent at QoS 1.
+        """
+        if packet_id not in self.parcels:
+            return
+        parcel = self.parcels[packet_id]
+        if parcel is None or parcel[1] != 1:
+            raise PacketError("PUBACK for a message at QoS 2", code=ReasonCode.PROTOCOL_ERROR)
+        del self.parcels[packet_id]
+        self.settled += 1
+        if parcel[0].size > _SMALL:
+            self._count(parcel, -1)
+        if self.resend:
+            self._not_again(packet_id)
+
+    def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
+        """PUBREC came; returns the reason that PUBREL is to carry: 0, or 0x92 for an id nobody knows.
+
+        Raises:
+            PacketError: 0x82, the message was not sent at QoS 2.
+        """
+        if packet_id not in self.parcels:
+            return ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
+        parcel = self.parcels[packet_id]
+        if parcel is not None and parcel.qos != 2:
+            raise PacketError("PUBREC for a message at QoS 1", code=ReasonCode.PROTOCOL_ERROR)
+        if reason.failed:
+            self.completed(packet_id)
+        else:
+            self.parcels[packet_id] = None
+            if parcel is not None:
+                self._count(parcel, -1)
+            self._not_again(packet_id)
+        return ReasonCode.SUCCESS
+
+    def completed(self, packet_id: int) -> None:
+        """PUBCOMP came, or a PUBREC that ends it."""
+        if packet_id in self.parcels:
+            self.settled += 1
+            parcel = self.parcels.pop(packet_id)
+            if parcel is not None:
+                self._count(parcel, -1)
+            self._not_again(packet_id)
+
+    def clear(self) -> list[Parcel]:
+        """Take all that the client has not taken."""
+        parcels = [each for each in self.parcels.values() if each is not None]
+        for parcel in parcels:
+            self._count(parcel, -1)
+        self.parcels.clear()
+        self.resend.clear()
+        return parcels
+
+    def _count(self, parcel: Parcel, sign: int) -> None:
+        message = parcel.message
+        if message.size > _SMALL:
+            self.size += sign * message.size
+            if sign > 0:
+                self._pool.hold(message)
+            else:
+                self._pool.release(message)
+
+    def _not_again(self, packet_id: int) -> None:
+        if packet_id in self.resend:  # it was answered before it was sent again
+            self.resend.remove(packet_id)
