@@ -1,0 +1,71 @@
+"""The tests of the gateway, in a homebot that has no other one."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import anyio
+import homebot_folder
+import pytest
+
+from homebot import App, ConfigError, Light, Runtime, parse_config
+from homebot.testing import TestHouse
+
+
+@pytest.fixture
+def homebot_config(tmp_path: Path) -> dict[str, object]:
+    return {"gateways": {"folder": {"folder": str(tmp_path)}}}
+
+
+async def content(file: Path, expected: str) -> None:
+    """Wait until *file* holds what the test expects."""
+    with anyio.fail_after(10):
+        while not file.exists() or file.read_text() != expected:  # noqa: ASYNC110 - a file tells nobody
+            await anyio.sleep(0.02)
+
+
+class Dawn(App):
+    """Turns on every lamp that is off."""
+
+    async def run(self) -> None:
+        async for change in self.devices.follow(Light, on=False):
+            if change.kind == "appeared":
+                await change.handle.turn_on()
+
+
+def test_the_package_is_the_installed_one() -> None:
+    """Else nothing here would be shown of entry points."""
+    assert Path(homebot_folder.__file__).parent != Path(__file__).parent
+
+
+@pytest.mark.homebot.with_args(Dawn)
+async def test_an_app_finds_the_lamp_by_its_state_and_turns_it_on(homebot: TestHouse, tmp_path: Path) -> None:
+    (tmp_path / "hall.lamp").write_text("off")
+    await content(tmp_path / "hall.set", "on")
+
+
+@pytest.mark.homebot("light_service")
+async def test_the_light_service_turns_the_lamp_off(homebot: TestHouse, tmp_path: Path) -> None:
+    (tmp_path / "hall.lamp").write_text("on")
+    await content(tmp_path / "hall.set", "off")
+
+
+async def test_the_command_line_lists_the_lamp_with_its_state(homebot: TestHouse, tmp_path: Path) -> None:
+    (tmp_path / "hall.lamp").write_text("on")
+    assert homebot.runtime.door is not None
+    door = {"HOMEBOT_DOOR": f"127.0.0.1:{homebot.runtime.door.port}"}
+    with anyio.fail_after(20):
+        lines: list[list[str]] = []
+        while len(lines) < 2:
+            done = await anyio.run_process([sys.executable, "-m", "homebot", "devices"], env={**os.environ, **door})
+            lines = [line.split() for line in done.stdout.decode().splitlines()]
+    assert lines[0][:4] == ["DEVICE", "TYPE", "SAYS", "GATEWAY"]
+    assert lines[1][1:4] == ["lights", "on", "folder"]
+
+
+def test_a_folder_that_does_not_exist_is_an_error_that_names_the_key(tmp_path: Path) -> None:
+    config = parse_config({"gateways": {"folder": {"folder": str(tmp_path / "nowhere")}}}, "test")
+    with pytest.raises(ConfigError, match=r"gateways\.folder: folder '.*nowhere' does not exist"):
+        Runtime(config)
