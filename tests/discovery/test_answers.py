@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 import anyio
+import anyio.lowlevel
 import pytest
 
 from homebot.clock import LoopClock
@@ -117,6 +118,31 @@ async def test_devices_are_found_by_any_word_for_what_they_are(lamp: Sighting) -
             assert [one.id for one in (await find.call(FindDevices.Request(service_type=word))).devices] == [
                 "desk_lamp"
             ]
+
+
+async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_devices(
+    announce: Announce, part: MakePart
+) -> None:
+    """One for every twenty of them at least; the answer holds them all."""
+    count = 300
+    async with directory() as house, anyio.create_task_group() as tasks:
+        find = house.asker.create_client(FindDevices, FIND_DEVICES)
+        turns = 0
+
+        async def take_turns() -> None:
+            nonlocal turns
+            while True:
+                await anyio.lowlevel.checkpoint()
+                turns += 1
+
+        for number in range(count):
+            lamp = announce(f"light/lamp{number}", part(), ids=(f"mac:{number:012x}",), name=f"Lamp {number}")
+            house.directory.index.observe(lamp, 0.0)
+        tasks.start_soon(take_turns)
+        response = await find.call(FindDevices.Request(query="lamp"))
+        assert len(response.devices) == count
+        assert turns >= count / 20
+        tasks.cancel_scope.cancel()
 
 
 async def test_a_late_asker_is_told_what_happened_since(lamp: Sighting) -> None:

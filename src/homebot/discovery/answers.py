@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import anyio.lowlevel
+
 from homebot.devices import (
     FIND_DEVICES,
     GET_CHANGES,
@@ -44,6 +46,12 @@ from homebot.graph import Node
 
 __all__ = ["Answers"]
 
+_FEW = 10
+"""Changes told, and devices made findable, before others get their turn."""
+
+_MOST_TURNS = 1000
+"""Turns that others get before an answer, so that none waits for a flood to end."""
+
 
 class Answers:
     """The services of the directory.
@@ -52,14 +60,15 @@ class Answers:
         node: The directory's node.
         index: What it knows.
         keeper: Who keeps the index file.
-        tell: Tells what happened and was not told yet, so that an answer holds nothing that is told after it.
+        tell: Tells so many of what happened and was not told yet, so that an answer holds nothing that is told after
+            it; says whether there was any.
     """
 
-    def __init__(self, node: Node, index: DeviceIndex, keeper: Keeper, tell: Callable[[], None]) -> None:
+    def __init__(self, node: Node, index: DeviceIndex, keeper: Keeper, tell: Callable[[int], bool]) -> None:
         self._clock = node.graph.clock
         self._index = index
         self._keeper = keeper
-        self._tell = tell
+        self._tell_some = tell
         self._changes = ChangeLog(index.sequence)
         self._node = node
 
@@ -77,8 +86,8 @@ class Answers:
         """Keep a change that was told, for those who ask later."""
         self._changes.append(change)
 
-    def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
-        self._tell()
+    async def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
+        await self._catch_up()
         devices = self._index.devices(request.service_type)
         return GetIndexDataResponse(
             entries=tuple(
@@ -90,8 +99,8 @@ class Answers:
             device_ids=tuple(device.id for device in devices),
         )
 
-    def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse:
-        self._tell()
+    async def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse:
+        await self._catch_up()
         if not request.query:
             devices = self._index.devices(request.service_type)
         else:
@@ -101,8 +110,8 @@ class Answers:
             devices = tuple(one for one in found if one is not None)
         return FindDevicesResponse(devices=devices, sequence=self._index.sequence)
 
-    def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
-        self._tell()
+    async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
+        await self._catch_up()
         try:
             query = parse_query(request.query)
         except UsageError as exc:
@@ -138,6 +147,19 @@ class Answers:
             success=True,
             announced_on=tuple(AnnouncedOn(gateway=gateway, topic=topic) for gateway, topic in announced),
         )
+
+    async def _catch_up(self) -> None:
+        """Tell what waits, and make it findable, in small steps; what came after the last one is little."""
+        for _ in range(_MOST_TURNS):
+            is_told, is_unsorted = self._tell_some(_FEW), self._index.sort(_FEW)
+            if not is_told and not is_unsorted:
+                return
+            await anyio.lowlevel.checkpoint()
+        self._tell()
+
+    def _tell(self) -> None:
+        while self._tell_some(_FEW):
+            pass
 
     def _get_health(self, _: HealthRequest) -> HealthResponse:
         counts = {

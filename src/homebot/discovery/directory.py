@@ -53,7 +53,7 @@ FOREIGN = "discovery.foreign_sighting"
 BURST = 50
 """Lines of each kind of change in ten seconds; a flood of devices is counted rather than told."""
 
-_SLICE = 0.01
+_SLICE = 0.005
 """Seconds of work after which other tasks get their turn: to take in a device may take milliseconds."""
 
 _FEW = 10
@@ -113,7 +113,7 @@ class Directory:
         self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         self._states = node.create_publisher(StateChange, DEVICE_STATES, _STATES_QOS)
         self._keeper = Keeper(node, self.index, file if settings.persist else None)
-        self._answers = Answers(node, self.index, self._keeper, self._tell_all)
+        self._answers = Answers(node, self.index, self._keeper, self._tell)
         self._sources: dict[str, Subscription[Sighting] | Subscription[Report]] = {}
         self._wakes_at = math.inf
         self._rejected = 0
@@ -177,7 +177,7 @@ class Directory:
         self._node.create_task(lambda: source.run(self._with_pauses(take), concurrent=False))
 
     def _with_pauses(self, take: Callable[[MessageT], None]) -> Callable[[MessageT], Awaitable[None] | None]:
-        """Return what takes messages in, and pauses after each hundredth of a second of work."""
+        """Return what takes messages in, and pauses after 5 ms of work each."""
         clock, spent = self._clock, 0.0
 
         def taken(message: MessageT) -> Awaitable[None] | None:

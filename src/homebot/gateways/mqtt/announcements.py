@@ -36,7 +36,7 @@ Zigbee2MQTT renames a device by taking it back and announcing it two seconds lat
 """
 
 
-SLICE = 0.01
+SLICE = 0.005
 """Seconds that one message is worked on before others get their turn."""
 
 MOST_HEARD = 100_000
