@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import cache, partial
+from typing import TypeGuard
 
 import anyio.lowlevel
 
@@ -47,7 +48,7 @@ _END = object()
 
 def _steps(convention: Convention, message: MqttMessage) -> Iterator[Heard | None]:
     """A generator, so that what a convention raises at once is raised at the first step as well."""
-    if isinstance(convention, SlicedConvention):
+    if _is_sliced(convention):
         yield from convention.take_slices(message.topic, message.payload, retained=message.retain)
     else:
         yield from convention.take(message.topic, message.payload, retained=message.retain)
@@ -151,7 +152,7 @@ class Announcements:
             match next(steps, _END):
                 case Described() as described:
                     # Of a list of devices nobody knows here which bytes are whose.
-                    length = 0 if isinstance(convention, SlicedConvention) else len(message.payload)
+                    length = 0 if _is_sliced(convention) else len(message.payload)
                     self._describe(described, message, length)
                 case Withdrawn() as withdrawn:
                     self._withdraw(convention, withdrawn)
@@ -227,3 +228,13 @@ class Announcements:
         self._board.clear(claim)
         claim.let_go()
         self._on_removal()
+
+
+def _is_sliced(convention: Convention) -> TypeGuard[SlicedConvention]:
+    return _takes_slices(type(convention))
+
+
+@cache
+def _takes_slices(kind: type[Convention]) -> bool:
+    """A look at a protocol takes longer than to read a short announcement."""
+    return issubclass(kind, SlicedConvention)

@@ -114,7 +114,7 @@ class DescribedDevices:
             gateway.node.name, conventions, self._topics, _tree(other_filters), Bounds(memory=max_memory)
         )
         self._last_words = LastWords()
-        self._taking = anyio.Lock()
+        self._taking = anyio.Lock(fast_acquire=True)  # else each announcement is subscribed to by itself
         self._deferred_some = anyio.Event()
         self._missed: list[tuple[str, Voice | Witness]] = []
         self._states = States(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
