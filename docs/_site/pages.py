@@ -31,9 +31,8 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """List the decisions in the navigation, in their order."""
     decisions = sorted(path.name for path in (ROOT / "docs" / "decisions").glob("*.md"))
     for section in config.nav or ():
-        for entry in next(iter(section.values())):
-            if "Decisions" in entry:
-                entry["Decisions"] = [f"decisions/{name}" for name in decisions]
+        if "Decisions" in section:
+            section["Decisions"] = [f"decisions/{name}" for name in decisions]
     return config
 
 
