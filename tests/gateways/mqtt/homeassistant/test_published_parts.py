@@ -70,6 +70,13 @@ def whole(service_type: str, *names: str) -> Part:
     return Part(id="p", service_type=service_type, capabilities=of)
 
 
+CHARGED = Part(
+    id="p",
+    service_type="robotic_vacuum_cleaner",
+    capabilities=tuple(capability(name, readable=True, settable=True) for name in ("battery", "vacuum")),
+)
+"""A cleaner whose battery can be set, which that of Home Assistant's cannot."""
+
 LAMP = whole("light", "on_off", "level", "color", "color_temperature", "effect", "power")
 WHOLE = (
     (LAMP, "light"),
@@ -204,12 +211,14 @@ def check_states(part: Part) -> None:
 
 @given(parts)
 @example(LAMP)
+@example(CHARGED)
 def test_what_can_be_told_there_is_what_can_be_told_here(part: Part) -> None:
     check_orders(part)
 
 
 @given(parts)
 @example(LAMP)
+@example(CHARGED)
 def test_what_is_said_here_is_heard_there(part: Part) -> None:
     check_states(part)
 

@@ -201,7 +201,7 @@ def publish_vacuum(_part: Part, available: Available, topics: EntityTopics) -> E
             features.append("fan_speed")
             entity.config["fan_speed_list"] = list(speed.options)
             entity.takes("set_fan_speed_topic", "fan_mode", read_word("fan_mode", {one: one for one in speed.options}))
-        if charge is not None and charge.readable:
+        if charge is not None and charge.readable and not charge.settable:
             available.pop("battery")
             taken.add("battery")
             features.append("battery")
