@@ -31,8 +31,8 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
         day: The day.
         apps: Each a plug-in's name or ``module:Class``.
         root: The home: first level of the topics.
-        seed: Decides what is left to chance on the wire: the same day with the same seed is the same run.
-        heartbeat: Time after which a device repeats its last word.
+        seed: The seed of random numbers on the network: the same day with the same seed is the same run.
+        heartbeat: The time after which a device repeats its last report.
 
     Returns:
         The house at the end of the day; its ``chronicle`` is what happened in it.

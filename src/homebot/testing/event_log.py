@@ -61,11 +61,11 @@ class HouseEvent:
 
 
 class EventLog:
-    """The last 100,000 events of a house; the oldest goes.
+    """A log of the last 100,000 events of a house; older ones are dropped.
 
     Attributes:
         events: The events, oldest first.
-        lost: Events that went.
+        lost: The number of events dropped.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -77,7 +77,7 @@ class EventLog:
         return "".join(f"{event}\n" for event in self.events)
 
     def note(self, source: Literal["mqtt", "topic", "graph"], name: str, said: bytes | Message | str) -> None:
-        """Write down what happens now."""
+        """Add an event that happens now."""
         self.lost += len(self.events) == MAX_EVENTS
         self.events.append(HouseEvent(self._clock.now(), source, name, said))
 

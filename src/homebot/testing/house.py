@@ -49,13 +49,13 @@ class TestHouse:
 
     Args:
         runtime: The homebot under test.
-        field: A connection that has subscribed to what the test may hear.
-        options: How a further client reaches the broker.
-        make_client: Makes one.
+        field: The connection of the test itself, subscribed to all topics.
+        options: The options for further clients of the broker.
+        make_client: Makes such a client.
 
     Attributes:
         runtime: The homebot under test.
-        broker_url: Where its broker is, as ``mqtt://host:port``.
+        broker_url: The address of its broker, as ``mqtt://host:port``.
     """
 
     __test__ = False  # no collection of tests, whatever its name
@@ -84,10 +84,10 @@ class TestHouse:
 
     @property
     def log(self) -> EventLog:
-        """What happened, where somebody keeps a log: the fixtures of pytest do, and ``EventLog.of``.
+        """The log of events; the fixtures of pytest and :meth:`EventLog.of` keep one.
 
         Raises:
-            UsageError: Nobody does.
+            UsageError: No log is kept of this house.
         """
         if self._log is None:
             raise UsageError("nobody keeps a log of this house: `async with EventLog.of(house) as log` does")
@@ -98,7 +98,7 @@ class TestHouse:
         self._log = log
 
     def client(self, client_id: str) -> MqttConnection:
-        """Return a further client of the broker, not yet connected."""
+        """Return another client of the broker, which connects when it is entered with ``async with``."""
         return MqttConnection(
             replace(self._options, client_id=client_id),
             self._make_client,
@@ -108,19 +108,19 @@ class TestHouse:
         )
 
     async def says(self, topic: str, payload: str) -> None:
-        """Let a device publish *payload* on *topic*; returns when the broker has it."""
+        """Publish *payload* on *topic* as a device would; returns when the broker has acknowledged it."""
         await self._field.publish(topic, payload.encode(), qos=1)
 
     async def hears(self, topic: str, within: float = PATIENCE) -> str:
-        """Return the next payload that homebot or a device sends to *topic*; what the test itself says is not heard.
+        """Return the next payload that homebot or a device publishes on *topic*; the test's own messages do not count.
 
         Args:
-            topic: The MQTT topic, wherever it is.
-            within: Seconds to wait for it.
+            topic: Any MQTT topic, without wildcards.
+            within: Seconds to wait for a payload.
 
         Raises:
-            TimeoutError: Nothing came; says what came elsewhere, and which apps crashed.
-            UsageError: It is no topic.
+            TimeoutError: Nothing came in time; the message lists what came on other topics and which apps crashed.
+            UsageError: *topic* is not a valid topic.
         """
         try:
             validate_topic(topic)
@@ -171,16 +171,17 @@ async def house_of(
 ) -> AsyncIterator[TestHouse]:
     """Run *apps*, each a plug-in's name or ``module:Class``, in a homebot on a broker of its own.
 
-    Topics follow the thesis: devices say things on ``<root>/SERVICE_TYPE/DEVICE_ID/out`` and are told on ``…/in``.
+    Devices that do not announce themselves publish on ``<root>/SERVICE_TYPE/DEVICE_ID/out`` and take commands on
+    ``…/in``.
 
     Args:
-        apps: The apps, besides those of *config*.
+        apps: The apps, in addition to those of *config*.
         root: The home: first level of the topics.
-        config: What else there is, as in ``homebot.toml``; a broker that is not on this computer is replaced by the
-            test's, and ports that are not said are free ones.
+        config: Further configuration, as in ``homebot.toml``; a broker on another computer is replaced by the test's,
+            and ports that are not given are free ones.
 
     Raises:
-        UsageError: The configuration cannot be used.
+        UsageError: The configuration is invalid.
     """
     given = config if config is None or isinstance(config, Config) else parse_config(config, "config")
     with plain_logs():

@@ -41,12 +41,12 @@ _SHOWN = 60
 
 
 class VirtualHouse(TestHouse):
-    """A test house without sockets, whose time moves when the test says so or waits.
+    """A :class:`TestHouse` in virtual time and without sockets; time passes only while the test waits.
 
     Attributes:
-        broker: Its broker; a test may stop it, or cut and freeze links.
-        clock: Its time.
-        simulated: What carries its world.
+        broker: The broker; a test may stop it, or cut and freeze connections.
+        clock: The clock of the house.
+        simulated: The simulated house, which connects the devices of ``world`` to the broker.
     """
 
     def __init__(
@@ -65,12 +65,12 @@ class VirtualHouse(TestHouse):
 
     @property
     def world(self) -> World:
-        """The simulated world that lives in it; to be looked at, for the house moves it."""
+        """The simulated world; read it, but let the house change it."""
         return self.simulated.world
 
     @property
     def now(self) -> datetime:
-        """What time it is in the house, in UTC."""
+        """The date and time in the house, in UTC."""
         return datetime.fromtimestamp(self.clock.now(), UTC)
 
     async def run_for(self, duration: str | float) -> None:
@@ -80,7 +80,7 @@ class VirtualHouse(TestHouse):
             duration: Such as ``"90s"``, ``"8h"`` or ``"1h30m"``; a number is seconds.
 
         Raises:
-            UsageError: It is no duration.
+            UsageError: *duration* is not a duration.
         """
         await anyio.sleep(parse_duration(duration))
         await self.settle()
@@ -93,17 +93,17 @@ class VirtualHouse(TestHouse):
                 ``"2026-01-02 07:30"``.
 
         Raises:
-            UsageError: It cannot be read, or is past.
+            UsageError: *when* is not a time, or has passed.
         """
         moment = next_moment(self.now, when)
         await anyio.sleep(max(0.0, moment.timestamp() - self.clock.now()))
         await self.settle()
 
     async def press(self, device_id: str, command: str) -> None:
-        """Let hands work a simulated device, as *command* would; returns when all that follows at once has happened.
+        """Operate a simulated device by hand; returns when everything that follows at once has happened.
 
         Raises:
-            UsageError: There is no such device, or it knows no such command; names those that it knows.
+            UsageError: There is no such device or command; the message lists those that there are.
         """
         placed = self.world.devices.get(device_id)
         if placed is None:
@@ -116,7 +116,7 @@ class VirtualHouse(TestHouse):
         await self.settle()
 
     async def settle(self) -> None:
-        """Wait until all that can happen now has happened; no time passes."""
+        """Wait until everything that is due now has happened; no time passes."""
         self.simulated.catch_up()
         await _virtual_loop().settled()
 
@@ -136,9 +136,9 @@ async def virtual_house_of(
         apps: Each a plug-in's name or ``module:Class``.
         world: A simulated world that lives in it, from the midnight before *start* on; the test may play others.
         root: The home: first level of the topics.
-        start: When time begins; without a time zone in UTC.
-        seed: Decides all that is left to chance: the same test with the same seed is the same run.
-        heartbeat: Time after which a simulated device repeats its last word.
+        start: The date and time at which the test begins; in UTC unless it has a time zone.
+        seed: The seed of all random numbers: the same test with the same seed is the same run.
+        heartbeat: The time after which a simulated device repeats its last report.
 
     Raises:
         UsageError: The running event loop is none of virtual time, or an argument cannot be used.
