@@ -133,7 +133,7 @@ class Client(Generic[RequestT, ResponseT]):
         raise _no_response(self.info.name, response)
 
     def close(self) -> None:
-        """Let go of the service name. Twice is fine."""
+        """Close the client. Twice is fine."""
         if not self._closed:
             self._closed = True
             slot, self._slot = self._slot, ServiceSlot(self._slot.name, self._slot.service_type)

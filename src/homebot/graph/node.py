@@ -106,10 +106,15 @@ class Node:
         )
 
     def create_publisher(self, msg_type: type[MessageT], topic: str, qos_profile: QoSLike = 10) -> Publisher[MessageT]:
-        """Offer messages of *msg_type* on *topic*.
+        """Return a publisher of *msg_type* on *topic*.
+
+        Args:
+            msg_type: The message class.
+            topic: The name; relative, absolute, or private (``~/name``).
+            qos_profile: The quality of service that is offered; a number is the depth of its history.
 
         Raises:
-            InvalidNameError: *topic* is no legal name.
+            InvalidNameError: *topic* is not a legal name.
             TypeMismatchError: *topic* carries another type.
             QosError: *qos_profile* contradicts itself.
             ClosedError: The node is closed, as for everything below.
@@ -139,19 +144,19 @@ class Node:
         from_node: str = "",
         queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
     ) -> Subscription[MessageT]:
-        """Request messages of *msg_type* on *topic*.
+        """Return a subscription to *topic*: iterate over it, or give a *callback*.
 
         Args:
-            msg_type: The type.
+            msg_type: The message class.
             topic: The name; relative, absolute, or private (``~/name``).
             callback: A function or coroutine function called with each message; without one, iterate.
-            qos_profile: What is requested; a number is the depth of the queue.
-            concurrent: Whether the callback may be called again before it is done, at most *depth* times.
+            qos_profile: The quality of service that is requested; a number is the depth of the queue.
+            concurrent: Whether the callback may run several times at once, up to the depth of the queue.
             from_node: Full name of the only node whose messages are wanted; empty for all nodes.
-            queue: Where messages wait, by a rule of its own; by default in a queue as deep as *qos_profile* says.
+            queue: A queue with rules of its own; by default one as deep as *qos_profile* says.
 
         Raises:
-            InvalidNameError: *topic* is no legal name.
+            InvalidNameError: *topic* is not a legal name.
             TypeMismatchError: *topic* carries another type.
             QosError: *qos_profile* contradicts itself.
         """
@@ -184,10 +189,16 @@ class Node:
         *,
         concurrent: bool = False,
     ) -> Service[RequestT, ResponseT]:
-        """Answer the calls of *srv_name* with *callback*, a function or coroutine function of the request.
+        """Serve *srv_name*; only one node may.
+
+        Args:
+            srv_type: The service type.
+            srv_name: The name; relative, absolute, or private (``~/name``).
+            callback: A function or coroutine function that takes a request and returns the response.
+            concurrent: Whether several calls may be served at once; by default they wait in line.
 
         Raises:
-            InvalidNameError: *srv_name* is no legal name.
+            InvalidNameError: *srv_name* is not a legal name.
             DuplicateNameError: Another server has the name.
             TypeMismatchError: The service is of another type.
         """
@@ -214,10 +225,10 @@ class Node:
         return service
 
     def create_client(self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str) -> Client[RequestT, ResponseT]:
-        """Get ready to call *srv_name*; the server may come later.
+        """Return a client of the service *srv_name*, which need not have a server yet.
 
         Raises:
-            InvalidNameError: *srv_name* is no legal name.
+            InvalidNameError: *srv_name* is not a legal name.
             TypeMismatchError: The service is of another type.
         """
         self._check_open()
@@ -232,7 +243,7 @@ class Node:
         return client
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], Awaitable[None] | None]) -> Timer:
-        """Call *callback* every *timer_period_sec* seconds, first one period from now or from the node's start.
+        """Call *callback* every *timer_period_sec* seconds, first one period after now or the start of the node.
 
         Raises:
             UsageError: The period is not above 0.

@@ -25,8 +25,8 @@ class Publisher(Generic[MessageT]):
 
     Attributes:
         info: The endpoint as the graph shows it.
-        qos: What it offers.
-        incompatible_qos_count: Subscriptions that requested what this publisher does not offer.
+        qos: The quality of service that it offers.
+        incompatible_qos_count: The number of subscriptions that requested more than it offers.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class Publisher(Generic[MessageT]):
 
     @property
     def subscription_count(self) -> int:
-        """How many subscriptions get what is published."""
+        """The number of matched subscriptions."""
         return len(self._mailboxes)
 
     @property
@@ -97,8 +97,8 @@ class Publisher(Generic[MessageT]):
         """Publish *message* when every RELIABLE subscription has room for it; for what must not be dropped.
 
         On a keyed topic that is room for one more message of its key. Waits without limit, until the reader reads or
-        either end is closed: put it under a time limit where the reader is not trusted. Of several who wait, none is
-        promised to be first.
+        either end is closed: use a time limit if the reader may hang. The order of several waiting senders is not
+        defined.
 
         Raises:
             TypeMismatchError, ClosedError: As :meth:`publish`.

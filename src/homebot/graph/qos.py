@@ -32,14 +32,14 @@ KEEP_ALL_LIMIT = 65_536  # a household process must not grow without end, also w
 
 
 class HistoryPolicy(IntEnum):
-    """How many messages a queue keeps."""
+    """The rule for the number of messages that a queue keeps."""
 
     KEEP_LAST = 1
     KEEP_ALL = 2
 
 
 class ReliabilityPolicy(IntEnum):
-    """Whether ``await publisher.send()`` waits for the reader.
+    """The rule that decides whether ``await publisher.send()`` waits for the reader.
 
     In one process nothing is lost on the way; a full KEEP_LAST queue still drops its oldest message, as in ROS.
     """
@@ -49,14 +49,14 @@ class ReliabilityPolicy(IntEnum):
 
 
 class DurabilityPolicy(IntEnum):
-    """Whether late joiners get what was published before."""
+    """The rule that decides whether late joiners get what was published before."""
 
     TRANSIENT_LOCAL = 1
     VOLATILE = 2
 
 
 class LivelinessPolicy(IntEnum):
-    """Who says that a publisher is alive."""
+    """The rule that decides who asserts that a publisher is alive."""
 
     AUTOMATIC = 1
     MANUAL_BY_TOPIC = 3

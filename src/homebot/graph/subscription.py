@@ -46,11 +46,11 @@ class Subscription(Generic[MessageT]):
 
     Attributes:
         info: The endpoint as the graph shows it.
-        qos: What it requests.
-        from_node: The only node whose messages it gets; empty for all nodes.
+        qos: The quality of service that it requests.
+        from_node: The full name of the only node whose messages it receives; empty for all nodes.
         mailbox: The waiting messages.
-        incompatible_qos_count: Publishers that do not offer what this subscription requests.
-        expired: Messages not delivered because their lifespan had passed.
+        incompatible_qos_count: The number of publishers that offer less than it requests.
+        expired: The number of messages not delivered because their lifespan had passed.
     """
 
     def __init__(
