@@ -51,6 +51,8 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
             function.can_block_in("homebot/plugins.py", {"_entry_points", "_load_entry_point", "_load_class"})
             function.can_block_in("homebot/gateways/mqtt/settings.py", {"check_files"})
             function.can_block_in("homebot/config.py", {"read_secret"})
+            # Not ours: pydantic looks for its plug-ins once, when the first model is built.
+            function.can_block_in("pydantic/plugin/_loader.py", {"get_plugins"})
             # Not ours: the tracer that measures coverage, while another thread of the tests has its turn.
             function.can_block_in("coverage/collector.py", {"lock_data"})
         yield
