@@ -11,7 +11,7 @@ import paho.mqtt.client as paho
 from paho.mqtt.enums import CallbackAPIVersion
 
 from homebot.mqtt.aiomqtt_client import AiomqttClient
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.options import MqttOptions
 
 __all__ = ["ANSWER", "CLIENTS", "PAYLOAD", "TOPIC", "TestSteps"]
@@ -42,7 +42,7 @@ async def raw(port: int, check: Callable[[], Awaitable[None]]) -> None:
 async def homebot(port: int, check: Callable[[], Awaitable[None]]) -> None:
     client = AiomqttClient(MqttOptions(host="127.0.0.1", port=port))
     async with client.connected():
-        await client.subscribe(Subscription(TOPIC))
+        await client.subscribe(MqttSubscription(TOPIC))
         await client.publish(TOPIC, PAYLOAD)
         await client.receive()
         await check()

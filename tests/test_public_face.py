@@ -17,7 +17,7 @@ Thermostat WaterLeakDetector WaterValve WindowCovering
 """
 NAMES = f"""
 App run Runtime Config load_config parse_config configure_logging
-Device DeviceChange DevicePart Devices Follow RawMessage State StateChange Capability Offer Part
+Device DeviceChange DevicePart Devices Follow RawMessage State StateChange Capability ExposedDevice Part
 {HANDLES} FollowHandles HandleChange
 ClosedError ConfigError HomebotError LinkError PeerError RefusedError ServiceError ServiceFailedError ServiceGoneError
 ServiceTimeoutError ServiceUnavailableError UsageError WrongCodeError

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
         WaterValve,
         WindowCovering,
     )
-    from homebot.devices.offer import Offer
+    from homebot.devices.offer import ExposedDevice
     from homebot.devices.part import Capability, Part
     from homebot.errors import (
         ClosedError,
@@ -95,6 +95,7 @@ __all__ = [
     "DoorLock",
     "DurabilityPolicy",
     "ElectricalMeter",
+    "ExposedDevice",
     "Fan",
     "Follow",
     "FollowHandles",
@@ -112,7 +113,6 @@ __all__ = [
     "Message",
     "Node",
     "OccupancySensor",
-    "Offer",
     "Part",
     "PeerError",
     "Plug",
@@ -169,7 +169,7 @@ _NAMES = {
         HumiditySensor LawnMower Light LightSensor OccupancySensor Plug PressureSensor RoboticVacuumCleaner Siren
         SmokeAlarm Switch TemperatureSensor Thermostat WaterLeakDetector WaterValve WindowCovering
         """,
-    "homebot.devices.offer": "Offer",
+    "homebot.devices.offer": "ExposedDevice",
     "homebot.devices.part": "Capability Part",
     "homebot.errors": """
         ClosedError ConfigError HomebotError LinkError PeerError RefusedError ServiceError ServiceFailedError

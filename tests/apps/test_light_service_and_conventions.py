@@ -10,7 +10,7 @@ from typing import Any
 import anyio
 import pytest
 
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 
 PROPERTIES = {
@@ -73,7 +73,9 @@ class Player:
 @asynccontextmanager
 async def player(homebot: Any) -> AsyncIterator[Player]:
     async with homebot.client("device") as link:
-        await link.subscribe(Subscription("homie/5/+/+/+/set"), Subscription("+/+/set"), Subscription("home425/+/+/in"))
+        await link.subscribe(
+            MqttSubscription("homie/5/+/+/+/set"), MqttSubscription("+/+/set"), MqttSubscription("home425/+/+/in")
+        )
         await link.wait_connected()
         yield Player(link)
 

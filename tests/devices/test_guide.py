@@ -20,11 +20,11 @@ from homebot.cli.main import make_parser
 from homebot.devices import Devices, handles
 from homebot.devices.capabilities import CAPABILITIES, CapabilityType
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.handles import Handle, Place
+from homebot.devices.handles import CommonFilters, Handle
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import load_world
-from homebot.house.lamp import Lamp
+from homebot.house.lamp import SimulatedLamp
 from homebot.house.motor import CoverMotor
 from homebot.testing.virtual_house import virtual_house_of
 
@@ -95,7 +95,7 @@ def test_the_table_of_handles_is_what_they_can_do(kind: type[Handle]) -> None:
     assert set(found_by) == kind.service_types
     assert rest[0] == asked
     assert [set(cell) for cell in rest[1:]] == [tells, told]
-    assert list(Place.__annotations__) == ["area", "name", "reachable", "fresh", "category"]
+    assert list(CommonFilters.__annotations__) == ["area", "name", "reachable", "fresh", "category"]
 
 
 def test_every_kind_has_a_row() -> None:
@@ -127,8 +127,8 @@ async def test_the_app_that_it_shows_works(world: World, monkeypatch: pytest.Mon
     exec(compile(program, "movie_night", "exec"), vars(module))  # noqa: S102  # what the guide shows
     monkeypatch.setitem(sys.modules, "movie_night", module)
     lamp, other, blind = (world.devices[name].device for name in ("lamp", "other", "blind"))
-    assert isinstance(lamp, Lamp)
-    assert isinstance(other, Lamp)
+    assert isinstance(lamp, SimulatedLamp)
+    assert isinstance(other, SimulatedLamp)
     assert isinstance(blind, CoverMotor)
     async with virtual_house_of("movie_night:MovieNight", world=world) as house:
         await house.run_for("1m")

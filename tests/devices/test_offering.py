@@ -15,16 +15,16 @@ from homebot.config import parse_config
 from homebot.devices.command import Command
 from homebot.devices.devices import Devices
 from homebot.devices.names import GatewayNames
-from homebot.devices.offer import Offer, OfferReport
+from homebot.devices.offer import ExposedDevice, ExposedState
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import Value
 from homebot.graph import Graph, Node, qos_profile_latched
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.testing import house_of
 
 GUIDE = Path(__file__).parents[2] / "docs" / "devices.md"
 
-ROBOT = Offer(
+ROBOT = ExposedDevice(
     id="robot",
     name="Robot",
     parts=(Part(id="", service_type="x_robot", capabilities=(Capability(name="on_off", settable=True),)),),
@@ -43,7 +43,7 @@ async def test_the_app_of_the_guide_is_a_switch_for_a_home_assistant(monkeypatch
         house_of("patrol_app:Patrol", config=parse_config(config, "test")) as house,
         house.client("home-assistant") as hass,
     ):
-        await hass.subscribe(Subscription("homeassistant/#"), Subscription("homebot/#"))
+        await hass.subscribe(MqttSubscription("homeassistant/#"), MqttSubscription("homebot/#"))
         said: dict[str, str] = {}
         with anyio.fail_after(5):
             while not (configs := [one for one in said if re.fullmatch("homeassistant/.*/config", one)]):
@@ -61,9 +61,9 @@ async def test_what_is_offered_is_seen_with_its_state_and_withdrawn_behind_the_b
     graph = Graph()
     async with Node(graph, "app") as app, Node(graph, "gateway") as gateway:
         with Devices(app).offer(ROBOT) as offering:
-            offering.say("on_off", value=True)
-            offers = gateway.create_subscription(Offer, NAMES.offers, qos_profile=qos_profile_latched)
-            reports = gateway.create_subscription(OfferReport, NAMES.offer_reports, qos_profile=qos_profile_latched)
+            offering.set_state("on_off", value=True)
+            offers = gateway.create_subscription(ExposedDevice, NAMES.offers, qos_profile=qos_profile_latched)
+            reports = gateway.create_subscription(ExposedState, NAMES.offer_reports, qos_profile=qos_profile_latched)
             assert offers.take() == ROBOT
             report = reports.take()
             assert report is not None

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from homebot.devices import Device, DevicePart, Endpoint, Route
 from homebot.devices.part import Capability, Part
-from homebot.devices.told_at import others_at, told_at
-from homebot.devices.words import words_address
+from homebot.devices.told_at import command_address, others_at
+from homebot.devices.words import text_address
 from homebot.messages import Time
 
-OWN, OTHER = words_address("own", "state"), words_address("other", "x")
+OWN, OTHER = text_address("own", "state"), text_address("other", "x")
 NEVER = Time(sec=0, nanosec=0)
 
 
@@ -31,7 +31,7 @@ def lamp(*routes: Route) -> Device:
 
 
 def at(device: Device, said: str) -> str:
-    return told_at(device, device.endpoints[0], said)
+    return command_address(device, device.endpoints[0], said)
 
 
 def test_a_word_goes_by_the_way_that_takes_what_it_means() -> None:
@@ -56,7 +56,7 @@ def test_a_device_with_one_way_listens_where_it_says() -> None:
     assert at(lamp(Route(gateway="mqtt", key="own", part="state", takes=("on_off",))), "0.5") == OWN
     plain = lamp(Route(gateway="mqtt", key="own", part="state"), Route(gateway="mqtt", key="other", part="x"))
     endpoint = Endpoint(gateway="mqtt", key="own", address="home/lamp/out", command_address="home/lamp/in")
-    assert told_at(plain, endpoint, "0.5") == "home/lamp/in"
+    assert command_address(plain, endpoint, "0.5") == "home/lamp/in"
 
 
 def wall(*parts: Part) -> Device:
@@ -82,8 +82,8 @@ def test_the_others_are_those_that_would_have_taken_the_word_as_well() -> None:
         gang("lamp", service_type="light"),
         gang("deaf", capabilities=(Capability(name="on_off"),)),
     )
-    assert others_at(device, words_address("wall", "a"), "off") == ("Right", "c")
-    assert others_at(device, words_address("wall", "b"), "off") == ("a", "c")
-    assert others_at(device, words_address("wall", "lamp"), "off") == ()
-    assert others_at(device, words_address("wall", "a"), "0.5") == ()
+    assert others_at(device, text_address("wall", "a"), "off") == ("Right", "c")
+    assert others_at(device, text_address("wall", "b"), "off") == ("a", "c")
+    assert others_at(device, text_address("wall", "lamp"), "off") == ()
+    assert others_at(device, text_address("wall", "a"), "0.5") == ()
     assert others_at(device, "home/wall/in", "off") == ()

@@ -6,10 +6,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.devices.ear import heard
+from homebot.devices.ear import decode_text
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
-from homebot.devices.words import main_part, meaning, read_words_address, told, word, words_address
+from homebot.devices.words import (
+    decode_command,
+    encode_command,
+    encode_state,
+    main_part,
+    read_text_address,
+    text_address,
+)
 from homebot.errors import RefusedError
 
 
@@ -49,7 +56,7 @@ def part(*settable: str, **options: tuple[str, ...]) -> Part:
     ],
 )
 def test_a_message_is_told_in_one_word(readings: dict[str, PlainValue], said: str | None) -> None:
-    assert word(readings) == said
+    assert encode_state(readings) == said
 
 
 @pytest.mark.parametrize(
@@ -74,19 +81,19 @@ def test_a_message_is_told_in_one_word(readings: dict[str, PlainValue], said: st
     ],
 )
 def test_a_word_is_understood_by_what_the_part_can_do(said: str, thing: Part, meant: tuple[str, PlainValue]) -> None:
-    assert meaning(said, thing) == meant
+    assert decode_command(said, thing) == meant
 
 
 @pytest.mark.parametrize("said", ["on", "1.5", "nan", "", "3 K", "eco"])
 def test_a_word_that_the_part_does_not_take_is_refused_with_those_that_it_takes(said: str) -> None:
     with pytest.raises(RefusedError, match=r"this part takes open, close, stop, a number from 0 to 1$"):
-        meaning(said, part("movement", "position"))
+        decode_command(said, part("movement", "position"))
 
 
 def test_a_part_that_cannot_be_told_anything_takes_nothing() -> None:
     sensor = Part(id="", service_type="temperature_sensor", capabilities=(Capability(name="temperature"),))
     with pytest.raises(RefusedError, match="takes nothing"):
-        meaning("on", sensor)
+        decode_command("on", sensor)
 
 
 def test_the_main_part_is_no_setting_and_no_diagnosis() -> None:
@@ -99,26 +106,26 @@ def test_the_main_part_is_no_setting_and_no_diagnosis() -> None:
 
 @given(st.text(), st.text())
 def test_a_words_address_holds_key_and_part(key: str, part_id: str) -> None:
-    address = words_address(key, part_id)
-    assert read_words_address(address) == (key, part_id)
+    address = text_address(key, part_id)
+    assert read_text_address(address) == (key, part_id)
 
 
 @pytest.mark.parametrize("address", ["home/lamp/out", "words:x", "words:a#b#c", ""])
 def test_any_other_address_is_none(address: str) -> None:
-    assert read_words_address(address) is None
+    assert read_text_address(address) is None
 
 
 @given(st.dictionaries(st.text(), st.none() | st.booleans() | st.floats() | st.text() | st.tuples(st.floats())))
 def test_no_reading_is_too_odd_for_a_word(readings: dict[str, PlainValue]) -> None:
-    said = word(readings)
+    said = encode_state(readings)
     assert said is None or isinstance(said, str)
 
 
 @given(st.text(), st.sampled_from(["level", "position", "on_off", "text", "option", "color_temperature"]))
 def test_no_word_is_too_odd_to_be_judged(said: str, name: str) -> None:
-    heard(said, part(name))
+    decode_text(said, part(name))
     try:
-        capability, _ = meaning(said, part(name))
+        capability, _ = decode_command(said, part(name))
     except RefusedError:
         return
     assert capability == name
@@ -153,17 +160,17 @@ OPENING = part("movement", "position")
 def test_a_word_tells_what_it_says_of_the_part_and_what_follows(
     said: str, thing: Part, told_of_it: dict[str, PlainValue]
 ) -> None:
-    assert heard(said, thing) == told_of_it
+    assert decode_text(said, thing) == told_of_it
 
 
 @pytest.mark.parametrize("said", ["", "ON", "1.5", "-0.1", "nan", "inf", "2700", "3 K", "open", "on off", "1e999"])
 def test_what_is_no_word_of_a_lamp_tells_nothing(said: str) -> None:
-    assert heard(said, LIGHT) == {}
+    assert decode_text(said, LIGHT) == {}
 
 
 def test_a_part_says_nothing_of_what_cannot_be_read() -> None:
     mute = Part(id="", service_type="plug", capabilities=(Capability(name="on_off", readable=False, settable=True),))
-    assert heard("on", mute) == {}
+    assert decode_text("on", mute) == {}
 
 
 _percents = st.integers(0, 1000).map(lambda share: share / 10)
@@ -185,8 +192,8 @@ _movements = st.sampled_from(["open", "closed", "opening", "closing", "stopped"]
 def test_what_is_told_in_a_word_is_heard_from_it(case: tuple[Part, dict[str, PlainValue]]) -> None:
     """Of several values those that the word is about."""
     thing, readings = case
-    said = word(readings)
-    found = {} if said is None else heard(said, thing)
+    said = encode_state(readings)
+    found = {} if said is None else decode_text(said, thing)
     both = found.keys() & readings.keys()
     assert bool(both) == (said is not None)
     assert [found[one] for one in both] == [readings[one] for one in both]
@@ -212,7 +219,7 @@ def test_what_is_told_in_a_word_is_heard_from_it(case: tuple[Part, dict[str, Pla
     ],
 )
 def test_a_value_is_told_by_the_word_for_it(capability: str, value: PlainValue, thing: Part, said: str) -> None:
-    assert told(capability, value, thing) == said
+    assert encode_command(capability, value, thing) == said
 
 
 @pytest.mark.parametrize(
@@ -232,13 +239,13 @@ def test_a_value_is_told_by_the_word_for_it(capability: str, value: PlainValue, 
 )
 def test_a_value_without_a_word_is_refused_with_the_words_that_there_are(capability: str, value: PlainValue) -> None:
     with pytest.raises(RefusedError, match=r"this part takes on, off, 2700 K, a number from 0 to 1$"):
-        told(capability, value, LIGHT)
+        encode_command(capability, value, LIGHT)
 
 
 def test_a_number_that_would_be_taken_for_another_one_is_refused() -> None:
     """A bare number is about the position where there is one."""
     with pytest.raises(RefusedError):
-        told("tilt", 50.0, part("position", "tilt"))
+        encode_command("tilt", 50.0, part("position", "tilt"))
 
 
 _values: st.SearchStrategy[PlainValue] = st.one_of(
@@ -258,10 +265,10 @@ def test_a_word_that_is_told_means_what_was_asked_for(name: str, value: PlainVal
     """To three digits; what has no word is refused."""
     thing = part(*names)
     try:
-        said = told(name, value, thing)
+        said = encode_command(name, value, thing)
     except RefusedError:
         return
-    what, meant = meaning(said, thing)
+    what, meant = decode_command(said, thing)
     if (name, value) == ("level", 0.0) and what == "on_off":
         assert meant is False
     else:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.discovery.disputes import MAX_LEVELS, MAX_TOPICS, MAX_USERS, NOBODY, Disputes, TopicUse
+from homebot.discovery.disputes import MAX_LEVELS, MAX_TOPICS, MAX_USERS, NOBODY, TopicOwnership, TopicUse
 
 GATEWAY = "mqtt"
 
@@ -42,7 +42,7 @@ def verdicts(*uses: TopicUse) -> dict[str, bool]:
     """Whether each may use all that it wants; the same for every order of arrival."""
     found: list[dict[str, bool]] = []
     for order in permutations(uses):
-        disputes = Disputes()
+        disputes = TopicOwnership()
         for one in order:
             disputes.put(one)
         found.append({one.key[1]: not any(disputes.owner(one.key, topic) for topic in one.writes) for one in uses})
@@ -134,7 +134,7 @@ def test_who_wants_a_topic_above_those_of_all_others_keeps_nothing_from_them() -
 
 def test_a_further_topic_and_a_further_device_than_are_watched_are_told_nothing() -> None:
     many = use("many", *(f"t/{number}" for number in range(MAX_TOPICS + 1)), on="x17")
-    disputes = Disputes()
+    disputes = TopicOwnership()
     disputes.put(many)
     assert disputes.owner(many.key, f"t/{MAX_TOPICS - 1}") == ""
     assert disputes.owner(many.key, f"t/{MAX_TOPICS}") == NOBODY
@@ -147,7 +147,7 @@ def test_a_further_topic_and_a_further_device_than_are_watched_are_told_nothing(
 
 def test_a_topic_of_many_levels_costs_no_more_than_one_of_a_few() -> None:
     deep = use("deep", "/".join("a" * 30_000), on="x17")
-    disputes = Disputes()
+    disputes = TopicOwnership()
     disputes.put(deep)
     node, depth = disputes._roots[GATEWAY], 0
     while node.children:
@@ -159,7 +159,7 @@ def test_a_topic_of_many_levels_costs_no_more_than_one_of_a_few() -> None:
 
 
 def test_whom_it_concerns_is_told_as_somebody_comes_and_goes() -> None:
-    disputes = Disputes()
+    disputes = TopicOwnership()
     first, second = use("first", "t", on="x1"), use("second", "t", on="x2")
     assert disputes.put(first) == frozenset()
     assert disputes.put(second) == {"first"}
@@ -188,7 +188,7 @@ uses = st.builds(
 )
 
 
-def told(disputes: Disputes, known: Iterable[TopicUse]) -> dict[str, bool]:
+def told(disputes: TopicOwnership, known: Iterable[TopicUse]) -> dict[str, bool]:
     return {one.key[1]: any(disputes.owner(one.key, topic) for topic in one.writes) for one in known}
 
 
@@ -197,7 +197,7 @@ def test_the_answer_is_that_of_those_who_are_there_and_everyone_whose_answer_cha
     steps: list[tuple[TopicUse, bool]],
 ) -> None:
     """Whoever came and went before, and in whatever order."""
-    disputes = Disputes()
+    disputes = TopicOwnership()
     known: dict[str, TopicUse] = {}
     for one, goes in steps:
         before = told(disputes, known.values())
@@ -208,7 +208,7 @@ def test_the_answer_is_that_of_those_who_are_there_and_everyone_whose_answer_cha
         after = told(disputes, known.values())
         changed = {known[key].device for key in before.keys() & after.keys() if before[key] != after[key]}
         assert changed <= concerned | itself
-        anew = Disputes()
+        anew = TopicOwnership()
         for other in reversed(known.values()):
             anew.put(other)
         assert told(anew, known.values()) == after

@@ -121,9 +121,9 @@ def check(index: DeviceIndex, there: set[str]) -> None:
     """The devices are those that were told of; each is made of what is bound together, and of nothing else."""
     devices = index.devices()
     assert {one.id for one in devices} == there == index.find(And(()))
-    groups = {frozenset(entry.claims) for one in devices if (entry := index.entry(one.id)) is not None}
-    assert groups == set(index._bonds.groups(index._claims))
-    assert sum(len(one) for one in groups) == len(index._claims) == len(index._owner)
+    groups = {frozenset(entry.sources) for one in devices if (entry := index.entry(one.id)) is not None}
+    assert groups == set(index._identities.groups(index._sources))
+    assert sum(len(one) for one in groups) == len(index._sources) == len(index._owner)
     for device in devices:
         assert device.endpoints
         assert len({one.id for one in device.parts}) == len(device.parts)
@@ -132,7 +132,7 @@ def check(index: DeviceIndex, there: set[str]) -> None:
         entry = index.entry(device.id)
         assert entry is not None
         again = read_entry(device.id, entry_record(entry))
-        assert list(again.claims) == list(entry.claims)
+        assert list(again.sources) == list(entry.sources)
 
 
 @given(
@@ -149,5 +149,5 @@ def test_the_order_of_announcements_makes_no_difference_to_who_is_who(
         index = DeviceIndex(forget_after=200.0)
         for step in order:
             index.observe(sighting(step, 0.0))
-        made.append({frozenset(entry.claims) for entry in index._entries.values()})
+        made.append({frozenset(entry.sources) for entry in index._entries.values()})
     assert made[0] == made[1]

@@ -14,7 +14,7 @@ from homebot.devices.query import parse_query
 from homebot.devices.report import REACHABLE, Report
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone, Tombstones
-from homebot.discovery.rhythm import Rhythm
+from homebot.discovery.rhythm import ReportInterval
 
 Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]
@@ -122,7 +122,7 @@ def test_a_forgotten_ghost_does_not_come_back_by_what_the_broker_kept(
     assert [one.kind for one in expire(index, 3 * DAY)] == ["stale", "removed"]
 
     assert after(index, lamp.model_copy(update={"seen_at": other.seen_at})) == []
-    assert index.counters.ghosts == 1
+    assert index.counters.retained_only == 1
     assert after(index, other) == ["appeared"]
     alive = lamp.model_copy(update={"confirmed": True, "seen_at": other.seen_at, "expires_at": other.expires_at})
     index.observe(alive)
@@ -238,7 +238,7 @@ def test_what_a_part_told_goes_with_it(index: DeviceIndex, announce: Announce, p
     assert [one.part for one in device.states] == ["l4"]
     entry = index.entry(device.id)
     assert entry is not None
-    assert len(entry.best().told) == 1
+    assert len(entry.best().values) == 1
 
 
 def test_states_are_told_where_somebody_wants_them(
@@ -259,7 +259,8 @@ def test_states_are_told_where_somebody_wants_them(
 def test_tombstones_are_bounded_and_the_oldest_is_forgotten() -> None:
     stones = Tombstones(at_most=3)
     forgotten = [
-        stones.put(Tombstone(str(one), (("g", str(one)),), (f"mac:{one}",), is_ghost=True, at=0.0)) for one in range(5)
+        stones.put(Tombstone(str(one), (("g", str(one)),), (f"mac:{one}",), retained_only=True, at=0.0))
+        for one in range(5)
     ]
     assert [one.id if one else None for one in forgotten] == [None, None, None, "0", "1"]
     assert [one.id for one in stones] == ["2", "3", "4"]
@@ -270,26 +271,26 @@ def test_tombstones_are_bounded_and_the_oldest_is_forgotten() -> None:
 
 
 def test_one_outage_does_not_make_a_rhythm() -> None:
-    rhythm = Rhythm()
+    rhythm = ReportInterval()
     now = 0.0
     for gap in (60.0, 60.0, 10 * DAY, 60.0, 60.0):
-        rhythm.heard(now)
+        rhythm.record(now)
         now += gap
-    rhythm.heard(now)
-    assert rhythm.patience() == 180.0
+    rhythm.record(now)
+    assert rhythm.expected_silence() == 180.0
 
 
 def test_messages_of_one_moment_are_one_word() -> None:
-    rhythm = Rhythm()
+    rhythm = ReportInterval()
     for now in (0.0, 0.1, 0.2, 600.0, 600.1):
-        rhythm.heard(now)
+        rhythm.record(now)
     assert rhythm.gaps == (600.0,)
 
 
 @given(st.lists(st.floats(0, 1e9), max_size=100))
 def test_patience_is_bounded_whatever_was_heard(times: list[float]) -> None:
-    rhythm = Rhythm()
+    rhythm = ReportInterval()
     for now in times:
-        rhythm.heard(now)
-    assert 0 <= rhythm.patience() <= 7 * DAY
+        rhythm.record(now)
+    assert 0 <= rhythm.expected_silence() <= 7 * DAY
     assert len(rhythm.gaps) <= 8

@@ -113,7 +113,7 @@ def test_what_is_newer_counts_also_where_the_clock_was_set_back(announce: Announ
     assert (device.last_seen.sec, device.expires.sec) == (1404, 1404 + 3600)
     entry = index.entry(device.id)
     assert entry is not None
-    assert entry.rhythm.gaps == (2.0,)
+    assert entry.report_interval.gaps == (2.0,)
 
 
 def test_the_index_file_keeps_how_long_a_device_may_be_silent(announce: Announce, part: MakePart, tell: Tell) -> None:

@@ -212,7 +212,7 @@ def test_a_device_of_the_file_is_as_it_was_but_unconfirmed(announce: Announce, p
 
 
 def test_a_tombstone_of_the_file_is_as_it_was() -> None:
-    stone = Tombstone("lamp", (("mqtt", "k"),), ("mac:1",), is_ghost=True, at=5.0)
+    stone = Tombstone("lamp", (("mqtt", "k"),), ("mac:1",), retained_only=True, at=5.0)
     assert read_tombstone("lamp", tombstone_record(stone)) == stone
 
 

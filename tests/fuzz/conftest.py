@@ -20,7 +20,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 
 SEED = int(os.environ.get("FUZZ_SEED", "1"))
 CASES = int(os.environ.get("FUZZ_CASES", "1000"))
@@ -149,13 +149,13 @@ class Fuzz:
         def case(rng: random.Random) -> None:
             mutator = Mutator(rng, words)
             convention = make()
-            described: dict[str, Described] = {}
+            described: dict[str, DeviceAnnounced] = {}
             for topic, payload in announcements(mutator, rows):
                 try:
                     heard = convention.take(topic, payload, retained=rng.random() < 0.7)
                 except WireError:
                     continue
-                described |= {one.key: one for one in heard if isinstance(one, Described)}
+                described |= {one.key: one for one in heard if isinstance(one, DeviceAnnounced)}
             says = rng.choice(rows)["says"]
             for one in described.values():
                 for part in one.parts[:4]:

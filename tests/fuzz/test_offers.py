@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.offer import Offer
+from homebot.devices.offer import ExposedDevice
 from homebot.devices.part import Capability, Part
 from homebot.gateways.mqtt.homeassistant.publisher import HomeAssistantPublisher
 
@@ -47,7 +47,7 @@ def test_any_order_is_commands_of_their_kinds(fuzz: Fuzz, mutator: type[Mutator]
         }
         part = Part(id="p", service_type=rng.choice(sorted(DEVICE_TYPES)), capabilities=tuple(offered.values()))
         ours = HomeAssistantPublisher("homeassistant", "hub", "s")
-        configs = ours.publications(Offer(id="o", name=mutate.word().replace("\ud800", ""), parts=(part,)))
+        configs = ours.publications(ExposedDevice(id="o", name=mutate.word().replace("\ud800", ""), parts=(part,)))
         for config in configs:
             fields = json.loads(config.payload)
             for topic in {text for key, text in fields.items() if key.endswith("command_topic")}:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.ear import ear_for
+from homebot.devices.ear import decoder_for
 from homebot.devices.part import Part
-from homebot.devices.words import meaning, told
+from homebot.devices.words import decode_command, encode_command
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.thesis import ThesisLayout
 
@@ -42,12 +42,12 @@ def check_words(mutate: Mutator, part: Part) -> None:
     """What is heard is of the part's capabilities; what is told has a word that means the same, or is refused."""
     known = {one.name for one in part.capabilities}
     for spoken in (mutate.rng.choice(SPOKEN), mutate.damaged_text(mutate.rng.choice(SPOKEN)), mutate.word()):
-        for name, value in ear_for(part.capabilities).hear(spoken.encode(errors="replace")).items():
+        for name, value in decoder_for(part.capabilities).decode(spoken.encode(errors="replace")).items():
             assert name in known
             assert value is None or type(value) is KINDS[CAPABILITIES[name].kind]
             assert not isinstance(value, float) or math.isfinite(value)
         with suppress(RefusedError):
-            assert meaning(spoken, part)[0] in known
+            assert decode_command(spoken, part)[0] in known
     for one in part.capabilities:
         with suppress(RefusedError):
-            meaning(told(one.name, mutate.plain(), part), part)
+            decode_command(encode_command(one.name, mutate.plain(), part), part)

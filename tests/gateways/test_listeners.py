@@ -8,7 +8,7 @@ from structlog.testing import capture_logs
 
 from homebot.devices import GatewayNames, RawMessage
 from homebot.errors import InvalidNameError, RefusedError
-from homebot.gateways.listeners import PATIENCE, Listeners
+from homebot.gateways.listeners import FULL_INBOX_WAIT, RawDelivery
 from homebot.graph import Graph, Node, Publisher, Subscription
 from homebot.messages import Time
 
@@ -34,7 +34,7 @@ class House:
     def __init__(self, *, inboxes: bool = True) -> None:
         self.graph = Graph()
         self.gateway = Node(self.graph, "fake", namespace="/gateway")
-        self.listeners = Listeners(self.gateway, GatewayNames("fake"), inboxes=inboxes)
+        self.listeners = RawDelivery(self.gateway, GatewayNames("fake"), inboxes=inboxes)
 
     def listen(self, name: str, address: str = "a") -> tuple[Node, Publisher[RawMessage], Subscription[RawMessage]]:
         node = self.graph.get_node(f"/{name}") or Node(self.graph, name)
@@ -56,13 +56,13 @@ async def test_a_full_inbox_holds_the_gateway_up_until_it_is_read() -> None:
 
     async def deliver() -> None:
         for number in range(10):
-            await house.listeners.deliver(publisher, message(number), patient=True)
+            await house.listeners.deliver(publisher, message(number), wait_if_full=True)
 
     found: list[int] = []
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(deliver)
         while len(found) < 10:
-            await anyio.sleep(PATIENCE / 2)
+            await anyio.sleep(FULL_INBOX_WAIT / 2)
             found += payloads(inbox)
     assert found == list(range(10))
 
@@ -73,14 +73,14 @@ async def test_an_inbox_that_is_never_read_costs_a_moment_a_minute() -> None:
     _, publisher, inbox = house.listen("hanging")
     with capture_logs() as lines:
         for number in range(100):
-            await house.listeners.deliver(publisher, message(number), patient=True)
-    assert anyio.current_time() == PATIENCE
+            await house.listeners.deliver(publisher, message(number), wait_if_full=True)
+    assert anyio.current_time() == FULL_INBOX_WAIT
     assert payloads(inbox) == [97, 98, 99]
     assert [line["message"] for line in lines] == ["/hanging/inbox is full and not read: its oldest messages are lost"]
     await anyio.sleep(60)
     for number in range(DEPTH + 1):
-        await house.listeners.deliver(publisher, message(number), patient=True)
-    assert anyio.current_time() == pytest.approx(60 + 2 * PATIENCE)
+        await house.listeners.deliver(publisher, message(number), wait_if_full=True)
+    assert anyio.current_time() == pytest.approx(60 + 2 * FULL_INBOX_WAIT)
 
 
 async def test_a_delivery_without_patience_never_waits() -> None:
@@ -88,7 +88,7 @@ async def test_a_delivery_without_patience_never_waits() -> None:
     house = House()
     _, publisher, inbox = house.listen("app")
     for number in range(10):
-        await house.listeners.deliver(publisher, message(number), patient=False)
+        await house.listeners.deliver(publisher, message(number), wait_if_full=False)
     assert anyio.current_time() == 0
     assert payloads(inbox) == [7, 8, 9]
 
@@ -99,16 +99,16 @@ async def test_a_listener_that_leaves_while_it_is_waited_for_ends_the_wait() -> 
     node, publisher, _ = house.listen("app")
 
     async def leave() -> None:
-        await anyio.sleep(PATIENCE / 2)
+        await anyio.sleep(FULL_INBOX_WAIT / 2)
         node.close()
         assert house.listeners.drop_nodes_that_left() == ("a",)
 
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(leave)
         for number in range(DEPTH + 1):
-            await house.listeners.deliver(publisher, message(number), patient=True)
-        assert anyio.current_time() == PATIENCE / 2
-    await house.listeners.deliver(publisher, message(0), patient=True)
+            await house.listeners.deliver(publisher, message(number), wait_if_full=True)
+        assert anyio.current_time() == FULL_INBOX_WAIT / 2
+    await house.listeners.deliver(publisher, message(0), wait_if_full=True)
 
 
 async def test_who_left_is_forgotten_and_who_stayed_is_not() -> None:
@@ -134,7 +134,7 @@ async def test_a_node_that_comes_back_at_once_is_a_new_one() -> None:
     _, new, inbox = house.listen("app")
     assert house.listeners.drop_nodes_that_left() == ()
     assert house.listeners.of("a") == [new] != [old]
-    await house.listeners.deliver(new, message(1), patient=True)
+    await house.listeners.deliver(new, message(1), wait_if_full=True)
     assert payloads(inbox) == [1]
 
 
@@ -158,7 +158,7 @@ async def test_in_mirror_mode_askers_share_the_topic_of_the_device() -> None:
     assert first.topic_name == "/gateway/fake/received_data/a"
     node.close()
     assert house.listeners.drop_nodes_that_left() == ()
-    await house.listeners.deliver(first, message(1), patient=True)
+    await house.listeners.deliver(first, message(1), wait_if_full=True)
     assert payloads(inbox) == [1]
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.house.agenda import Agenda
+from homebot.house.agenda import EventQueue
 
 
 @given(st.lists(st.sampled_from([0.0, 1.0, 2.0, 3.0])))
 def test_things_come_by_time_and_ties_by_who_came_first(times: list[float]) -> None:
     """As a stable sort would have it."""
-    agenda = Agenda()
+    agenda = EventQueue()
     done: list[tuple[float, int]] = []
     entries = [(at, number) for number, at in enumerate(times)]
     for entry in entries:
@@ -23,7 +23,7 @@ def test_things_come_by_time_and_ties_by_who_came_first(times: list[float]) -> N
 
 def test_a_plan_replaces_the_one_before() -> None:
     """Of the same one alone; None calls it off."""
-    agenda = Agenda()
+    agenda = EventQueue()
     done: list[str] = []
     agenda.plan("anna", 1.0, lambda: done.append("first"))
     agenda.plan("anna", 3.0, lambda: done.append("second"))
@@ -38,7 +38,7 @@ def test_a_plan_replaces_the_one_before() -> None:
 @given(st.lists(st.tuples(st.sampled_from("abc"), st.none() | st.sampled_from([0.0, 1.0, 2.0])), max_size=100))
 def test_of_any_plans_the_last_of_each_is_kept(plans: list[tuple[str, float | None]]) -> None:
     """However many were called off."""
-    agenda = Agenda()
+    agenda = EventQueue()
     for who, at in plans:
         agenda.plan(who, at, lambda: None)
     times = []
@@ -50,7 +50,7 @@ def test_of_any_plans_the_last_of_each_is_kept(plans: list[tuple[str, float | No
 
 def test_one_who_plans_anew_without_end_does_not_fill_the_agenda() -> None:
     """What was called off is swept, and the last plan holds."""
-    agenda = Agenda()
+    agenda = EventQueue()
     agenda.add(5.0, lambda: None)
     for number in range(1000):
         agenda.plan("anna", 10.0 + number, lambda: None)

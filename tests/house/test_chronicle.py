@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.house.chronicle import Chronicle, Event
+from homebot.house.chronicle import Event, WorldLog
 
 
 def test_an_event_is_a_line_of_day_and_time_and_what_happened() -> None:
@@ -18,7 +18,7 @@ def test_whatever_is_said_is_one_line() -> None:
 
 def test_a_full_chronicle_drops_the_oldest_and_counts() -> None:
     """What came since a mark comes as far as it is kept."""
-    chronicle = Chronicle(capacity=3)
+    chronicle = WorldLog(capacity=3)
     events = [Event(float(number), "lamp", "says", "on") for number in range(5)]
     for event in events:
         chronicle.add(event)

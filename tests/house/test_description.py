@@ -13,7 +13,7 @@ from homebot.errors import ConfigError
 from homebot.house.daylight import DAY
 from homebot.house.description import load_world, parse_world
 from homebot.house.dialects import DIALECTS
-from homebot.house.faults import Reverter, Slow, truth
+from homebot.house.faults import Reverter, Slow, unwrap
 from homebot.house.kinds import FAULTS, KINDS
 from homebot.house.robot import Robot
 
@@ -27,7 +27,7 @@ def test_the_family_home_is_a_house_to_test_with() -> None:
     world = load_world(HOUSES / "family.toml")
     world.run_until(DAY)
     assert len(world.devices) >= 20
-    assert any(isinstance(truth(placed.device), Robot) for placed in world.devices.values())
+    assert any(isinstance(unwrap(placed.device), Robot) for placed in world.devices.values())
     assert {event.who for event in world.chronicle.since(0) if event.verb == "enters"} == {"anna", "ben", "clara"}
     assert world.chronicle.dropped == 0
 

@@ -9,20 +9,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.house.device import Machine, number, spoken
+from homebot.house.device import SimulatedDevice, number, spoken
 from homebot.house.faults import Deaf
-from homebot.house.lamp import Lamp
-from homebot.house.lock import DoorLock
+from homebot.house.lamp import SimulatedLamp
+from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Room, Rooms
-from homebot.house.sensors import ContactSensor
-from homebot.house.thermostat import Thermostat
+from homebot.house.sensors import SimulatedContactSensor
+from homebot.house.thermostat import SimulatedThermostat
 
 
 def test_time_never_goes_back() -> None:
     """An older time is passed over."""
-    lamp = Lamp("lamp")
+    lamp = SimulatedLamp("lamp")
     lamp.advance(10.0)
     lamp.advance(5.0)
     assert lamp.now == 10.0
@@ -62,18 +62,18 @@ def test_a_device_without_words_for_a_number_rounds_to_whole_ones() -> None:
 
 def test_most_devices_feel_nothing_and_draw_nothing() -> None:
     """A lamp is not moved by the world, and a contact lives on its battery."""
-    lamp, contact = Lamp("lamp"), ContactSensor("door")
+    lamp, contact = SimulatedLamp("lamp"), SimulatedContactSensor("door")
     assert (lamp.sense(1.0, 5.0), lamp.now, lamp.state()) == ((), 5.0, "off")
     assert (contact.watts(), contact.restore()) == (0.0, "")
 
 
 DICE = random.Random(0)  # noqa: S311 - physics, no secrets
-DEVICES: tuple[Machine, ...] = (
-    Lamp("lamp"),
+DEVICES: tuple[SimulatedDevice, ...] = (
+    SimulatedLamp("lamp"),
     WindowMotor("motor"),
-    DoorLock("lock"),
-    Thermostat("thermostat"),
-    ContactSensor("contact"),
+    SimulatedDoorLock("lock"),
+    SimulatedThermostat("thermostat"),
+    SimulatedContactSensor("contact"),
     Robot("robot", Rooms({"hall": Room(), "bath": Room(1.0), "attic": Room(2.0)}, [("hall", "bath")]), "hall"),
 )
 COMMANDS = st.sampled_from(
@@ -99,7 +99,7 @@ COMMANDS = st.sampled_from(
 
 
 @given(st.sampled_from(DEVICES), COMMANDS)
-def test_a_device_answers_what_it_knows_and_ignores_what_it_does_not(device: Machine, command: str) -> None:
+def test_a_device_answers_what_it_knows_and_ignores_what_it_does_not(device: SimulatedDevice, command: str) -> None:
     fresh = copy.deepcopy(device)
     before = fresh.state()
     answer = fresh.obey(command, 1.0)

@@ -5,27 +5,27 @@ from __future__ import annotations
 import pytest
 
 from homebot.errors import UsageError
-from homebot.house.condition import Condition
-from homebot.house.dialect import Nameplate, Outgoing
+from homebot.house.condition import DeviceState
+from homebot.house.dialect import OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
 
-LAMP = Nameplate("villa", "lamp", "desk", "lights", "study")
+LAMP = SimulatedDeviceInfo("villa", "lamp", "desk", "lights", "study")
 
 
 def test_the_thesis_says_words_as_they_are_and_announces_nothing() -> None:
     """On the device's own topics."""
     thesis = DIALECTS["thesis"]
     assert thesis.filters(LAMP) == ("villa/lights/desk/in",)
-    assert thesis.said(LAMP, Condition(word="21.5")) == (
-        Outgoing("villa/lights/desk/out", b"21.5", retain=False, qos=1),
+    assert thesis.state_messages(LAMP, DeviceState(word="21.5")) == (
+        OutgoingMessage("villa/lights/desk/out", b"21.5", retain=False, qos=1),
     )
-    assert thesis.said(LAMP, Condition(word="\ud800")) == (Outgoing("villa/lights/desk/out", b"?"),)
+    assert thesis.state_messages(LAMP, DeviceState(word="\ud800")) == (OutgoingMessage("villa/lights/desk/out", b"?"),)
     assert (thesis.birth(LAMP), thesis.will(LAMP)) == ((), None)
 
 
 def test_the_thesis_takes_any_payload_for_a_word() -> None:
     """What it means is for the device."""
-    told = DIALECTS["thesis"].told
+    told = DIALECTS["thesis"].parse_command
     assert told(LAMP, "villa/lights/desk/in", b"on") == ("on",)
     assert told(LAMP, "villa/lights/desk/in", b"\xff") == ("�",)
 
@@ -34,6 +34,6 @@ def test_the_thesis_takes_any_payload_for_a_word() -> None:
 def test_a_name_that_is_no_level_of_a_topic_is_refused(name: str) -> None:
     """It would speak for others, or hear them."""
     with pytest.raises(UsageError, match="cannot be a level of a topic"):
-        Nameplate("villa", "lamp", name, "lights", "study")
+        SimulatedDeviceInfo("villa", "lamp", name, "lights", "study")
     with pytest.raises(UsageError, match="cannot be a level of a topic"):
-        Nameplate("villa", "lamp", "desk", name, "study")
+        SimulatedDeviceInfo("villa", "lamp", "desk", name, "study")

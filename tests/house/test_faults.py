@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.house import faults
-from homebot.house.device import Machine
+from homebot.house.device import SimulatedDevice
 from homebot.house.faults import (
     Chatterbox,
     Deaf,
@@ -20,26 +20,26 @@ from homebot.house.faults import (
     Slow,
     Stuck,
     Unplugged,
-    truth,
+    unwrap,
 )
-from homebot.house.lamp import Lamp
-from homebot.house.lock import DoorLock
+from homebot.house.lamp import SimulatedLamp
+from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import WindowMotor
-from homebot.house.sensors import ContactSensor
-from homebot.house.thermostat import Thermostat
+from homebot.house.sensors import SimulatedContactSensor
+from homebot.house.thermostat import SimulatedThermostat
 
 
 def dice(seed: int = 1) -> random.Random:
     return random.Random(seed)  # noqa: S311  # no secrets
 
 
-def said(device: Machine, command: str, now: float) -> list[str]:
+def said(device: SimulatedDevice, command: str, now: float) -> list[str]:
     return list(device.obey(command, now))
 
 
 def test_a_lossy_device_loses_commands_and_words() -> None:
     """A fifth of each: about 64 of 100 commands are answered, 80 obeyed."""
-    lamp = Lamp("lamp")
+    lamp = SimulatedLamp("lamp")
     lossy = Lossy(lamp, dice(), share=0.2)
     answered = obeyed = 0
     for number in range(1000):
@@ -52,7 +52,7 @@ def test_a_lossy_device_loses_commands_and_words() -> None:
 
 def test_a_slow_device_obeys_later_and_in_order() -> None:
     """Between once and one and a half times its delay."""
-    slow = Slow(Lamp("lamp"), dice(), delay=4.0)
+    slow = Slow(SimulatedLamp("lamp"), dice(), delay=4.0)
     assert said(slow, "on", 0.0) == []
     assert said(slow, "off", 0.5) == []
     assert (slow.state(), slow.advance(3.9)) == ("off", ())
@@ -61,7 +61,7 @@ def test_a_slow_device_obeys_later_and_in_order() -> None:
 
 def test_a_deaf_device_hears_nothing_but_hands() -> None:
     """It still says how it is."""
-    deaf = Deaf(Lamp("lamp"), dice())
+    deaf = Deaf(SimulatedLamp("lamp"), dice())
     assert said(deaf, "on", 0.0) == []
     assert deaf.state() == "off"
     assert deaf.by_hand("on", 1.0) == ("on",)
@@ -73,20 +73,20 @@ def test_a_liar_says_what_it_was_told_and_does_nothing() -> None:
     liar = Liar(motor, dice())
     assert liar.state() == "closed"
     assert said(liar, "open", 0.0) == ["open"]
-    assert (liar.state(), motor.state(), truth(liar)) == ("open", "closed", motor)
+    assert (liar.state(), motor.state(), unwrap(liar)) == ("open", "closed", motor)
     assert liar.by_hand("close", 1.0) == ("closed",)
     assert liar.state() == "closed"
-    assert said(Liar(DoorLock("lock"), dice()), "unlock", 0.0) == ["unlocked"]
+    assert said(Liar(SimulatedDoorLock("lock"), dice()), "unlock", 0.0) == ["unlocked"]
 
 
 def test_a_stuck_device_answers_with_its_old_state() -> None:
     """After a while, once for all it was told meanwhile; hands and what a sensor feels change nothing."""
-    stuck = Stuck(Lamp("lamp"), dice())
+    stuck = Stuck(SimulatedLamp("lamp"), dice())
     assert said(stuck, "on", 0.0) == []
     assert said(stuck, "on", 1.0) == []
     assert (stuck.advance(1.9), stuck.advance(2.0), stuck.advance(60.0)) == ((), ("off",), ())
     assert stuck.by_hand("on", 60.0) == ()
-    contact = Stuck(ContactSensor("door"), dice())
+    contact = Stuck(SimulatedContactSensor("door"), dice())
     assert (contact.sense(1.0, 1.0), contact.state()) == ((), "closed")
 
 
@@ -104,7 +104,7 @@ def test_a_reverter_goes_back_after_a_while() -> None:
 
 def test_a_reverter_brings_a_thermostat_back_to_its_target() -> None:
     """Which is not the temperature it says."""
-    thermostat = Thermostat("room", celsius=20.0, target=20.0)
+    thermostat = SimulatedThermostat("room", celsius=20.0, target=20.0)
     reverter = Reverter(thermostat, dice(), after=10.0)
     said(reverter, "25", 0.0)
     assert reverter.advance(11.0) == ("20",)
@@ -113,7 +113,7 @@ def test_a_reverter_brings_a_thermostat_back_to_its_target() -> None:
 
 def test_a_chatterbox_says_everything_again_and_again() -> None:
     """Fifty times, a tenth of a second apart."""
-    chatterbox = Chatterbox(Lamp("lamp"), dice())
+    chatterbox = Chatterbox(SimulatedLamp("lamp"), dice())
     assert said(chatterbox, "on", 0.0) == ["on"]
     assert chatterbox.advance(1.05) == ("on",) * 10
     assert len(chatterbox.advance(60.0)) == 39
@@ -121,7 +121,7 @@ def test_a_chatterbox_says_everything_again_and_again() -> None:
 
 def test_what_a_fault_holds_back_is_bounded_and_counted() -> None:
     """The oldest is lost."""
-    slow = Slow(Lamp("lamp"), dice(), delay=4.0)
+    slow = Slow(SimulatedLamp("lamp"), dice(), delay=4.0)
     for _ in range(faults.HELD + 7):
         said(slow, "on", 0.0)
     assert slow.lost == 7
@@ -130,7 +130,7 @@ def test_what_a_fault_holds_back_is_bounded_and_counted() -> None:
 
 def test_a_flapper_says_the_opposite_and_takes_it_back() -> None:
     """About once an hour, and nothing else."""
-    flapper = Flapper(ContactSensor("door"), dice(), every=3600.0)
+    flapper = Flapper(SimulatedContactSensor("door"), dice(), every=3600.0)
     words = flapper.advance(100 * 3600.0)
     assert 70 < len(words) / 2 < 130
     assert set(zip(words[::2], words[1::2], strict=False)) == {("open", "closed")}
@@ -138,7 +138,7 @@ def test_a_flapper_says_the_opposite_and_takes_it_back() -> None:
 
 def test_an_unplugged_device_hears_does_and_says_nothing() -> None:
     """Until its plug is back; then it says how it is."""
-    lamp = Unplugged(Lamp("lamp", is_on=True), dice(), since=10.0, until=20.0)
+    lamp = Unplugged(SimulatedLamp("lamp", is_on=True), dice(), since=10.0, until=20.0)
     assert said(lamp, "on", 5.0) == ["on"]
     lamp.advance(12.0)
     assert (said(lamp, "off", 12.0), lamp.by_hand("off", 12.0), lamp.watts()) == ([], (), 0.0)
@@ -147,7 +147,7 @@ def test_an_unplugged_device_hears_does_and_says_nothing() -> None:
 
 def test_a_sensor_without_power_feels_when_it_is_back_what_is_still_so() -> None:
     """And says only that."""
-    contact = Unplugged(ContactSensor("door"), dice(), since=0.0, until=9.0)
+    contact = Unplugged(SimulatedContactSensor("door"), dice(), since=0.0, until=9.0)
     assert (contact.sense(1.0, 1.0), contact.state(), contact.has_power) == ((), "closed", False)
     assert contact.advance(10.0) == ("open",)
     assert contact.has_power
@@ -155,11 +155,11 @@ def test_a_sensor_without_power_feels_when_it_is_back_what_is_still_so() -> None
 
 def test_faults_combine_from_the_device_outwards() -> None:
     """A slow chatterbox that is unplugged in the end."""
-    box = Chatterbox(Slow(Lamp("lamp"), dice(), delay=2.0), dice(), times=3, every=1.0)
+    box = Chatterbox(Slow(SimulatedLamp("lamp"), dice(), delay=2.0), dice(), times=3, every=1.0)
     lamp = Unplugged(box, dice(), since=5.0)
     assert said(lamp, "on", 0.0) == []
     assert lamp.advance(100.0) == ("on", "on", "on")
-    assert isinstance(truth(lamp), Lamp)
+    assert isinstance(unwrap(lamp), SimulatedLamp)
 
 
 KINDS = [Lossy, Slow, Deaf, Liar, Stuck, Reverter, Chatterbox, Flapper, Unplugged]
@@ -171,13 +171,13 @@ KINDS = [Lossy, Slow, Deaf, Liar, Stuck, Reverter, Chatterbox, Flapper, Unplugge
     st.integers(),
 )
 def test_any_faults_behave_the_same_for_the_same_dice_and_time_goes_on(
-    kinds: list[type[faults.Fault]], commands: list[tuple[str, float]], seed: int
+    kinds: list[type[faults.DeviceFault]], commands: list[tuple[str, float]], seed: int
 ) -> None:
     """Two of a kind, told the same, say the same; advancing always ends."""
 
     def run() -> list[str]:
         rng = dice(seed)
-        device: Machine = WindowMotor("motor")
+        device: SimulatedDevice = WindowMotor("motor")
         for kind in kinds:
             device = kind(device, rng)
         words, now = [], 0.0
@@ -192,9 +192,9 @@ def test_any_faults_behave_the_same_for_the_same_dice_and_time_goes_on(
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_fault_keeps_the_name_and_says_what_it_is(kind: type[faults.Fault]) -> None:
+def test_every_fault_keeps_the_name_and_says_what_it_is(kind: type[faults.DeviceFault]) -> None:
     """Its docstring is one line."""
-    device = kind(Lamp("lamp"), dice())
+    device = kind(SimulatedLamp("lamp"), dice())
     assert (device.device_id, device.service_type) == ("lamp", "lights")
     assert kind.__doc__
     assert "\n" not in kind.__doc__

@@ -19,21 +19,21 @@ import structlog.testing
 
 from homebot.clock import LoopClock
 from homebot.errors import UsageError
-from homebot.house import Lamp, SimulatedHouse, WindowMotor, World
+from homebot.house import SimulatedHouse, SimulatedLamp, WindowMotor, World
 from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
-from homebot.house.device import Machine
-from homebot.house.devices import DoorLock
-from homebot.house.dialect import Dialect, Nameplate, Outgoing
+from homebot.house.device import SimulatedDevice
+from homebot.house.devices import SimulatedDoorLock
+from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
 from homebot.house.dialects.thesis import ThesisDialect
 from homebot.house.faults import Chatterbox, Unplugged
 from homebot.house.presence import QUEUED
 from homebot.house.rooms import Room, Rooms
-from homebot.house.world import Errand, Placed
+from homebot.house.world import Placed, ScheduledCommand
 from homebot.mqtt.aiomqtt_client import AiomqttClient
-from homebot.mqtt.broker import Broker, Policy
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.broker import Broker, BrokerPolicy
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
@@ -84,7 +84,7 @@ async def street(
     *,
     start: float = 0.0,
     heartbeat: float = 300.0,
-    policy: Policy | None = None,
+    policy: BrokerPolicy | None = None,
     dialects: Mapping[str, Dialect] = DIALECTS,
 ) -> AsyncIterator[Street]:
     clock = LoopClock(start)
@@ -99,7 +99,7 @@ async def street(
         ) as listener,
         anyio.create_task_group() as tasks,
     ):
-        await listener.subscribe(Subscription("villa/+/+/out", qos=1), Subscription("villa/+/status"))
+        await listener.subscribe(MqttSubscription("villa/+/+/out", qos=1), MqttSubscription("villa/+/status"))
         await listener.wait_connected()
         house = SimulatedHouse(
             broker.url,
@@ -137,14 +137,14 @@ def dice() -> Random:
     return Random(0)  # noqa: S311 - a simulation has no secrets
 
 
-def unplugged(device: Machine, since: float, until: float) -> Unplugged:
+def unplugged(device: SimulatedDevice, since: float, until: float) -> Unplugged:
     return Unplugged(device, dice(), since=since, until=until)
 
 
 @pytest.mark.virtual_time
 async def test_devices_say_how_they_are_and_obey() -> None:
     """A lamp at once; what it does not know it ignores."""
-    async with street(World.of(Lamp("lamp", is_on=True))) as there:
+    async with street(World.of(SimulatedLamp("lamp", is_on=True))) as there:
         assert await there.heard_until(1.0) == ["0 lights/lamp/out on"]
         await there.tell("lights/lamp/in", b"\xff")
         await there.tell("lights/lamp/in", b"off")
@@ -169,8 +169,8 @@ async def test_a_motor_takes_its_time_and_a_heartbeat_repeats_the_last_word_also
 @pytest.mark.virtual_time
 async def test_the_world_goes_on_by_itself_and_hands_reach_it() -> None:
     """Timers of the house, and those who live there."""
-    errands = [Errand(7.0, "lamp", "on")]
-    world = World(Rooms({"hall": Room()}, []), [Placed(Lamp("lamp"), "hall")], errands=errands)
+    errands = [ScheduledCommand(7.0, "lamp", "on")]
+    world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall")], errands=errands)
     async with street(world) as there:
         await there.heard_until(1.0)
         assert await there.heard_until(8.0) == ["7 lights/lamp/out on"]
@@ -181,8 +181,8 @@ async def test_the_world_goes_on_by_itself_and_hands_reach_it() -> None:
 @pytest.mark.virtual_time
 async def test_a_house_begins_at_the_time_of_day_and_does_not_say_what_was_before() -> None:
     """Its devices are as the morning left them."""
-    errands = [Errand(6 * 3600.0, "lamp", "on"), Errand(8 * 3600.0, "lamp", "off")]
-    world = World(Rooms({"hall": Room()}, []), [Placed(Lamp("lamp"), "hall")], errands=errands)
+    errands = [ScheduledCommand(6 * 3600.0, "lamp", "on"), ScheduledCommand(8 * 3600.0, "lamp", "off")]
+    world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall")], errands=errands)
     async with street(world, start=20_000 * DAY + 7.5 * 3600.0, heartbeat=10_000.0) as there:
         assert await there.heard_until(3600.0) == ["0 lights/lamp/out on", "1800 lights/lamp/out off"]
         assert world.now > 8 * 3600.0
@@ -191,7 +191,7 @@ async def test_a_house_begins_at_the_time_of_day_and_does_not_say_what_was_befor
 @pytest.mark.virtual_time
 async def test_a_world_that_has_lived_goes_on_with_its_next_day() -> None:
     """Time does not go back."""
-    world = World.of(Lamp("lamp"))
+    world = World.of(SimulatedLamp("lamp"))
     world.run_until(2 * DAY + 5.0)
     async with street(world, start=20_000 * DAY + 3.0):
         assert world.now == 3 * DAY + 3.0
@@ -200,8 +200,8 @@ async def test_a_world_that_has_lived_goes_on_with_its_next_day() -> None:
 @pytest.mark.virtual_time
 async def test_a_world_whose_clock_is_set_forward_catches_up_with_everything_on_the_way() -> None:
     """An hour at a time; a command that comes meanwhile does not wait for that. Set back, the world waits."""
-    errands = [Errand(6 * 3600.0, "lamp", "on"), Errand(8 * 3600.0, "lamp", "off")]
-    world = World(Rooms({"hall": Room()}, []), [Placed(Lamp("lamp"), "hall")], errands=errands)
+    errands = [ScheduledCommand(6 * 3600.0, "lamp", "on"), ScheduledCommand(8 * 3600.0, "lamp", "off")]
+    world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall")], errands=errands)
     clock = SetClock(LoopClock(0.0))
     async with MemoryBroker(clock=clock) as broker, anyio.create_task_group() as tasks:
         house = SimulatedHouse(broker.url, "villa", world, clock, make_client=broker.make_client, random=dice())
@@ -221,7 +221,7 @@ async def test_a_world_whose_clock_is_set_forward_catches_up_with_everything_on_
 @pytest.mark.virtual_time
 async def test_devices_come_back_with_the_broker_and_say_how_they_are() -> None:
     """What they could not say meanwhile is counted; the world did not wait."""
-    async with street(World.of(WindowMotor("motor", travel_time=5.0), Lamp("lamp"))) as there:
+    async with street(World.of(WindowMotor("motor", travel_time=5.0), SimulatedLamp("lamp"))) as there:
         await there.heard_until(1.0)
         there.house.press("motor", "open")
         await there.broker.stop(abrupt=True)
@@ -237,7 +237,9 @@ async def test_devices_come_back_with_the_broker_and_say_how_they_are() -> None:
 @pytest.mark.virtual_time
 async def test_a_device_without_power_is_gone_from_the_broker_until_it_has_some() -> None:
     """It hears nothing, and its first word is how it is. Others live on."""
-    async with street(World.of(unplugged(Lamp("lamp"), 10.0, 40.0), Lamp("other")), heartbeat=25.0) as there:
+    async with street(
+        World.of(unplugged(SimulatedLamp("lamp"), 10.0, 40.0), SimulatedLamp("other")), heartbeat=25.0
+    ) as there:
         await there.tell("lights/lamp/in", b"on")
         await there.heard_until(11.0)
         with pytest.raises(UsageError, match=r"no client 'villa-lamp' is connected; there are: .*villa-other"):
@@ -251,15 +253,15 @@ async def test_a_device_without_power_is_gone_from_the_broker_until_it_has_some(
 @pytest.mark.virtual_time
 async def test_a_device_may_have_no_power_from_the_beginning() -> None:
     """Then it is not there at all."""
-    async with street(World.of(unplugged(Lamp("lamp"), 0.0, 40.0))) as there:
+    async with street(World.of(unplugged(SimulatedLamp("lamp"), 0.0, 40.0))) as there:
         assert await there.heard_until(50.0) == ["40 lights/lamp/out off"]
 
 
 @pytest.mark.virtual_time
 async def test_a_device_whose_cable_is_pulled_stops_nobody_and_keeps_its_newest_words() -> None:
     """The older ones go, and are counted."""
-    box = Chatterbox(Lamp("box"), dice(), times=500, every=0.01)
-    async with street(World.of(box, Lamp("other"))) as there:
+    box = Chatterbox(SimulatedLamp("box"), dice(), times=500, every=0.01)
+    async with street(World.of(box, SimulatedLamp("other"))) as there:
         await there.heard_until(1.0)
         there.broker.link_of("villa-box").freeze()
         there.house.press("box", "on")
@@ -283,7 +285,7 @@ async def test_what_the_broker_refuses_is_counted_and_told_once_in_a_while() -> 
             return ReasonCode.NOT_AUTHORIZED if "lights" in topic else ReasonCode.SUCCESS
 
     with structlog.testing.capture_logs() as lines:
-        async with street(World.of(Lamp("lamp"), WindowMotor("motor")), policy=NoLights()) as there:
+        async with street(World.of(SimulatedLamp("lamp"), WindowMotor("motor")), policy=NoLights()) as there:
             for number in range(3):
                 there.house.press("lamp", "on" if number % 2 else "off")
             assert await there.heard_until(5.0) == ["0 windows/motor/out closed"]
@@ -294,23 +296,27 @@ async def test_what_the_broker_refuses_is_counted_and_told_once_in_a_while() -> 
 class Loud(ThesisDialect):
     """The thesis's, with everything else that a dialect may have."""
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         return (*super().filters(device), "villa/all/in")
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
-        return (Outgoing(f"villa/{device.device_id}/status", f"{device.kind} in {device.room}".encode(), retain=True),)
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
+        return (
+            OutgoingMessage(
+                f"villa/{device.device_id}/status", f"{device.kind} in {device.room}".encode(), retain=True
+            ),
+        )
 
-    def will(self, device: Nameplate) -> Outgoing:
-        return Outgoing(f"villa/{device.device_id}/status", b"gone", retain=True)
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
+        return OutgoingMessage(f"villa/{device.device_id}/status", b"gone", retain=True)
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:  # noqa: ARG002 - fills the port
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:  # noqa: ARG002 - fills the port
         return tuple(payload.decode().split(","))
 
 
 @pytest.mark.virtual_time
 async def test_a_dialect_decides_what_goes_over_the_wire() -> None:
     """Several topics, a birth before the state, a will, and commands out of any payload."""
-    world = World(Rooms({"hall": Room()}, []), [Placed(Lamp("lamp"), "hall", dialect="loud")])
+    world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall", dialect="loud")])
     async with street(world, dialects={"loud": Loud()}) as there:
         await there.tell("all/in", b"on,0.5")
         assert await there.heard_until(10.0) == [
@@ -326,7 +332,7 @@ async def test_a_dialect_decides_what_goes_over_the_wire() -> None:
 @pytest.mark.virtual_time
 async def test_a_power_failure_leaves_the_will() -> None:
     """Nobody says good-bye; with the power the device announces itself again."""
-    lamp = Placed(unplugged(Lamp("lamp"), 10.0, 20.0), "hall", dialect="loud")
+    lamp = Placed(unplugged(SimulatedLamp("lamp"), 10.0, 20.0), "hall", dialect="loud")
     async with street(World(Rooms({"hall": Room()}, []), [lamp]), dialects={"loud": Loud()}) as there:
         assert (await there.heard_until(15.0))[2:] == ["10 lamp/status gone"]
         assert (await there.heard_until(25.0))[0] == "20 lamp/status lamp in hall"
@@ -338,11 +344,15 @@ async def test_a_power_failure_leaves_the_will() -> None:
     [
         (World.of(), 0.0, "heartbeat of 0 s"),
         (World.of(), float("nan"), "heartbeat of nan s"),
-        (World.of(Lamp("a/b")), 1.0, "'a/b' cannot be a level of a topic"),
-        (World.of(Lamp("a\ud800")), 1.0, "cannot be written in UTF-8"),
-        (World(Rooms({"hall": Room()}, []), [Placed(Lamp("lamp"), "hall", dialect="x")]), 1.0, "'lamp' speaks 'x'"),
+        (World.of(SimulatedLamp("a/b")), 1.0, "'a/b' cannot be a level of a topic"),
+        (World.of(SimulatedLamp("a\ud800")), 1.0, "cannot be written in UTF-8"),
         (
-            World(Rooms({"hall": Room()}, []), [Placed(DoorLock("bolt"), "hall", dialect="tasmota")]),
+            World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall", dialect="x")]),
+            1.0,
+            "'lamp' speaks 'x'",
+        ),
+        (
+            World(Rooms({"hall": Room()}, []), [Placed(SimulatedDoorLock("bolt"), "hall", dialect="tasmota")]),
             1.0,
             "'bolt' speaks 'tasmota', which has no lock",
         ),
@@ -363,7 +373,7 @@ async def test_the_family_home_lives_on_sockets() -> None:
         MqttConnection(MqttOptions.from_url(broker.url), AiomqttClient, status_topic=None) as listener,
         anyio.create_task_group() as tasks,
     ):
-        await listener.subscribe(Subscription("villa/+/+/out", qos=1))
+        await listener.subscribe(MqttSubscription("villa/+/+/out", qos=1))
         await listener.wait_connected()
         clock = LoopClock(12 * 3600.0)
         house = SimulatedHouse(broker.url, "villa", world, clock)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.errors import UsageError
-from homebot.house.agenda import Agenda
+from homebot.house.agenda import EventQueue
 from homebot.house.household import Household
 from homebot.house.people import Habit, Person
 from homebot.house.rooms import Room, Rooms
@@ -32,7 +32,7 @@ class Watch:
 
 def lived(watch: Watch, *people: Person) -> Household:
     """A day of *people*."""
-    agenda = Agenda()
+    agenda = EventQueue()
     household = Household(people, PLAN, agenda, lambda: watch.now, watch)
     household.begin_day(0, "seed")
     while (at := agenda.next_at()) is not None:

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.house.lamp import Lamp
+from homebot.house.lamp import SimulatedLamp
 
 
 def test_a_lamp_is_dimmed_by_a_number() -> None:
     """It draws and gives light in proportion."""
-    lamp = Lamp("lamp", rated_watts=10.0, rated_lux=200.0)
+    lamp = SimulatedLamp("lamp", rated_watts=10.0, rated_lux=200.0)
     assert lamp.obey("0.5", 1.0) == ("0.5",)
     assert (lamp.state(), lamp.watts(), lamp.lux()) == ("on", 5.0, 100.0)
 
 
 def test_a_lamp_dimmed_to_nothing_is_off_and_remembers_how_bright_it_was() -> None:
     """As dimmers do."""
-    lamp = Lamp("lamp", is_on=True, brightness=0.4)
+    lamp = SimulatedLamp("lamp", is_on=True, brightness=0.4)
     lamp.obey("0", 1.0)
     assert (lamp.state(), lamp.watts(), lamp.lux()) == ("off", 0.0, 0.0)
     lamp.obey("on", 2.0)
@@ -25,7 +25,7 @@ def test_a_lamp_dimmed_to_nothing_is_off_and_remembers_how_bright_it_was() -> No
 
 def test_a_lamp_takes_a_colour_temperature_in_kelvin() -> None:
     """Also while it is off."""
-    lamp = Lamp("lamp")
+    lamp = SimulatedLamp("lamp")
     assert lamp.obey("4000 K", 1.0) == ("4000 K",)
     assert (lamp.kelvin, lamp.is_on) == (4000.0, False)
 
@@ -33,6 +33,6 @@ def test_a_lamp_takes_a_colour_temperature_in_kelvin() -> None:
 @pytest.mark.parametrize("command", ["1.5", "-1", "90000 K", "warm K", "2700", ""])
 def test_what_a_lamp_cannot_do_it_ignores(command: str) -> None:
     """It says nothing and stays as it is."""
-    lamp = Lamp("lamp", is_on=True)
+    lamp = SimulatedLamp("lamp", is_on=True)
     assert lamp.obey(command, 1.0) == ()
     assert (lamp.state(), lamp.brightness, lamp.kelvin) == ("on", 1.0, 2700.0)

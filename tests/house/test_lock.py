@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import random
 
-from homebot.house.lock import DoorLock
+from homebot.house.lock import SimulatedDoorLock
 
 
 def test_a_lock_turns_and_says_where_it_ended() -> None:
     """It is locked until the bolt is in."""
-    lock = DoorLock("lock", travel_time=2.0)
+    lock = SimulatedDoorLock("lock", travel_time=2.0)
     assert lock.obey("unlock", 1.0) == ("unlocking",)
     assert lock.is_locked
     assert lock.advance(3.0) == ("unlocked",)
@@ -19,7 +19,7 @@ def test_a_lock_turns_and_says_where_it_ended() -> None:
 
 def test_a_jammed_lock_is_as_locked_as_it_was() -> None:
     """And says that it is jammed."""
-    lock = DoorLock("lock", jams=1.0, rng=random.Random(1))  # noqa: S311  # no secrets
+    lock = SimulatedDoorLock("lock", jams=1.0, rng=random.Random(1))  # noqa: S311  # no secrets
     lock.obey("unlock", 0.0)
     assert lock.advance(2.0) == ("jammed",)
     assert lock.is_locked
@@ -27,7 +27,7 @@ def test_a_jammed_lock_is_as_locked_as_it_was() -> None:
 
 def test_a_lock_that_jammed_tries_again() -> None:
     """About every other turn of this one works."""
-    lock = DoorLock("lock", jams=0.5, rng=random.Random(1))  # noqa: S311  # no secrets
+    lock = SimulatedDoorLock("lock", jams=0.5, rng=random.Random(1))  # noqa: S311  # no secrets
     ends: set[str] = set()
     for turn in range(20):
         lock.obey("lock", turn * 10.0)
@@ -37,4 +37,4 @@ def test_a_lock_that_jammed_tries_again() -> None:
 
 def test_a_lock_knows_two_words() -> None:
     """Others it ignores."""
-    assert DoorLock("lock").obey("open", 0.0) == ()
+    assert SimulatedDoorLock("lock").obey("open", 0.0) == ()

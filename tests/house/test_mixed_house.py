@@ -11,7 +11,7 @@ from homebot.devices import Devices
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
-from homebot.house.devices import Lamp
+from homebot.house.devices import SimulatedLamp
 from homebot.house.dialects import DIALECTS
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.world import Placed
@@ -29,7 +29,8 @@ def hall(*lamps: Placed) -> World:
 async def test_the_light_service_switches_lamps_of_every_family(dialect: str) -> None:
     """One that is lit by hand, and one that shone before anybody looked."""
     world = hall(
-        Placed(Lamp("early", is_on=True), "hall", dialect=dialect), Placed(Lamp("late"), "hall", dialect=dialect)
+        Placed(SimulatedLamp("early", is_on=True), "hall", dialect=dialect),
+        Placed(SimulatedLamp("late"), "hall", dialect=dialect),
     )
     async with virtual_house_of("light_service", world=world) as house:
         await house.run_for("30s")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 
 
 def test_a_contact_says_what_changes() -> None:
     """And nothing twice."""
-    contact = ContactSensor("door")
+    contact = SimulatedContactSensor("door")
     assert contact.sense(1, 0.0) == ("open",)
     assert contact.sense(1, 1.0) == ()
     assert contact.sense(0, 2.0) == ("closed",)
@@ -46,4 +46,4 @@ def test_a_power_meter_says_watts() -> None:
 
 def test_a_sensor_takes_no_command() -> None:
     """It says nothing to it."""
-    assert ContactSensor("door").obey("open", 0.0) == ()
+    assert SimulatedContactSensor("door").obey("open", 0.0) == ()

@@ -12,15 +12,15 @@ from homebot.errors import UsageError
 from homebot.house.chronicle import Event
 from homebot.house.daylight import DAY
 from homebot.house.faults import Chatterbox, Deaf, Liar, Reverter, Unplugged
-from homebot.house.lamp import Lamp
-from homebot.house.lock import DoorLock
+from homebot.house.lamp import SimulatedLamp
+from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import CoverMotor, WindowMotor
 from homebot.house.people import Habit, Person
 from homebot.house.robot import Robot
 from homebot.house.rooms import OUTSIDE, Room, Rooms
-from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
-from homebot.house.thermostat import Thermostat
-from homebot.house.world import Errand, Placed, World
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.thermostat import SimulatedThermostat
+from homebot.house.world import Placed, ScheduledCommand, World
 
 PLAN = Rooms(
     {OUTSIDE: Room(window=1.0), "hall": Room(window=0.0), "living": Room(x=5.0, window=0.02)},
@@ -43,9 +43,9 @@ def test_somebody_who_comes_home_opens_the_door_is_seen_and_makes_light() -> Non
     world = World(
         PLAN,
         [
-            Placed(ContactSensor("door"), "hall", door=OUTSIDE),
+            Placed(SimulatedContactSensor("door"), "hall", door=OUTSIDE),
             Placed(MotionSensor("motion", hold=60.0), "hall"),
-            Placed(Lamp("hall_lamp"), "hall"),
+            Placed(SimulatedLamp("hall_lamp"), "hall"),
         ],
         [anna(Habit(SEVEN, "living"))],
     )
@@ -68,7 +68,7 @@ def test_people_unlock_the_door_they_go_through_and_lock_it_behind_them() -> Non
     """Two who come one after the other lock it once."""
     habits = Habit(SEVEN, "hall")
     people = [Person("anna", [habits]), Person("ben", [Habit(SEVEN + 10.0, "hall")])]
-    world = World(PLAN, [Placed(DoorLock("lock"), "hall", door=OUTSIDE)], people)
+    world = World(PLAN, [Placed(SimulatedDoorLock("lock"), "hall", door=OUTSIDE)], people)
     words = [line.partition(" lock ")[2] for line in lines(world, SEVEN + 60.0) if " lock says" in line]
     assert words.count("says locked") == 1
     assert words[-1] == "says locked"
@@ -76,7 +76,7 @@ def test_people_unlock_the_door_they_go_through_and_lock_it_behind_them() -> Non
 
 def test_somebody_asleep_is_in_the_dark_and_not_seen_moving() -> None:
     """The lamp goes off when they lie down."""
-    devices = [Placed(Lamp("lamp"), "hall"), Placed(MotionSensor("motion"), "hall")]
+    devices = [Placed(SimulatedLamp("lamp"), "hall"), Placed(MotionSensor("motion"), "hall")]
     world = World(PLAN, devices, [anna(Habit(100.0, "hall"), Habit(200.0, "hall", asleep=True))])
     text = "\n".join(lines(world, 1000.0))
     assert "0 00:03:20.000 anna sleeps hall\n0 00:03:20.000 lamp switch off" in text
@@ -91,13 +91,13 @@ def test_somebody_who_changes_their_mind_on_the_way_turns_round() -> None:
 
 def test_people_can_leave_the_lamps_alone() -> None:
     """Then light is the business of others."""
-    world = World(PLAN, [Placed(Lamp("lamp"), "hall")], [anna(Habit(100.0, "hall"))], by_hand=False)
+    world = World(PLAN, [Placed(SimulatedLamp("lamp"), "hall")], [anna(Habit(100.0, "hall"))], by_hand=False)
     assert lines(world, 1000.0) == ["0 00:01:41.000 anna enters hall"]
 
 
 def test_somebody_at_home_makes_light_when_it_gets_dark() -> None:
     """Once; who is told off stays off."""
-    world = World(PLAN, [Placed(Lamp("lamp"), "living")], [anna(starts_in="living")])
+    world = World(PLAN, [Placed(SimulatedLamp("lamp"), "living")], [anna(starts_in="living")])
     switched = [event for event in world.run_until(DAY) if event.verb == "switch"]
     assert [event.what for event in switched] == ["on"]
     assert 17 * 3600 < switched[0].at < 18.5 * 3600
@@ -105,19 +105,19 @@ def test_somebody_at_home_makes_light_when_it_gets_dark() -> None:
 
 def test_the_sun_comes_in_as_far_as_covers_let_it() -> None:
     """And lamps add to it."""
-    cover, lamp = CoverMotor("cover"), Lamp("lamp", rated_lux=150.0)
+    cover, lamp = CoverMotor("cover"), SimulatedLamp("lamp", rated_lux=150.0)
     world = World(PLAN, [Placed(cover, "living"), Placed(lamp, "living"), Placed(LuxSensor("lux"), "living")])
     world.run_until(NOON)
     bright = world.lux("living")
     assert bright > 1000.0
-    world.tell("cover", "0.5", NOON)
+    world.command("cover", "0.5", NOON)
     world.run_until(NOON + 60.0)
     assert world.lux("living") == pytest.approx(bright / 2, rel=0.01)
     assert float(world.device("lux").state()) == pytest.approx(bright / 2, rel=0.2)
-    world.tell("cover", "close", NOON + 60.0)
+    world.command("cover", "close", NOON + 60.0)
     world.run_until(NOON + 120.0)
     assert world.lux("living") == 0.0
-    assert [str(event) for event in world.tell("lamp", "on", NOON + 120.0)][-2:] == [
+    assert [str(event) for event in world.command("lamp", "on", NOON + 120.0)][-2:] == [
         "0 12:02:00.000 lamp says on",
         "0 12:02:00.000 lux says 150",
     ]
@@ -130,7 +130,7 @@ def test_looking_at_a_device_changes_nothing() -> None:
         world = World(
             PLAN, [Placed(CoverMotor("cover", travel_time=600.0), "living"), Placed(LuxSensor("lux"), "living")]
         )
-        world.tell("cover", "close", NOON + 10.0)
+        world.command("cover", "close", NOON + 10.0)
         for second in range(0, 900, 7):
             world.run_until(NOON + 10.0 + second)
             if looks:
@@ -144,12 +144,12 @@ def test_the_power_meter_says_the_sum_of_what_is_on() -> None:
     """Also of what draws power by itself."""
     devices = [
         Placed(PowerMeter("meter"), "hall"),
-        Placed(Lamp("lamp", rated_watts=10.0), "hall"),
+        Placed(SimulatedLamp("lamp", rated_watts=10.0), "hall"),
         Placed(WindowMotor("window", travel_time=3.0), "hall"),
     ]
     world = World(PLAN, devices)
-    world.tell("lamp", "on", 1.0)
-    world.tell("window", "open", 1.0)
+    world.command("lamp", "on", 1.0)
+    world.command("window", "open", 1.0)
     world.run_until(10.0)
     said = [(event.at, event.what) for event in world.chronicle.since(0) if event.who == "meter"]
     assert said == [(1.0, "10"), (1.0, "50"), (4.0, "10")]
@@ -157,37 +157,41 @@ def test_the_power_meter_says_the_sum_of_what_is_on() -> None:
 
 def test_a_liar_draws_what_is_true() -> None:
     """Its words change no physics."""
-    lamp = Liar(Lamp("lamp"), random.Random(1))  # noqa: S311  # no secrets
+    lamp = Liar(SimulatedLamp("lamp"), random.Random(1))  # noqa: S311  # no secrets
     world = World(PLAN, [Placed(lamp, "hall"), Placed(PowerMeter("meter"), "hall")])
-    assert [event.what for event in world.tell("lamp", "on", 1.0)] == ["on", "on"]
+    assert [event.what for event in world.command("lamp", "on", 1.0)] == ["on", "on"]
     assert (world.device("lamp").state(), world.device("meter").state(), world.lux("hall")) == ("on", "0", 0.0)
 
 
 def test_hands_reach_a_deaf_lamp() -> None:
     """Its radio is broken, its switch is not."""
-    lamp = Deaf(Lamp("lamp"), random.Random(1))  # noqa: S311  # no secrets
+    lamp = Deaf(SimulatedLamp("lamp"), random.Random(1))  # noqa: S311  # no secrets
     world = World(PLAN, [Placed(lamp, "hall")], [anna(Habit(100.0, "hall"))])
     assert lines(world, 200.0)[-1] == "0 00:01:41.000 lamp says on"
-    assert [event.verb for event in world.tell("lamp", "off", 200.0)] == ["told"]
+    assert [event.verb for event in world.command("lamp", "off", 200.0)] == ["told"]
 
 
 def test_the_weather_reaches_the_thermostat() -> None:
     """A house that nobody heats is cold in the morning."""
-    world = World(PLAN, [Placed(Thermostat("heat", target=5.0), "hall")], first_day=22)
+    world = World(PLAN, [Placed(SimulatedThermostat("heat", target=5.0), "hall")], first_day=22)
     world.run_until(SEVEN)
     assert float(world.device("heat").state()) < 15.0
 
 
 def test_timers_tell_devices_every_day() -> None:
     """At their time."""
-    world = World(PLAN, [Placed(Lamp("lamp"), "hall")], errands=[Errand(SEVEN, "lamp", "on")])
+    world = World(PLAN, [Placed(SimulatedLamp("lamp"), "hall")], errands=[ScheduledCommand(SEVEN, "lamp", "on")])
     told = [event.at for event in world.run_until(2 * DAY) if event.verb == "told"]
     assert told == [SEVEN, DAY + SEVEN]
 
 
 def test_a_house_run_in_steps_is_the_house_run_at_once() -> None:
     """Whoever carries it sleeps until its next event."""
-    devices = [Placed(Lamp("lamp"), "hall"), Placed(CoverMotor("cover"), "living"), Placed(LuxSensor("lux"), "living")]
+    devices = [
+        Placed(SimulatedLamp("lamp"), "hall"),
+        Placed(CoverMotor("cover"), "living"),
+        Placed(LuxSensor("lux"), "living"),
+    ]
     people = [anna(Habit(SEVEN, "living", jitter=600.0), Habit(2 * SEVEN, OUTSIDE))]
 
     def house() -> World:
@@ -214,13 +218,13 @@ def test_the_same_house_told_the_same_writes_the_same(orders: list[tuple[float, 
     """Byte for byte, in time order, whatever it is told."""
 
     def text() -> str:
-        lamp = Reverter(Lamp("lamp"), random.Random(seed), after=90.0)  # noqa: S311  # no secrets
+        lamp = Reverter(SimulatedLamp("lamp"), random.Random(seed), after=90.0)  # noqa: S311  # no secrets
         people = [anna(Habit(SEVEN, "living", jitter=7000.0), starts_in="hall")]
         world = World(PLAN, [Placed(lamp, "hall"), Placed(CoverMotor("cover"), "living")], people, seed=seed)
         now = 0.0
         for after, device_id, command in orders:
             now += after
-            world.tell(device_id, command, now)
+            world.command(device_id, command, now)
         world.run_until(now + DAY)
         times = [event.at for event in world.chronicle.since(0)]
         assert times == sorted(times)
@@ -231,9 +235,9 @@ def test_the_same_house_told_the_same_writes_the_same(orders: list[tuple[float, 
 
 def test_a_house_keeps_the_newest_of_what_happened() -> None:
     """As many events as it was told to."""
-    world = World(PLAN, [Placed(Lamp("lamp"), "hall")], capacity=3)
+    world = World(PLAN, [Placed(SimulatedLamp("lamp"), "hall")], capacity=3)
     for second in range(5):
-        world.tell("lamp", "on", float(second))
+        world.command("lamp", "on", float(second))
     assert (len(world.chronicle.since(0)), world.chronicle.dropped) == (3, 7)
 
 
@@ -242,28 +246,31 @@ def test_commands_without_end_do_not_fill_the_agenda() -> None:
     world = World(PLAN, [Placed(CoverMotor("cover"), "living")])
     planned = set()
     for number in range(2000):
-        world.tell("cover", ("close", "open")[number % 2], 1.0 + number / 100)
+        world.command("cover", ("close", "open")[number % 2], 1.0 + number / 100)
         planned.add(len(world._agenda))
     assert max(planned) < 200
 
 
 def test_a_command_of_any_length_is_kept_short() -> None:
     """The chronicle is bounded."""
-    world = World(PLAN, [Placed(Lamp("lamp"), "hall")])
-    (told,) = world.tell("lamp", "x" * 100_000, 1.0)
+    world = World(PLAN, [Placed(SimulatedLamp("lamp"), "hall")])
+    (told,) = world.command("lamp", "x" * 100_000, 1.0)
     assert told.what == "x" * 200
 
 
 @pytest.mark.parametrize(
     ("build", "problem"),
     [
-        (lambda: World(PLAN, [Placed(Lamp("lamp"), "hall"), Placed(Lamp("lamp"), "hall")]), "two devices"),
-        (lambda: World(PLAN, [Placed(Lamp("lamp"), "attic")]), "attic"),
-        (lambda: World(PLAN, [Placed(ContactSensor("door"), "hall", door="attic")]), "attic"),
+        (
+            lambda: World(PLAN, [Placed(SimulatedLamp("lamp"), "hall"), Placed(SimulatedLamp("lamp"), "hall")]),
+            "two devices",
+        ),
+        (lambda: World(PLAN, [Placed(SimulatedLamp("lamp"), "attic")]), "attic"),
+        (lambda: World(PLAN, [Placed(SimulatedContactSensor("door"), "hall", door="attic")]), "attic"),
         (lambda: World(PLAN, [], [anna(Habit(1.0, "attic"))]), "attic"),
         (lambda: World(PLAN, [], [anna(starts_in="attic")]), "attic"),
-        (lambda: World(PLAN, [], errands=[Errand(1.0, "lamp", "on")]), "no device 'lamp'"),
-        (lambda: World(PLAN, []).tell("lamp", "on", 1.0), "no device 'lamp'"),
+        (lambda: World(PLAN, [], errands=[ScheduledCommand(1.0, "lamp", "on")]), "no device 'lamp'"),
+        (lambda: World(PLAN, []).command("lamp", "on", 1.0), "no device 'lamp'"),
         (lambda: World(PLAN, []).device("lamp"), "no device 'lamp'"),
         (lambda: World(PLAN, []).lux("attic"), "no room 'attic'"),
         (lambda: World(PLAN, []).run_until(float("inf")), "inf"),
@@ -282,23 +289,23 @@ def test_a_robot_is_seen_on_its_way_and_opens_doors_but_no_locks() -> None:
         PLAN,
         [
             Placed(Robot("robot", PLAN, "living", speed=1.0), "living"),
-            Placed(ContactSensor("door"), "living", door="hall"),
-            Placed(DoorLock("lock"), "living", door="hall"),
+            Placed(SimulatedContactSensor("door"), "living", door="hall"),
+            Placed(SimulatedDoorLock("lock"), "living", door="hall"),
             Placed(MotionSensor("hall_motion", hold=10.0), "hall"),
             Placed(MotionSensor("living_motion", hold=10.0), "living"),
-            Placed(Lamp("hall_lamp"), "hall"),
+            Placed(SimulatedLamp("hall_lamp"), "hall"),
         ],
     )
-    world.tell("robot", "go hall", 0.0)
+    world.command("robot", "go hall", 0.0)
     assert lines(world, 60.0) == [
         "0 00:00:05.000 robot says hall",
         "0 00:00:05.000 door says open",
         "0 00:00:08.000 door says closed",
         "0 00:00:15.000 living_motion says clear",
     ]
-    world.tell("robot", "go living", 60.0)
+    world.command("robot", "go living", 60.0)
     assert lines(world, 64.0) == []
-    assert [str(event) for event in world.tell("robot", "stop", 64.0)] == [
+    assert [str(event) for event in world.command("robot", "stop", 64.0)] == [
         "0 00:01:04.000 robot told stop",
         "0 00:01:04.000 robot says hall",
     ]
@@ -308,14 +315,14 @@ def test_a_robot_is_seen_on_its_way_and_opens_doors_but_no_locks() -> None:
 def test_a_robot_with_a_larger_plan_leaves_the_house() -> None:
     """Nobody sees it there."""
     world = World.of(Robot("robot", PLAN, "living"))
-    world.tell("robot", "go hall", 0.0)
+    world.command("robot", "go hall", 0.0)
     assert lines(world, 60.0) == ["0 00:00:10.000 robot says hall"]
 
 
 def test_somebody_from_outside_works_a_switch() -> None:
     """As those who live there do; a deaf lamp obeys hands."""
-    world = World.of(Deaf(Lamp("lamp"), random.Random(0)))  # noqa: S311  # no secrets
-    assert [str(event) for event in world.tell("lamp", "on", 1.0)] == ["0 00:00:01.000 lamp told on"]
+    world = World.of(Deaf(SimulatedLamp("lamp"), random.Random(0)))  # noqa: S311  # no secrets
+    assert [str(event) for event in world.command("lamp", "on", 1.0)] == ["0 00:00:01.000 lamp told on"]
     assert [str(event) for event in world.press("lamp", "on", 2.0)] == [
         "0 00:00:02.000 lamp switch on",
         "0 00:00:02.000 lamp says on",
@@ -327,8 +334,8 @@ def test_somebody_from_outside_works_a_switch() -> None:
 def test_a_device_without_power_is_silent_and_says_how_it_is_when_it_has_some_again() -> None:
     """Whatever fault is around that one."""
     rng = random.Random(0)  # noqa: S311  # no secrets
-    world = World.of(Chatterbox(Unplugged(Lamp("lamp"), rng, since=10.0, until=20.0), rng, times=3, every=4.0))
-    world.tell("lamp", "on", 5.0)
+    world = World.of(Chatterbox(Unplugged(SimulatedLamp("lamp"), rng, since=10.0, until=20.0), rng, times=3, every=4.0))
+    world.command("lamp", "on", 5.0)
     assert lines(world, 100.0) == [
         "0 00:00:09.000 lamp says on",
         "0 00:00:10.000 lamp power off",

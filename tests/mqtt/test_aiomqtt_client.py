@@ -18,9 +18,9 @@ from structlog.testing import capture_logs
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.aiomqtt_client import AiomqttClient
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.message import MessageProperties
-from homebot.mqtt.options import MqttOptions, MqttProtocol, Will
+from homebot.mqtt.options import MqttOptions, MqttProtocol, MqttWill
 from homebot.mqtt.packets import (
     Connack,
     Connect,
@@ -277,7 +277,7 @@ async def test_a_publish_in_flight_fails_at_once_when_the_link_drops() -> None:
         with pytest.raises(LinkError):
             await client.publish("t")
         with pytest.raises(LinkError):
-            await client.subscribe(Subscription("t"))
+            await client.subscribe(MqttSubscription("t"))
 
 
 async def test_a_subscription_in_flight_fails_at_once_when_the_link_drops() -> None:
@@ -294,7 +294,7 @@ async def test_a_subscription_in_flight_fails_at_once_when_the_link_drops() -> N
         with anyio.fail_after(5):
             async with client.connected():
                 with pytest.raises(LinkError):
-                    await client.subscribe(Subscription("t"))
+                    await client.subscribe(MqttSubscription("t"))
             async with client.connected():
                 with pytest.raises(LinkError):
                     await client.unsubscribe("t")
@@ -311,7 +311,7 @@ async def test_a_silent_broker_is_a_link_error() -> None:
         with pytest.raises(LinkError, match=r"no answer to a publish within 0\.02 s"):
             await client.publish("t", qos=1)
         with pytest.raises(LinkError, match="no answer to subscribe"):
-            await client.subscribe(Subscription("t"))
+            await client.subscribe(MqttSubscription("t"))
 
 
 async def test_the_window_of_the_broker_is_respected() -> None:
@@ -379,7 +379,7 @@ async def test_a_publish_that_is_none_is_a_usage_error() -> None:
         with pytest.raises(UsageError, match="properties"):
             await client.publish("t", properties=MessageProperties(correlation_data=bytes(70_000)))
         with pytest.raises(UsageError):
-            await client.subscribe(Subscription("a/#/b"))
+            await client.subscribe(MqttSubscription("a/#/b"))
 
 
 async def test_publishes_of_qos_0_wait_for_a_slow_broker() -> None:
@@ -445,7 +445,7 @@ async def test_a_refused_subscription_is_an_error_that_names_the_filter(
 
     async with broker(script) as port, (client := make(port, protocol=version)).connected():
         with pytest.raises(RefusedError, match=f"subscription to 'secret/#' was refused: {words}") as caught:
-            await client.subscribe(Subscription("a", 1), Subscription("secret/#", 1))
+            await client.subscribe(MqttSubscription("a", 1), MqttSubscription("secret/#", 1))
         assert caught.value.code == code
 
 
@@ -467,7 +467,7 @@ async def test_subscription_options_reach_the_broker() -> None:
         await peer.expect(Disconnect)
 
     async with broker(script) as port, (client := make(port)).connected():
-        wish = Subscription("a/#", 2, no_local=True, retain_as_published=True, retain_handling=2)
+        wish = MqttSubscription("a/#", 2, no_local=True, retain_as_published=True, retain_handling=2)
         assert await client.subscribe(wish) == (1,)
         await client.unsubscribe("a/#")
 
@@ -491,7 +491,7 @@ async def test_login_and_will_reach_the_broker() -> None:
 
     async with broker(script) as port:
         options = MqttOptions.from_url(
-            f"mqtt://anna:pw@127.0.0.1:{port}", client_id="hub", will=Will("w", b"gone", 1, retain=True)
+            f"mqtt://anna:pw@127.0.0.1:{port}", client_id="hub", will=MqttWill("w", b"gone", 1, retain=True)
         )
         async with AiomqttClient(options).connected() as session:
             assert session.protocol == "5"

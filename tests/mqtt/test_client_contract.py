@@ -15,11 +15,11 @@ import pytest
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
-from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MessageProperties, MqttMessage
-from homebot.mqtt.options import MqttOptions, MqttProtocol, Will
+from homebot.mqtt.options import MqttOptions, MqttProtocol, MqttWill
 from homebot.mqtt.packets import ReasonCode
 
 Make = Callable[[MqttOptions], MqttClient]
@@ -82,7 +82,7 @@ async def test_a_message_comes_back_as_it_was_published(make: Make, options: Mqt
         payload_is_text=True, content_type="text/plain", response_topic="r", correlation_data=b"\0", user=(("k", "v"),)
     )
     async with client.connected() as session:
-        await client.subscribe(Subscription("a/+/c", 2))
+        await client.subscribe(MqttSubscription("a/+/c", 2))
         for qos in (0, 1, 2):
             await client.publish("a/ü/c", bytes([qos]), qos=qos, properties=properties)
         messages = await receive(client, 3)
@@ -95,7 +95,7 @@ async def test_a_thousand_messages_come_in_order(make: Make, options: MqttOption
     client = make(options)
     got: list[bytes] = []
     async with client.connected(), anyio.create_task_group() as tasks:
-        await client.subscribe(Subscription("t", 1))
+        await client.subscribe(MqttSubscription("t", 1))
 
         async def publish() -> None:
             for number in range(1000):
@@ -113,7 +113,7 @@ async def test_a_stored_message_says_that_it_is_one(make: Make, options: MqttOpt
     client = make(options)
     async with client.connected():
         await client.publish("t", b"kept", qos=1, retain=True)
-        await client.subscribe(Subscription("t"))
+        await client.subscribe(MqttSubscription("t"))
         await client.publish("t", b"live", qos=1)
         assert [(m.payload, m.retain) for m in await receive(client, 2)] == [(b"kept", True), (b"live", False)]
 
@@ -121,7 +121,7 @@ async def test_a_stored_message_says_that_it_is_one(make: Make, options: MqttOpt
 async def test_after_unsubscribing_nothing_comes(make: Make, options: MqttOptions) -> None:
     client = make(options)
     async with client.connected():
-        await client.subscribe(Subscription("t"), Subscription("end"))
+        await client.subscribe(MqttSubscription("t"), MqttSubscription("end"))
         await client.unsubscribe("t")
         await client.publish("t")
         await client.publish("end")
@@ -131,7 +131,7 @@ async def test_after_unsubscribing_nothing_comes(make: Make, options: MqttOption
 async def test_no_local_leaves_out_what_the_client_published_itself(make: Make, options: MqttOptions) -> None:
     client = make(options)
     async with client.connected() as session:
-        await client.subscribe(Subscription("t", no_local=True), Subscription("end"))
+        await client.subscribe(MqttSubscription("t", no_local=True), MqttSubscription("end"))
         await client.publish("t")
         await client.publish("end")
         expected = ["end"] if session.protocol == "5" else ["t", "end"]
@@ -143,7 +143,7 @@ async def test_what_was_not_acknowledged_comes_again_to_the_next_process(make: M
     kept = replace(options, session_expiry=60)
     crashed = make(kept)
     async with crashed.connected():
-        await crashed.subscribe(Subscription("t", 2))
+        await crashed.subscribe(MqttSubscription("t", 2))
         for qos in (1, 2):
             await crashed.publish("t", bytes([qos]), qos=qos)
         assert len(await receive(crashed, 2)) == 2
@@ -160,7 +160,7 @@ async def test_what_was_not_acknowledged_comes_again_to_the_next_process(make: M
 async def test_what_was_acknowledged_does_not_come_again(make: Make, options: MqttOptions) -> None:
     client = make(replace(options, session_expiry=60))
     async with client.connected():
-        await client.subscribe(Subscription("t", 2))
+        await client.subscribe(MqttSubscription("t", 2))
         for qos in (1, 2):
             await client.publish("t", b"old", qos=qos)
         client.ack(await receive(client, 2))
@@ -183,7 +183,7 @@ async def test_a_refused_subscription_is_an_error(make: Make, options: MqttOptio
     client = make(options)
     async with client.connected():
         with pytest.raises(RefusedError, match="'secret/#' was refused"):
-            await client.subscribe(Subscription("open/#"), Subscription("secret/#"))
+            await client.subscribe(MqttSubscription("open/#"), MqttSubscription("secret/#"))
         await client.publish("open/door")
         assert [message.topic for message in await receive(client, 1)] == ["open/door"]
 
@@ -201,7 +201,7 @@ async def test_a_broker_that_dies_is_a_link_error_for_everybody(
 ) -> None:
     client = make(options)
     async with client.connected():
-        await client.subscribe(Subscription("t"))
+        await client.subscribe(MqttSubscription("t"))
         await broker.stop(abrupt=True)
         assert isinstance(await client.wait_lost(), LinkError)
         with pytest.raises(LinkError):
@@ -214,10 +214,10 @@ async def test_a_broker_that_dies_is_a_link_error_for_everybody(
 
 
 async def test_the_will_is_for_a_crash_and_not_for_a_good_bye(make: Make, options: MqttOptions) -> None:
-    watcher, quiet = make(options), make(replace(options, client_id="quiet", will=Will("will", b"quiet")))
-    first, second = (make(replace(options, client_id="twin", will=Will("will", b"twin"))) for _ in range(2))
+    watcher, quiet = make(options), make(replace(options, client_id="quiet", will=MqttWill("will", b"quiet")))
+    first, second = (make(replace(options, client_id="twin", will=MqttWill("will", b"twin"))) for _ in range(2))
     async with watcher.connected():
-        await watcher.subscribe(Subscription("will"))
+        await watcher.subscribe(MqttSubscription("will"))
         async with quiet.connected():
             pass
         async with first.connected(), second.connected():  # the second takes the name over, which cuts the first off
@@ -227,10 +227,10 @@ async def test_the_will_is_for_a_crash_and_not_for_a_good_bye(make: Make, option
 
 async def test_a_link_may_be_dropped_without_a_word_and_made_again(make: Make, options: MqttOptions) -> None:
     """The broker takes it for a crash: the will is published."""
-    watcher, lamp = make(options), make(replace(options, client_id="lamp", will=Will("will", b"lost")))
+    watcher, lamp = make(options), make(replace(options, client_id="lamp", will=MqttWill("will", b"lost")))
     lamp.drop()  # nothing to drop
     async with watcher.connected():
-        await watcher.subscribe(Subscription("will"))
+        await watcher.subscribe(MqttSubscription("will"))
         async with lamp.connected():
             lamp.drop()
             assert isinstance(await lamp.wait_lost(), LinkError)
@@ -269,7 +269,7 @@ async def test_a_restarted_broker_is_found_again_and_no_accepted_message_is_lost
             MqttConnection(options, make, status_topic=None) as hub,
             MqttConnection(replace(options, client_id="publisher"), make, status_topic=None) as publisher,
         ):
-            await hub.subscribe(Subscription("t", 1))
+            await hub.subscribe(MqttSubscription("t", 1))
             await hub.wait_connected()
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(publish, publisher)

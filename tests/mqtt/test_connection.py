@@ -14,15 +14,15 @@ from structlog.testing import capture_logs
 
 from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, UsageError
 from homebot.mqtt.backoff import Backoff
-from homebot.mqtt.client import MqttClient, MqttCounters, PublishResult, Session, Subscription
+from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
 
 pytestmark = pytest.mark.virtual_time
 
-FRESH = Session(resumed=False, protocol="5")
-RESUMED = Session(resumed=True, protocol="5")
+FRESH = SessionGrant(resumed=False, protocol="5")
+RESUMED = SessionGrant(resumed=True, protocol="5")
 ABSENT = LinkError("nobody there")
 WRONG_PASSWORD = RefusedError("the login", "bad user name or password", 0x86)
 EXACT = Backoff(first=1.0, factor=2.0, cap=4.0, late_cap=60.0, late_after=1000.0, jitter=0.0)
@@ -32,7 +32,7 @@ SLOW = Backoff(first=100.0, factor=2.0, cap=1000.0, late_cap=1000.0, late_after=
 class FakeClient:
     """Fills the port; each try to connect meets the next of `answers`, and the last one again and again."""
 
-    def __init__(self, *answers: Session | LinkError | RefusedError) -> None:
+    def __init__(self, *answers: SessionGrant | LinkError | RefusedError) -> None:
         self.options: MqttOptions | None = None
         self.answers = deque(answers)
         self.tries: list[float] = []
@@ -55,10 +55,10 @@ class FakeClient:
         return self
 
     @asynccontextmanager
-    async def connected(self) -> AsyncIterator[Session]:
+    async def connected(self) -> AsyncIterator[SessionGrant]:
         self.tries.append(round(anyio.current_time(), 6))
         answer = self.answers.popleft() if len(self.answers) > 1 else self.answers[0]
-        if not isinstance(answer, Session):
+        if not isinstance(answer, SessionGrant):
             raise answer
         self._up, self._gone = True, anyio.Event()
         try:
@@ -97,7 +97,7 @@ class FakeClient:
             self.counters.received += 100
             await anyio.sleep(0.01)
 
-    async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
+    async def subscribe(self, *subscriptions: MqttSubscription) -> tuple[int, ...]:
         self._check()
         if self.burst:
             await anyio.sleep(0.001)
@@ -220,7 +220,7 @@ async def test_who_is_thrown_out_comes_back_slowly() -> None:
 async def test_a_certificate_file_that_cannot_be_used_waits_for_a_person() -> None:
     class Unusable(FakeClient):
         @asynccontextmanager
-        async def connected(self) -> AsyncIterator[Session]:
+        async def connected(self) -> AsyncIterator[SessionGrant]:
             if not self.tries:
                 self.tries.append(0)
                 raise UsageError("CA file ca.pem: No such file or directory")
@@ -235,9 +235,9 @@ async def test_a_certificate_file_that_cannot_be_used_waits_for_a_person() -> No
 async def test_subscriptions_are_made_again_on_a_new_session() -> None:
     client = FakeClient(FRESH)
     async with supervise(client) as connection:
-        await connection.subscribe(Subscription("early"))
+        await connection.subscribe(MqttSubscription("early"))
         await connection.wait_connected()
-        await connection.subscribe(Subscription("late"))
+        await connection.subscribe(MqttSubscription("late"))
         client.lose()
         await wait_all_tasks_blocked()
         await connection.wait_connected()
@@ -248,10 +248,10 @@ async def test_a_resumed_session_keeps_its_subscriptions_and_gets_only_the_chang
     client = FakeClient(FRESH, ABSENT, RESUMED)
     async with supervise(client) as connection:
         await connection.wait_connected()
-        await connection.subscribe(Subscription("kept"), Subscription("dropped"))
+        await connection.subscribe(MqttSubscription("kept"), MqttSubscription("dropped"))
         client.lose()
         await until(connection, LinkPhase.WAITING)
-        await connection.subscribe(Subscription("new"))
+        await connection.subscribe(MqttSubscription("new"))
         await connection.unsubscribe("dropped")
         await until(connection, LinkPhase.CONNECTED)
     assert client.said == ["subscribe kept", "subscribe dropped", "subscribe new", "unsubscribe dropped"]
@@ -262,10 +262,10 @@ async def test_what_is_wanted_on_every_link_is_subscribed_to_again_also_in_a_res
     client = FakeClient(FRESH, RESUMED)
     async with supervise(client) as connection:
         await connection.wait_connected()
-        await connection.subscribe(Subscription("again/#"), every_link=True)
-        await connection.subscribe(Subscription("kept"), Subscription("once"))
-        await connection.subscribe(Subscription("once"), every_link=True)
-        await connection.subscribe(Subscription("once"))
+        await connection.subscribe(MqttSubscription("again/#"), every_link=True)
+        await connection.subscribe(MqttSubscription("kept"), MqttSubscription("once"))
+        await connection.subscribe(MqttSubscription("once"), every_link=True)
+        await connection.subscribe(MqttSubscription("once"))
         client.said.clear()
         client.lose()
         await wait_all_tasks_blocked()
@@ -278,7 +278,7 @@ async def test_an_unanswered_subscription_is_asked_for_once_more() -> None:
     client = FakeClient(FRESH)
     client.unanswered = 1
     async with supervise(client) as connection:
-        await connection.subscribe(Subscription("a"))
+        await connection.subscribe(MqttSubscription("a"))
         await connection.wait_connected()
     assert (client.said, len(client.tries)) == (["subscribe a"], 1)
 
@@ -289,7 +289,7 @@ async def test_the_next_subscription_waits_until_a_burst_has_passed() -> None:
         await connection.wait_connected()
         client.burst = 5
         tasks.start_soon(client.receive_burst)
-        await connection.subscribe(Subscription("a/#"), Subscription("b/#"))
+        await connection.subscribe(MqttSubscription("a/#"), MqttSubscription("b/#"))
         assert anyio.current_time() >= 0.05
         assert client.counters.received == 500
 
@@ -300,7 +300,7 @@ async def test_a_broker_that_never_falls_silent_is_waited_for_once_only() -> Non
         await connection.wait_connected()
         client.burst = 1000
         tasks.start_soon(client.receive_burst)
-        await connection.subscribe(*(Subscription(f"{number}/#") for number in range(50)))
+        await connection.subscribe(*(MqttSubscription(f"{number}/#") for number in range(50)))
         assert 1.0 <= anyio.current_time() < 1.2
         tasks.cancel_scope.cancel()
 
@@ -308,7 +308,7 @@ async def test_a_broker_that_never_falls_silent_is_waited_for_once_only() -> Non
 async def test_the_first_link_of_a_process_subscribes_even_into_an_old_session() -> None:
     client = FakeClient(RESUMED)
     async with supervise(client) as connection:
-        await connection.subscribe(Subscription("a"))
+        await connection.subscribe(MqttSubscription("a"))
         await connection.wait_connected()
     assert client.said == ["subscribe a"]
 
@@ -319,7 +319,7 @@ async def test_a_refused_subscription_is_raised_and_the_others_stand() -> None:
     async with supervise(client) as connection:
         await connection.wait_connected()
         with pytest.raises(RefusedError, match="'secret/#' was refused: not authorized"):
-            await connection.subscribe(Subscription("secret/#"), Subscription("open/#"))
+            await connection.subscribe(MqttSubscription("secret/#"), MqttSubscription("open/#"))
         assert connection.refused == {"secret/#": "not authorized"}
         client.lose()
         await wait_all_tasks_blocked()
@@ -332,7 +332,7 @@ async def test_refused_subscriptions_of_a_new_link_are_there_to_be_read_in_one_q
     client.refused_filters = {"a", "b"}
     with capture_logs() as lines:
         async with supervise(client) as connection:
-            await connection.subscribe(Subscription("a"), Subscription("b"), Subscription("c"))
+            await connection.subscribe(MqttSubscription("a"), MqttSubscription("b"), MqttSubscription("c"))
             await connection.wait_connected()
             assert connection.refused == {"a": "not authorized", "b": "not authorized"}
     (line,) = [line for line in lines if line["event"] == "mqtt.subscriptions_refused"]
@@ -341,14 +341,14 @@ async def test_refused_subscriptions_of_a_new_link_are_there_to_be_read_in_one_q
 
 
 @pytest.mark.parametrize("session", [FRESH, RESUMED])
-async def test_a_refused_subscription_is_asked_for_again_on_the_next_link(session: Session) -> None:
+async def test_a_refused_subscription_is_asked_for_again_on_the_next_link(session: SessionGrant) -> None:
     client = FakeClient(FRESH, ABSENT, session)
     client.refused_filters = {"early", "late"}
     async with supervise(client) as connection:
-        await connection.subscribe(Subscription("early"))
+        await connection.subscribe(MqttSubscription("early"))
         await connection.wait_connected()
         with pytest.raises(RefusedError):
-            await connection.subscribe(Subscription("late"))
+            await connection.subscribe(MqttSubscription("late"))
         client.refused_filters.clear()
         client.lose()
         await until(connection, LinkPhase.WAITING)
@@ -362,7 +362,7 @@ async def test_who_gives_a_refused_subscription_up_hears_no_more_of_it() -> None
     client = FakeClient(FRESH)
     client.refused_filters = {"a"}
     async with supervise(client) as connection:
-        await connection.subscribe(Subscription("a"))
+        await connection.subscribe(MqttSubscription("a"))
         await connection.wait_connected()
         await connection.unsubscribe("a")
         assert connection.refused == {}
@@ -371,7 +371,7 @@ async def test_who_gives_a_refused_subscription_up_hears_no_more_of_it() -> None
 async def test_a_filter_that_is_none_is_refused_even_while_the_link_is_down() -> None:
     async with supervise(FakeClient(ABSENT)) as connection:
         with pytest.raises(InvalidNameError):
-            await connection.subscribe(Subscription("a/#/b"))
+            await connection.subscribe(MqttSubscription("a/#/b"))
 
 
 async def test_a_publish_while_the_link_is_down_fails_at_once() -> None:

@@ -11,7 +11,7 @@ import anyio
 import pytest
 
 from homebot.errors import RefusedError
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import OFFLINE, ONLINE, ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
@@ -58,7 +58,7 @@ async def test_after_a_night_without_broker_the_link_is_back_within_half_a_minut
 
     async with anyio.create_task_group() as tasks, connection_to(broker, options) as connection:
         await connection.wait_connected()
-        await connection.subscribe(Subscription("t", 1))
+        await connection.subscribe(MqttSubscription("t", 1))
         tasks.start_soon(count, connection)
         await broker.stop(abrupt=True)
         await anyio.sleep(8 * HOUR)
@@ -92,7 +92,7 @@ async def test_what_was_said_while_the_link_was_frozen_comes_after_it(
     async with connection_to(broker, kept) as hub, sender:
         await hub.wait_connected()
         await sender.wait_connected()
-        await hub.subscribe(Subscription("t", 1))
+        await hub.subscribe(MqttSubscription("t", 1))
         broker.link_of("hub").freeze()
         for number in range(3):
             await anyio.sleep(HOUR / 3)
@@ -106,7 +106,7 @@ async def test_what_was_said_while_the_link_was_frozen_comes_after_it(
 async def test_a_session_that_ended_meanwhile_is_built_anew(broker: MemoryBroker, options: MqttOptions) -> None:
     async with connection_to(broker, replace(options, session_expiry=60)) as connection:
         await connection.wait_connected()
-        await connection.subscribe(Subscription("t", 1))
+        await connection.subscribe(MqttSubscription("t", 1))
         await broker.restart(keep_sessions=False, abrupt=True)
         await anyio.sleep(10)
         await connection.publish("t", b"x", qos=1)
@@ -117,7 +117,7 @@ async def test_who_is_silent_for_too_long_is_offline_for_all_to_see(broker: Memo
     """And online again when it is back."""
     watcher = connection_to(broker, replace(options, client_id="watcher"))
     async with watcher:
-        await watcher.subscribe(Subscription("status", 1))
+        await watcher.subscribe(MqttSubscription("status", 1))
         async with connection_to(broker, options, status_topic="status") as hub:
             await hub.wait_connected()
             assert await received(watcher) == [ONLINE]

@@ -14,7 +14,7 @@ import trustme
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.dial import dial
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.tls import make_tls_context
@@ -48,7 +48,7 @@ async def test_messages_go_over_tls(certificates: Path) -> None:
             MqttOptions.from_url(f"mqtts://127.0.0.1:{broker.port}", ca_file=certificates / "ca.pem")
         )
         async with client.connected():
-            await client.subscribe(Subscription("t"))
+            await client.subscribe(MqttSubscription("t"))
             await client.publish("t", bytes(100_000), qos=1)
             assert [len(message.payload) for message in await client.receive()] == [100_000]
 

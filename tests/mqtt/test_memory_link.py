@@ -13,11 +13,11 @@ import pytest
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.broker import BrokerLimits
-from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.memory_requests import Requests
 from homebot.mqtt.message import MessageProperties, MqttMessage
-from homebot.mqtt.options import MqttOptions, Will
+from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.packets import (
     Connect,
     Disconnect,
@@ -73,7 +73,7 @@ class RawClient:
 async def test_nothing_takes_time(broker: MemoryBroker, options: MqttOptions) -> None:
     client = broker.make_client(options)
     async with client.connected():
-        await client.subscribe(Subscription("t", 2))
+        await client.subscribe(MqttSubscription("t", 2))
         await client.publish("t", b"x", qos=2)
         assert await client.receive() == [MqttMessage("t", b"x", 2)]
     assert now() == 0.0
@@ -81,9 +81,9 @@ async def test_nothing_takes_time(broker: MemoryBroker, options: MqttOptions) ->
 
 async def test_a_cut_link_publishes_the_will_at_once(broker: MemoryBroker, options: MqttOptions) -> None:
     watcher = broker.make_client(replace(options, client_id="watcher"))
-    victim = broker.make_client(replace(options, will=Will("will", b"gone")))
+    victim = broker.make_client(replace(options, will=MqttWill("will", b"gone")))
     async with watcher.connected(), victim.connected():
-        await watcher.subscribe(Subscription("will"))
+        await watcher.subscribe(MqttSubscription("will"))
         broker.link_of("hub").abort()
         assert [message.payload for message in await watcher.receive()] == [b"gone"]
         assert isinstance(await victim.wait_lost(), LinkError)
@@ -93,9 +93,9 @@ async def test_a_cut_link_publishes_the_will_at_once(broker: MemoryBroker, optio
 async def test_both_ends_of_a_frozen_link_find_out_by_keep_alive(broker: MemoryBroker, options: MqttOptions) -> None:
     """The broker after one and a half times the interval, the client when its ping stays unanswered."""
     watcher = broker.make_client(replace(options, client_id="watcher"))
-    victim = broker.make_client(replace(options, keep_alive=60, will=Will("will", b"gone")))
+    victim = broker.make_client(replace(options, keep_alive=60, will=MqttWill("will", b"gone")))
     async with watcher.connected(), victim.connected():
-        await watcher.subscribe(Subscription("will"))
+        await watcher.subscribe(MqttSubscription("will"))
         broker.link_of("hub").freeze()
         assert str(await victim.wait_lost()) == "the broker does not answer any more"
         assert now() == 70.0
@@ -106,7 +106,7 @@ async def test_both_ends_of_a_frozen_link_find_out_by_keep_alive(broker: MemoryB
 async def test_a_thawed_link_carries_what_waited(broker: MemoryBroker, options: MqttOptions) -> None:
     client = broker.make_client(options)
     async with client.connected():
-        await client.subscribe(Subscription("t"))
+        await client.subscribe(MqttSubscription("t"))
         link = broker.link_of("hub")
         link.freeze()
         await client.publish("t", b"x")
@@ -143,7 +143,7 @@ async def test_a_delayed_will_comes_at_its_time(broker: MemoryBroker, options: M
     watcher = broker.make_client(options)
     will = WillPacket("will", b"gone", properties=Properties(will_delay_interval=3_600))
     async with watcher.connected():
-        await watcher.subscribe(Subscription("will"))
+        await watcher.subscribe(MqttSubscription("will"))
         victim = RawClient(broker)
         victim.say(Connect("victim", will=will, properties=Properties(session_expiry_interval=7_200)))
         await anyio.sleep(10)
@@ -173,12 +173,12 @@ async def test_a_client_that_does_not_read_loses_only_qos_0(broker: MemoryBroker
     reader = broker.make_client(options)
     writer = broker.make_client(replace(options, client_id="writer"))
     async with reader.connected(), writer.connected():
-        await reader.subscribe(Subscription("t", 1))
+        await reader.subscribe(MqttSubscription("t", 1))
         link = broker.link_of("hub")
         link.socket.pause_reading()
         for number in range(100):
             await writer.publish("t", b"%0100d" % number, qos=number % 2)
-        assert link.choked
+        assert link.write_blocked
         link.socket.resume_reading()
         got: list[bytes] = []
         while len(got) < 50 or got[-1] != b"%0100d" % 99:
@@ -232,7 +232,7 @@ async def test_a_hand_shake_of_qos_2_is_brought_to_its_end_on_the_next_link(
     watcher = broker.make_client(replace(options, client_id="watcher"))
     client = broker.make_client(replace(options, session_expiry=60))
     async with watcher.connected():
-        await watcher.subscribe(Subscription("t", 0))
+        await watcher.subscribe(MqttSubscription("t", 0))
         async with client.connected(), anyio.create_task_group() as tasks:
             tasks.start_soon(_publish_in_vain, client)
             await anyio.lowlevel.checkpoint()
@@ -262,7 +262,7 @@ async def test_an_answer_that_does_not_come_is_overdue(broker: MemoryBroker, opt
         with pytest.raises(LinkError, match="no answer to a publish within 3 s"):
             await client.publish("t", qos=1)
         with pytest.raises(LinkError, match="no answer to a subscribe within 3 s"):
-            await client.subscribe(Subscription("t"))
+            await client.subscribe(MqttSubscription("t"))
     assert now() == 6.0
 
 

@@ -6,7 +6,7 @@ import pytest
 from structlog.testing import capture_logs
 
 from homebot.clock import ManualClock
-from homebot.mqtt.client import Session
+from homebot.mqtt.client import SessionGrant
 from homebot.mqtt.incoming import Frame
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.receiver import Receiver
@@ -16,7 +16,7 @@ BAD = Frame(0x32, b"\x00\x02\xc3\x28\x00\x07")
 
 def make(clock: ManualClock | None = None, *, inbox_messages: int = 10) -> Receiver:
     receiver = Receiver(MqttOptions(host="broker", inbox_messages=inbox_messages), clock or ManualClock())
-    receiver.begin_link(Session(resumed=False, protocol="3.1.1"))
+    receiver.begin_link(SessionGrant(resumed=False, protocol="3.1.1"))
     return receiver
 
 

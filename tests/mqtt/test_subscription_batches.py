@@ -1,14 +1,14 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.subscription_batches import MOST, MOST_CHARACTERS, batches
 
 
 def test_plain_topics_are_asked_for_together_and_the_others_alone() -> None:
-    wanted = [Subscription(name) for name in ("a", "b", "c/+", "d", "#")] + [
-        Subscription("e", qos=1),
-        Subscription("f"),
+    wanted = [MqttSubscription(name) for name in ("a", "b", "c/+", "d", "#")] + [
+        MqttSubscription("e", qos=1),
+        MqttSubscription("f"),
     ]
     assert [[one.filter for one in batch] for batch in batches(wanted)] == [
         ["a", "b"],
@@ -22,7 +22,7 @@ def test_plain_topics_are_asked_for_together_and_the_others_alone() -> None:
 
 @given(st.lists(st.integers(1, 20_000), max_size=300))
 def test_every_subscription_is_in_one_batch_of_bounded_size(lengths: list[int]) -> None:
-    wanted = [Subscription("x" * length) for length in lengths]
+    wanted = [MqttSubscription("x" * length) for length in lengths]
     made = list(batches(wanted))
     assert [one for batch in made for one in batch] == wanted
     for batch in made:

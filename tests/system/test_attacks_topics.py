@@ -21,7 +21,7 @@ from homebot.devices.handles import DoorLock, Light
 from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.mqtt.aiomqtt_client import AiomqttClient
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
@@ -181,7 +181,7 @@ async def test_a_plug_without_rights_opens_no_door(mosquitto: Mosquitto, order: 
         Node(runtime.graph, "app") as node,
     ):
         await spy.wait_connected()
-        await spy.subscribe(Subscription("#", qos=1, retain_handling=2), Subscription("$SYS/broker/log", qos=1))
+        await spy.subscribe(MqttSubscription("#", qos=1, retain_handling=2), MqttSubscription("$SYS/broker/log", qos=1))
         devices = Devices(node)
         with anyio.fail_after(20):
             await found(devices, Light, len(WANTED) + 1)

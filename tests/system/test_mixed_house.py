@@ -10,7 +10,7 @@ import pytest
 from homebot.clock import LoopClock
 from homebot.config import parse_config
 from homebot.house import SimulatedHouse, World
-from homebot.house.devices import Lamp
+from homebot.house.devices import SimulatedLamp
 from homebot.house.dialects import DIALECTS
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.world import Placed
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.system
 
 
 @dataclass(eq=False)
-class ToldLamp(Lamp):
+class ToldLamp(SimulatedLamp):
     """A lamp of which a test can wait until it was told to be off."""
 
     dark: anyio.Event = field(default_factory=anyio.Event)

@@ -18,7 +18,7 @@ import pytest
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.aiomqtt_client import AiomqttClient
-from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions, MqttProtocol
@@ -103,7 +103,7 @@ async def receive(client: MqttClient | MqttConnection, count: int) -> list[MqttM
 
 async def test_messages_of_every_qos_go_round(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
     async with connected(mosquitto, protocol) as hub:
-        await hub.subscribe(Subscription("open/#", 2))
+        await hub.subscribe(MqttSubscription("open/#", 2))
         for qos in (0, 1, 2):
             await hub.publish("open/t", bytes([qos]), qos=qos)
         messages = await receive(hub, 3)
@@ -112,7 +112,7 @@ async def test_messages_of_every_qos_go_round(mosquitto: Mosquitto, protocol: Mq
 
 async def test_more_messages_than_any_window_go_round(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
     async with connected(mosquitto, protocol) as hub, anyio.create_task_group() as tasks:
-        await hub.subscribe(Subscription("open/#", 1))
+        await hub.subscribe(MqttSubscription("open/#", 1))
         for number in range(500):
             tasks.start_soon(partial(hub.publish, "open/t", b"%d" % number, qos=1))
         messages = await receive(hub, 500)
@@ -143,7 +143,7 @@ async def test_a_message_that_was_not_acknowledged_comes_again(mosquitto: Mosqui
     crashed, successor = (AiomqttClient(options(mosquitto, protocol=protocol)) for _ in range(2))
     await wait_for(mosquitto)
     async with crashed.connected():
-        await crashed.subscribe(Subscription("open/t", 1))
+        await crashed.subscribe(MqttSubscription("open/t", 1))
         await crashed.publish("open/t", b"x", qos=1)
         await crashed.receive()
     async with successor.connected() as session:
@@ -187,7 +187,7 @@ async def test_after_a_restart_the_hub_is_back_within_two_seconds_and_has_lost_n
             MqttConnection(other, AiomqttClient, status_topic=None) as publisher,
             anyio.create_task_group() as tasks,
         ):
-            await hub.subscribe(Subscription("open/t", 1))
+            await hub.subscribe(MqttSubscription("open/t", 1))
             tasks.start_soon(publish, publisher)
             tasks.start_soon(read, hub)
             for _ in range(2):

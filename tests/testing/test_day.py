@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from homebot.errors import ConfigError, UsageError
-from homebot.testing import Day, Happening
+from homebot.testing import Day, DayEvent
 from homebot.testing.strategies import days
 
 ROOT = Path(__file__).parents[2]
@@ -56,8 +56,8 @@ def test_a_saved_day_comes_back_the_same(tmp_path_factory: pytest.TempPathFactor
 @example("\\", 3_599_999, 0)
 def test_any_command_and_any_millisecond_come_back_the_same(command: str, at: int, lasts: int) -> None:
     """Exactly, also in what is shown."""
-    told = Happening(at / 1000, "tell", "lamp", command)
-    pulled = Happening(at / 1000, "pull", "lamp", lasts=lasts / 1000)
+    told = DayEvent(at / 1000, "tell", "lamp", command)
+    pulled = DayEvent(at / 1000, "pull", "lamp", lasts=lasts / 1000)
     day = Day(Day.parse(HOUSE).house, [told, pulled])
     assert Day.parse(str(day)) == day
     assert eval(repr(day), {"Day": Day}) == day  # noqa: S307  # as above
@@ -165,7 +165,7 @@ def test_a_file_that_cannot_be_read_or_written_is_told_so(tmp_path: Path) -> Non
 def test_a_happening_that_cannot_be_is_refused(at: float, command: str, reason: str) -> None:
     """Where it is made."""
     with pytest.raises(UsageError, match=reason):
-        Happening(at, "tell", "lamp", command)
+        DayEvent(at, "tell", "lamp", command)
 
 
 def test_the_tables_of_a_house_hold_no_day() -> None:

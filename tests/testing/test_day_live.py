@@ -11,16 +11,16 @@ from homebot.apps import App
 from homebot.errors import UsageError
 from homebot.house.kinds import FAULTS
 from homebot.mqtt.options import MqttOptions
-from homebot.testing import Day, Happening, VirtualHouse, live_day, virtual_house_of
+from homebot.testing import Day, DayEvent, VirtualHouse, live_day, virtual_house_of
 from homebot.testing.day_text import read_time
-from homebot.testing.moment import as_moment
+from homebot.testing.moment import parse_time
 from homebot.testing.strategies import days, houses
 
 WITH_POWER = houses(faults=set(FAULTS) - {"unplugged"}, max_devices=3)
 HOUSE = Day.parse('rooms.hall.doors = ["outside"]\ndevices.lamp = { kind = "lamp", room = "hall" }').house
 
 
-def a_day(*happenings: Happening, start: str = "08:00") -> Day:
+def a_day(*happenings: DayEvent, start: str = "08:00") -> Day:
     return Day(HOUSE, happenings, read_time(start), 3600.0)
 
 
@@ -28,9 +28,9 @@ def at(time: str) -> float:
     return read_time(time)
 
 
-async def lived(day: Day) -> tuple[tuple[Happening, ...], str]:
+async def lived(day: Day) -> tuple[tuple[DayEvent, ...], str]:
     """What found nothing to do, and what happened."""
-    start = as_moment("2026-01-01") + timedelta(seconds=day.start)
+    start = parse_time("2026-01-01") + timedelta(seconds=day.start)
     async with virtual_house_of(world=day.world(), start=start) as house:
         return await day.live(house), house.world.chronicle.text()
 
@@ -60,7 +60,7 @@ def test_whatever_is_wrong_with_a_lamp_time_goes_on(fault: str) -> None:
 
 def test_an_app_acts_on_what_happens() -> None:
     """The light service puts the lamp out."""
-    world = live_day(a_day(Happening(at("08:30"), "press", "lamp", "on")), "light_service")
+    world = live_day(a_day(DayEvent(at("08:30"), "press", "lamp", "on")), "light_service")
     assert world.chronicle.text() == (
         "0 08:30:00.000 lamp switch on\n0 08:30:00.000 lamp says on\n"
         "0 08:30:00.000 lamp told off\n0 08:30:00.000 lamp says off\n"
@@ -71,11 +71,11 @@ def test_an_app_acts_on_what_happens() -> None:
 @pytest.mark.virtual_time
 async def test_what_is_told_while_the_broker_is_away_is_lost() -> None:
     """And is named afterwards; when the broker is back, commands come through."""
-    lost = Happening(at("08:10"), "tell", "lamp", "on")
-    cut = Happening(at("08:11"), "cut", "lamp")
-    pulled = Happening(at("08:12"), "pull", "lamp", lasts=60.0)
-    kept = Happening(at("08:40"), "tell", "lamp", "0.5")
-    day = a_day(Happening(at("08:05"), "restart", lasts=600.0), lost, cut, pulled, kept)
+    lost = DayEvent(at("08:10"), "tell", "lamp", "on")
+    cut = DayEvent(at("08:11"), "cut", "lamp")
+    pulled = DayEvent(at("08:12"), "pull", "lamp", lasts=60.0)
+    kept = DayEvent(at("08:40"), "tell", "lamp", "0.5")
+    day = a_day(DayEvent(at("08:05"), "restart", lasts=600.0), lost, cut, pulled, kept)
     assert await lived(day) == ((lost, cut, pulled), "0 08:40:00.000 lamp told 0.5\n0 08:40:00.000 lamp says 0.5\n")
 
 
@@ -83,9 +83,9 @@ async def test_what_is_told_while_the_broker_is_away_is_lost() -> None:
 async def test_what_is_told_over_a_pulled_cable_comes_when_it_is_plugged_in() -> None:
     """Also where two pull the same cable: the later one counts."""
     day = a_day(
-        Happening(at("08:10"), "pull", "lamp", lasts=120.0),
-        Happening(at("08:11"), "pull", "lamp", lasts=300.0),
-        Happening(at("08:12"), "tell", "lamp", "on"),
+        DayEvent(at("08:10"), "pull", "lamp", lasts=120.0),
+        DayEvent(at("08:11"), "pull", "lamp", lasts=300.0),
+        DayEvent(at("08:12"), "tell", "lamp", "on"),
     )
     assert await lived(day) == ((), "0 08:16:00.000 lamp told on\n0 08:16:00.000 lamp says on\n")
 
@@ -93,7 +93,7 @@ async def test_what_is_told_over_a_pulled_cable_comes_when_it_is_plugged_in() ->
 @pytest.mark.virtual_time
 async def test_a_device_whose_link_is_cut_dials_again() -> None:
     """Within seconds."""
-    day = a_day(Happening(at("08:10"), "cut", "lamp"), Happening(at("08:11"), "tell", "lamp", "on"))
+    day = a_day(DayEvent(at("08:10"), "cut", "lamp"), DayEvent(at("08:11"), "tell", "lamp", "on"))
     assert await lived(day) == ((), "0 08:11:00.000 lamp told on\n0 08:11:00.000 lamp says on\n")
 
 
@@ -102,10 +102,10 @@ async def test_a_device_whose_link_is_cut_dials_again() -> None:
 async def test_a_broker_forgets_where_the_day_says_so(forget: bool) -> None:  # noqa: FBT001
     """Outages that overlap are one, and end with the later."""
     day = a_day(
-        Happening(at("08:10"), "restart", lasts=600.0, forget=forget),
-        Happening(at("08:15"), "restart", lasts=900.0),
+        DayEvent(at("08:10"), "restart", lasts=600.0, forget=forget),
+        DayEvent(at("08:15"), "restart", lasts=900.0),
     )
-    start = as_moment("2026-01-01 08:00")
+    start = parse_time("2026-01-01 08:00")
     async with virtual_house_of(world=day.world(), start=start) as house:
         await retain(house)
         before = house.broker.stats.retained_messages
@@ -123,11 +123,11 @@ async def retain(house: VirtualHouse) -> None:
 @pytest.mark.virtual_time
 async def test_what_outlasts_the_day_ends_with_it() -> None:
     """The broker is back, the cable is in."""
-    day = a_day(Happening(at("08:50"), "restart", lasts=86_400.0))
-    start = as_moment("2026-01-01 08:00")
+    day = a_day(DayEvent(at("08:50"), "restart", lasts=86_400.0))
+    start = parse_time("2026-01-01 08:00")
     async with virtual_house_of(world=day.world(), start=start) as house:
         await day.live(house)
-        assert house.now == as_moment("2026-01-01 09:00")
+        assert house.now == parse_time("2026-01-01 09:00")
         assert house.broker.running
 
 
@@ -143,7 +143,7 @@ async def test_a_day_that_has_begun_already_cannot_be_lived() -> None:
 @pytest.mark.virtual_time
 async def test_a_day_cannot_be_lived_in_another_house() -> None:
     """Whose devices are not there."""
-    day = a_day(Happening(at("08:10"), "cut", "lamp"))
+    day = a_day(DayEvent(at("08:10"), "cut", "lamp"))
     async with virtual_house_of() as house:
         with pytest.raises(UsageError, match="there is no device 'lamp' in the house"):
             await day.live(house)

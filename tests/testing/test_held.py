@@ -10,7 +10,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 
-from homebot.testing.held import held
+from homebot.testing.held import hold_open
 
 
 @asynccontextmanager
@@ -29,7 +29,7 @@ async def worker(said: list[str], *, breaks: bool = False) -> AsyncIterator[list
 
 def test_it_goes_on_whenever_the_loop_does_and_is_left_at_the_end() -> None:
     with asyncio.Runner() as runner:
-        with held(runner.get_loop(), worker([])) as said:
+        with hold_open(runner.get_loop(), worker([])) as said:
             runner.run(anyio.wait_all_tasks_blocked())
             assert said == ["works"]
         assert said == ["works", "left"]
@@ -41,7 +41,11 @@ def test_what_cannot_be_entered_says_why() -> None:
         raise RuntimeError("locked")
         yield
 
-    with asyncio.Runner() as runner, pytest.raises(RuntimeError, match="locked"), held(runner.get_loop(), locked()):
+    with (
+        asyncio.Runner() as runner,
+        pytest.raises(RuntimeError, match="locked"),
+        hold_open(runner.get_loop(), locked()),
+    ):
         pass
 
 
@@ -49,7 +53,7 @@ def test_what_breaks_meanwhile_is_told_at_the_end() -> None:
     with (
         asyncio.Runner() as runner,
         pytest.raises(ExceptionGroup) as caught,
-        held(runner.get_loop(), worker([], breaks=True)),
+        hold_open(runner.get_loop(), worker([], breaks=True)),
     ):
         runner.run(anyio.wait_all_tasks_blocked())
     assert caught.group_contains(RuntimeError, match="broken")

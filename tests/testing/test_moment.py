@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta, timezone
 import pytest
 
 from homebot.errors import UsageError
-from homebot.testing.moment import as_moment, next_moment
+from homebot.testing.moment import next_moment, parse_time
 
 NOW = datetime(2026, 1, 1, 12, 0, 30, tzinfo=UTC)
 
@@ -42,4 +42,4 @@ def test_the_past_is_refused() -> None:
 
 
 def test_without_a_time_zone_it_is_utc() -> None:
-    assert as_moment("2026-01-01 10:00").utcoffset() == timedelta(0)
+    assert parse_time("2026-01-01 10:00").utcoffset() == timedelta(0)

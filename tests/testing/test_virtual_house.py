@@ -16,8 +16,8 @@ import pytest
 
 from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
-from homebot.house import Lamp, WindowMotor, World, thesis_world
-from homebot.house.lock import DoorLock
+from homebot.house import SimulatedLamp, WindowMotor, World, thesis_world
+from homebot.house.lock import SimulatedDoorLock
 from homebot.house.sensors import LuxSensor
 from homebot.mqtt.broker import BrokerLimits
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
@@ -109,7 +109,10 @@ async def test_what_cannot_be_is_refused(bad: dict[str, Any]) -> None:
 @pytest.mark.virtual_time
 async def test_hands_work_a_device_and_all_that_follows_at_once_has_happened() -> None:
     """The light service has the lamp off again before the test looks."""
-    async with virtual_house_of("light_service", world=World.of(Lamp("hall"))) as house, EventLog.of(house) as log:
+    async with (
+        virtual_house_of("light_service", world=World.of(SimulatedLamp("hall"))) as house,
+        EventLog.of(house) as log,
+    ):
         await house.press("hall", "on")
         assert house.world.device("hall").state() == "off"
         assert said(log, "home425/lights/hall/out")[-2:] == ["on", "off"]
@@ -120,7 +123,7 @@ async def test_hands_work_a_device_and_all_that_follows_at_once_has_happened() -
 @pytest.mark.virtual_time
 async def test_hands_cannot_do_what_the_device_does_not_know() -> None:
     """A misspelt word used to be silence, and the test looked elsewhere for what was wrong."""
-    world = World.of(Lamp("hall"), DoorLock("door"), LuxSensor("lux"))
+    world = World.of(SimulatedLamp("hall"), SimulatedDoorLock("door"), LuxSensor("lux"))
     async with virtual_house_of(world=world) as house:
         with pytest.raises(UsageError, match=r"hall knows no 'onn'; it takes: on, off, 0 to 1, \d+ K to \d+ K"):
             await house.press("hall", "onn")
@@ -135,7 +138,7 @@ async def test_hands_cannot_do_what_the_device_does_not_know() -> None:
 @pytest.mark.virtual_time
 async def test_the_world_is_at_the_time_of_the_house() -> None:
     """Also between two things that happen, and from the middle of a day."""
-    async with virtual_house_of(world=World.of(Lamp("hall")), start="2026-07-01 06:30") as house:
+    async with virtual_house_of(world=World.of(SimulatedLamp("hall")), start="2026-07-01 06:30") as house:
         assert house.world.now == 6.5 * 3600
         await house.run_for("17s")
         assert house.world.now == 6.5 * 3600 + 17
@@ -194,7 +197,7 @@ def test_one_seed_is_one_day_byte_for_byte_and_another_is_another() -> None:
 
 @pytest.mark.virtual_time
 async def test_every_device_of_a_big_house_has_room_at_the_broker() -> None:
-    async with virtual_house_of(world=World.of(*(Lamp(f"lamp{number}") for number in range(3)))) as house:
+    async with virtual_house_of(world=World.of(*(SimulatedLamp(f"lamp{number}") for number in range(3)))) as house:
         limits = house.broker._limits
         assert limits.max_connections == BrokerLimits().max_connections + 3
         assert limits.max_sessions == BrokerLimits().max_sessions + 6

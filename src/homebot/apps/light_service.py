@@ -6,12 +6,12 @@ from pydantic import BaseModel
 
 from homebot.apps.base import App
 from homebot.devices import Device, RawMessage
-from homebot.devices.ear import heard
+from homebot.devices.ear import decode_text
 from homebot.devices.handles import Light
 from homebot.devices.part import Capability, Part
 from homebot.devices.speaker import speaking_part
 from homebot.devices.value import PlainValue
-from homebot.devices.words import read_words_address
+from homebot.devices.words import read_text_address
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
@@ -105,11 +105,11 @@ class LightService(App):
             WireError: It is no word of a lamp.
         """
         part = speaking_part(lamp, message)
-        told = heard(message.text(), _ANY_LAMP if part is None else part.part)
+        told = decode_text(message.text(), _ANY_LAMP if part is None else part.part)
         if not told:
             raise WireError(f"{message.address} says neither on nor off", message.payload)
         level, on = told.get("level"), told.get("on_off")
-        if part is not None and read_words_address(message.address) is not None:
+        if part is not None and read_text_address(message.address) is not None:
             if level is None and on is not None:
                 self._words[lamp.id, part.id] = on
             elif level is not None:

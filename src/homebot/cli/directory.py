@@ -8,12 +8,12 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.similar import not_found
 from homebot.errors import PeerError
 
-__all__ = ["WAITING", "Entity", "entities", "no_such_topic", "topic_type"]
+__all__ = ["WAITING", "GraphEntity", "entities", "no_such_topic", "topic_type"]
 
 WAITING = "homebot: waiting for it; Ctrl-C ends this"
 
 
-class Entity(BaseModel):
+class GraphEntity(BaseModel):
     """One node, or one end of a topic or service; fields as in ``homebot/msg/EndpointDetails``."""
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -38,10 +38,10 @@ class Entity(BaseModel):
 
 
 class _Entities(BaseModel):
-    endpoints: list[Entity]
+    endpoints: list[GraphEntity]
 
 
-async def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[Entity]:
+async def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[GraphEntity]:
     """Return what is on the graph, sorted by name; an empty text means any."""
     found = await door.call("/rosapi/endpoints", {"kind": kind, "name": name, "node": node})
     return _Entities.model_validate(found).endpoints

@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidMes
 
 from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, WireError
 
-__all__ = ["Delivery", "DoorClient", "open_door"]
+__all__ = ["DoorClient", "ReceivedMessage", "open_door"]
 
 _MAX_WAITING = 10_000  # messages of topics that come while something else is awaited
 _MAX_FRAME = 64 * 1024 * 1024
@@ -28,7 +28,7 @@ _GRACE = 2.0  # seconds by which the door's own time limit may be late
 
 
 @dataclass(frozen=True, slots=True)
-class Delivery:
+class ReceivedMessage:
     """A message of a topic.
 
     Attributes:
@@ -47,7 +47,7 @@ class DoorClient:
 
     def __init__(self, connection: ClientConnection) -> None:
         self._connection = connection
-        self._waiting: deque[Delivery] = deque(maxlen=_MAX_WAITING)
+        self._waiting: deque[ReceivedMessage] = deque(maxlen=_MAX_WAITING)
         self._calls = 0
 
     async def hear_of_errors(self) -> None:
@@ -120,7 +120,7 @@ class DoorClient:
                 if not self._waiting:
                     return
 
-    async def next(self) -> Delivery:
+    async def next(self) -> ReceivedMessage:
         """Return the next message of what was subscribed to, waiting for it.
 
         Raises:
@@ -154,7 +154,7 @@ class DoorClient:
             raise RefusedError(str(frame.get("id", "a frame")), str(frame.get("msg")))
         if frame.get("op") == "publish":
             lost = frame.get("lost", 0) + (len(self._waiting) == _MAX_WAITING)
-            self._waiting.append(Delivery(str(frame.get("topic")), frame.get("msg") or {}, lost))
+            self._waiting.append(ReceivedMessage(str(frame.get("topic")), frame.get("msg") or {}, lost))
         return frame
 
     async def _send(self, frame: Mapping[str, object]) -> None:

@@ -14,7 +14,7 @@ from homebot.devices.quarantine import HealthResponse
 from homebot.errors import LinkError, RefusedError
 from homebot.messages.json import message_from_json, message_to_json
 
-__all__ = ["Outbox", "gateway_state"]
+__all__ = ["GatewayPublisher", "gateway_state"]
 
 _PATIENCE = 2.0
 """Seconds for a state that is kept for late joiners, and so comes at once where there is one."""
@@ -25,7 +25,7 @@ _LOG_WAIT = 0.3
 """Seconds: for what became of a command, between two looks, and for the lines of the log that are kept."""
 
 
-class Outbox:
+class GatewayPublisher:
     """Publishes through the gateways of a running homebot.
 
     Args:

@@ -12,10 +12,10 @@ import anyio
 from homebot.cli.door_client import DoorClient, open_door
 from homebot.errors import ConfigError
 
-__all__ = ["through_door"]
+__all__ = ["with_client"]
 
 
-def through_door(options: argparse.Namespace, command: Callable[[DoorClient], Awaitable[int]]) -> int:
+def with_client(options: argparse.Namespace, command: Callable[[DoorClient], Awaitable[int]]) -> int:
     """Run *command* with a connection to the homebot that *options* name, and return its exit code.
 
     Raises:

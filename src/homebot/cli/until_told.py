@@ -13,7 +13,7 @@ from homebot.cli.stop_signals import at_stop_signals
 from homebot.cli.watchdog import Watchdog
 from homebot.production_loop import ProductionLoop
 
-__all__ = ["on_an_event_loop", "until_told"]
+__all__ = ["on_an_event_loop", "serve"]
 
 Result = TypeVar("Result")
 
@@ -27,7 +27,7 @@ def on_an_event_loop(main: Coroutine[object, object, Result]) -> Result:
             return runner.run(main)
 
 
-async def until_told(
+async def serve(
     service: AbstractAsyncContextManager[object],
     seconds: float | None,
     cut_start_short: Callable[[], None] | None = None,

@@ -10,7 +10,7 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
-__all__ = ["in_words", "life", "main_parts", "says", "span", "types"]
+__all__ = ["in_words", "life", "main_parts", "span", "state_text", "types"]
 
 _FLAGS = {
     "on_off": ("off", "on"),
@@ -31,7 +31,7 @@ _FLAGS = {
 _MOST = 4
 
 
-def says(device: Device) -> str:
+def state_text(device: Device) -> str:
     """Return in short what the parts last told; ``unknown`` where they told nothing, empty where they never do."""
     values = {(one.part, one.capability): one.value.plain() for one in device.states}
     told, is_mute = [], True

@@ -10,12 +10,12 @@ import anyio.lowlevel
 from homebot.devices.device import Device, Endpoint
 from homebot.devices.follow import Follow
 from homebot.devices.gateway_state import ONLY_OBSERVES, GatewayState
-from homebot.devices.handles import FollowHandles, Handle, Handles, Kind
+from homebot.devices.handles import FollowHandles, Handle, Handles, HandleType
 from homebot.devices.names import FIND_DEVICES, GatewayNames
-from homebot.devices.offer import Offer
-from homebot.devices.offering import Offering
+from homebot.devices.offer import ExposedDevice
+from homebot.devices.offering import Exposure
 from homebot.devices.raw import RawCommand, RawMessage
-from homebot.devices.service_starts import service_starts
+from homebot.devices.service_starts import watch_services
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,
@@ -23,7 +23,7 @@ from homebot.devices.services import (
     SubscribeToTopicRequest,
     SubscribeToTopicResponse,
 )
-from homebot.devices.told_at import others_at, told_at
+from homebot.devices.told_at import command_address, others_at
 from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
 from homebot.log import LogLimit
@@ -72,10 +72,12 @@ class Devices:
     async def find(self, service_type: str = "") -> tuple[Device, ...]: ...
 
     @overload
-    async def find(self, service_type: Kind[P, HandleT], *none: P.args, **query: P.kwargs) -> tuple[HandleT, ...]: ...
+    async def find(
+        self, service_type: HandleType[P, HandleT], *none: P.args, **query: P.kwargs
+    ) -> tuple[HandleT, ...]: ...
 
     async def find(
-        self, service_type: str | Kind[P, HandleT] = "", *none: P.args, **query: P.kwargs
+        self, service_type: str | HandleType[P, HandleT] = "", *none: P.args, **query: P.kwargs
     ) -> tuple[Device, ...] | tuple[HandleT, ...]:
         """Return the handles of a kind that match now, or the devices that offer a service type; sorted by id.
 
@@ -102,10 +104,12 @@ class Devices:
     def follow(self, service_type: str = "") -> Follow: ...
 
     @overload
-    def follow(self, service_type: Kind[P, HandleT], *none: P.args, **query: P.kwargs) -> FollowHandles[HandleT]: ...
+    def follow(
+        self, service_type: HandleType[P, HandleT], *none: P.args, **query: P.kwargs
+    ) -> FollowHandles[HandleT]: ...
 
     def follow(
-        self, service_type: str | Kind[P, HandleT] = "", *none: P.args, **query: P.kwargs
+        self, service_type: str | HandleType[P, HandleT] = "", *none: P.args, **query: P.kwargs
     ) -> Follow | FollowHandles[HandleT]:
         """Return a live query: ``async for change in devices.follow("lights")``, or ``devices.follow(Light, on=True)``.
 
@@ -117,7 +121,7 @@ class Devices:
             return Follow(self._node, service_type)
         return FollowHandles(self._node, self._typed(), service_type.wanted(*none, **query))
 
-    def offer(self, offer: Offer, gateway: str = "mqtt") -> Offering:
+    def offer(self, offer: ExposedDevice, gateway: str = "mqtt") -> Exposure:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.
 
         Args:
@@ -128,7 +132,7 @@ class Devices:
         Returns:
             An object that reports its state and yields the commands of others; leaving the block withdraws the offer.
         """
-        return Offering(self._node, offer, gateway)
+        return Exposure(self._node, offer, gateway)
 
     async def listen(self, device: Device, handler: MessageHandler) -> None:
         """Call *handler* with every raw message of *device*, in order, one at a time.
@@ -182,7 +186,7 @@ class Devices:
             if why_not := self._why_not(endpoint.gateway):
                 raise RefusedError(f"a command to {device.id}", why_not)
             if out.subscription_count:
-                address = told_at(device, endpoint, payload)
+                address = command_address(device, endpoint, payload)
                 await out.send(RawCommand(address=address, payload=payload))
                 if out.subscription_count:  # else the gateway went while its queue was full
                     return others_at(device, address, payload)
@@ -196,7 +200,7 @@ class Devices:
             await self._want(endpoint.gateway, endpoint.address)
         self._handlers[endpoint.gateway, endpoint.key] = handler
 
-    def handles(self, device: Device, kind: Kind[..., HandleT], sequence: int = 0) -> tuple[HandleT, ...]:
+    def handles(self, device: Device, kind: HandleType[..., HandleT], sequence: int = 0) -> tuple[HandleT, ...]:
         """Return the handles of *kind* that *device* has, without asking the directory.
 
         Args:
@@ -238,7 +242,7 @@ class Devices:
 
     async def _ask_again(self) -> None:
         """A gateway that was restarted has forgotten who listens; to another one, asking twice changes nothing."""
-        async for service in service_starts(self._node.graph):
+        async for service in watch_services(self._node.graph):
             for gateway, addresses in list(self._wanted.items()):
                 if service in {None, GatewayNames(gateway).subscribe}:
                     for address in sorted(addresses):

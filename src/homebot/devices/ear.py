@@ -1,4 +1,4 @@
-"""Understands the plain words that a part says: the inverse of :func:`homebot.devices.words.word`. Pure."""
+"""Understands the plain words that a part says: the inverse of :func:`homebot.devices.words.encode_state`. Pure."""
 
 from __future__ import annotations
 
@@ -11,34 +11,35 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.devices.wording import (
-    FLAGS,
-    FRACTIONS,
-    OPENINGS,
-    SPEEDS,
-    SPOKEN_FIRST,
+    BOOL_WORDS,
+    FRACTION_CAPABILITIES,
+    OPENING_WORDS,
+    PRIORITY,
+    SPEED_WORDS,
     bounds_of,
     percent,
     plain_number,
     says_unknown,
 )
 
-__all__ = ["Ear", "Heard", "ear_for", "heard"]
+__all__ = ["Decoded", "TextDecoder", "decode_text", "decoder_for"]
 
-Heard: TypeAlias = Mapping[str, PlainValue]
+Decoded: TypeAlias = Mapping[str, PlainValue]
 """What a word tells, by capability."""
 
-_NOTHING: Heard = MappingProxyType({})
+_NOTHING: Decoded = MappingProxyType({})
 
 _LONGEST = 255
 """Bytes of a word that may be any text."""
 
 
-class Ear:
+class TextDecoder:
     """The words of a part, ready to be looked up, so that a payload which is none of them costs next to nothing.
 
     What follows from a word is heard as well: a lamp that says ``0.4`` is on, and what says ``closed`` is at 0 %. Of
-    several capabilities that a bare number may be about it is the one that :func:`homebot.devices.words.word` speaks of
-    first, among those whose bounds it keeps. What says ``nan`` where it should say what it measures does not know it.
+    several capabilities that a bare number may be about it is the one that :func:`homebot.devices.words.encode_state`
+    speaks of first, among those whose bounds it keeps. What says ``nan`` where it should say what it measures does not
+    know it.
 
     Args:
         capabilities: What the part can be asked and told.
@@ -47,15 +48,15 @@ class Ear:
     def __init__(self, capabilities: tuple[Capability, ...]) -> None:
         readable = {one.name: one for one in capabilities if one.readable}
         self._names = frozenset(readable)
-        self._words: dict[bytes, Heard] = {}
+        self._words: dict[bytes, Decoded] = {}
         self._numbers: list[tuple[str, float, float]] = []
         self._kelvin: tuple[float, float] | None = None
         self._text = ""
         self._measured = ""
-        for name in dict.fromkeys((*(one for one in (*SPOKEN_FIRST, *OPENINGS) if one in readable), *readable)):
+        for name in dict.fromkeys((*(one for one in (*PRIORITY, *OPENING_WORDS) if one in readable), *readable)):
             self._learn(name, readable[name])
 
-    def hear(self, said: bytes) -> Heard:
+    def decode(self, said: bytes) -> Decoded:
         """Return what *said* tells of the part; nothing where it is none of its words."""
         found = self._words.get(said)
         if found is not None:
@@ -64,7 +65,7 @@ class Ear:
         if number is not None:
             for name, low, high in self._numbers:
                 if low <= number <= high:
-                    return self._told(name, percent(number) if name in FRACTIONS else number)
+                    return self._told(name, percent(number) if name in FRACTION_CAPABILITIES else number)
         elif self._kelvin is not None and said.endswith(b" K"):
             number = plain_number(said[:-2])
             if number is not None and self._kelvin[0] <= number <= self._kelvin[1]:
@@ -77,7 +78,7 @@ class Ear:
         known = CAPABILITIES.get(name)
         kind = known.kind if known else ""
         if kind == "bool":
-            for value, said in enumerate(FLAGS.get(name, ("off", "on"))):
+            for value, said in enumerate(BOOL_WORDS.get(name, ("off", "on"))):
                 self._words.setdefault(said.encode(), self._told(name, bool(value)))
         elif kind == "text":
             options = capability.options or (known.options if known else ())
@@ -89,14 +90,14 @@ class Ear:
             if name == "color_temperature":
                 self._kelvin = low, high
             else:
-                share = 100 if name in FRACTIONS else 1
+                share = 100 if name in FRACTION_CAPABILITIES else 1
                 self._numbers.append((name, low / share, high / share))
                 self._measured = self._measured or ("" if capability.settable else name)
 
-    def _told(self, name: str, value: PlainValue) -> Heard:
+    def _told(self, name: str, value: PlainValue) -> Decoded:
         return {name: value, **{other: what for other, what in _implied(name, value) if other in self._names}}
 
-    def _as_text(self, said: bytes) -> Heard:
+    def _as_text(self, said: bytes) -> Decoded:
         if not 0 < len(said) <= _LONGEST:
             return _NOTHING
         try:
@@ -106,21 +107,21 @@ class Ear:
 
 
 @lru_cache(maxsize=1000)
-def ear_for(capabilities: tuple[Capability, ...]) -> Ear:
+def decoder_for(capabilities: tuple[Capability, ...]) -> TextDecoder:
     """Return the ear for parts with *capabilities*; they share it."""
-    return Ear(capabilities)
+    return TextDecoder(capabilities)
 
 
-def heard(said: str, part: Part) -> Heard:
-    """Return what the word *said* tells of *part*; see :class:`Ear`."""
-    return ear_for(part.capabilities).hear(said.encode(errors="replace"))
+def decode_text(said: str, part: Part) -> Decoded:
+    """Return what the word *said* tells of *part*; see :class:`TextDecoder`."""
+    return decoder_for(part.capabilities).decode(said.encode(errors="replace"))
 
 
 def _implied(name: str, value: PlainValue) -> Iterator[tuple[str, PlainValue]]:
-    if name in SPEEDS and isinstance(value, float):
+    if name in SPEED_WORDS and isinstance(value, float):
         yield "on_off", value > 0
     if name == "position" and isinstance(value, float):
         movement = {0.0: "closed", 100.0: "open"}.get(value, "stopped")
-        yield from ((one, movement) for one in OPENINGS)
-    if name in OPENINGS and value in {"open", "closed"}:
+        yield from ((one, movement) for one in OPENING_WORDS)
+    if name in OPENING_WORDS and value in {"open", "closed"}:
         yield "position", 100.0 if value == "open" else 0.0

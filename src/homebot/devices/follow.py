@@ -9,9 +9,9 @@ import anyio
 import anyio.lowlevel
 
 from homebot.devices.device import DeviceChange, StateChange
-from homebot.devices.followed import FollowedDevices
+from homebot.devices.followed import LiveQueryState
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
-from homebot.devices.service_starts import service_starts
+from homebot.devices.service_starts import watch_services
 from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
 from homebot.errors import ClosedError, ServiceError
 from homebot.graph import Client, Node, Subscription
@@ -50,7 +50,7 @@ class Follow:
 
     def __init__(self, node: Node, service_type: str = "", query: str = "") -> None:
         self._node = node
-        self._followed = FollowedDevices(service_type, query)
+        self._followed = LiveQueryState(service_type, query)
         self._request = FindDevicesRequest(service_type=service_type)
         self._changes: Subscription[DeviceChange] | None = None
         self._states: Subscription[StateChange] | None = None
@@ -129,7 +129,7 @@ class Follow:
         """One that was restarted has a new index, and numbers its changes anew."""
         with self._watch:
             is_first = True
-            async for service in service_starts(self._node.graph):
+            async for service in watch_services(self._node.graph):
                 if service == FIND_DEVICES or (service is None and not is_first):
                     self._is_outdated = True
                     if self._changes is not None:

@@ -9,13 +9,13 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.query import And, Not, Or, Query, StateIs, facets_of, fits, parse_query, type_is
 
-__all__ = ["FollowedDevices"]
+__all__ = ["LiveQueryState"]
 
 NO_LONGER = "it fits the query no longer"
 
 
 @final
-class FollowedDevices:
+class LiveQueryState:
     """Turns what the directory says into what one reader hears, who may miss some of it or meet a new directory.
 
     To the reader, each device appears first, is removed last, and may then appear again; between the two come the other

@@ -44,8 +44,9 @@ class GatewayNames:
         state: Topic of its own state.
         quarantine: Topic of where it listens only a little, as :class:`homebot.devices.quarantine.Quarantine`.
         health: Service that tells what it counted and whom it ignores.
-        offers: Topic of what homebot offers to other systems through it, as :class:`homebot.devices.offer.Offer`.
-        offer_reports: Topic of what that says of itself, as :class:`homebot.devices.offer.OfferReport`.
+        offers: Topic of what homebot offers to other systems through it, as
+            :class:`homebot.devices.offer.ExposedDevice`.
+        offer_reports: Topic of what that says of itself, as :class:`homebot.devices.offer.ExposedState`.
         offer_commands: Topic of what those systems tell it, as :class:`homebot.devices.command.Command`.
         send_command: Service that takes commands in the words of the vocabulary.
         subscribe: Service that starts the mirroring of raw messages.

@@ -13,10 +13,10 @@ from homebot.devices.part import Part
 from homebot.devices.report import Reading
 from homebot.messages.message import Message
 
-__all__ = ["Offer", "OfferReport"]
+__all__ = ["ExposedDevice", "ExposedState"]
 
 
-class Offer(Message):
+class ExposedDevice(Message):
     """Something of homebot's that others may see and use.
 
     Attributes:
@@ -38,7 +38,7 @@ class Offer(Message):
     is_withdrawn: bool = False
 
 
-class OfferReport(Message):
+class ExposedState(Message):
     """What something offered says of itself.
 
     Attributes:

@@ -8,19 +8,19 @@ from typing import Self
 
 from homebot.devices.command import Command
 from homebot.devices.names import GatewayNames
-from homebot.devices.offer import Offer, OfferReport
+from homebot.devices.offer import ExposedDevice, ExposedState
 from homebot.devices.report import Reading
 from homebot.devices.value import PlainValue, Value
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 
-__all__ = ["Offering"]
+__all__ = ["Exposure"]
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _COMMANDS_DEPTH = 100
 
 
-class Offering:
+class Exposure:
     """An offer that others see within a ``with`` block, and that is withdrawn after it; one task reads its commands.
 
     Args:
@@ -32,12 +32,12 @@ class Offering:
         offer: The same.
     """
 
-    def __init__(self, node: Node, offer: Offer, gateway: str = "mqtt") -> None:
+    def __init__(self, node: Node, offer: ExposedDevice, gateway: str = "mqtt") -> None:
         names = GatewayNames(gateway)
         self.offer = offer
         self._node = node
-        self._offers = node.create_publisher(Offer, names.offers, _LATCHED)
-        self._reports = node.create_publisher(OfferReport, names.offer_reports, _LATCHED)
+        self._offers = node.create_publisher(ExposedDevice, names.offers, _LATCHED)
+        self._reports = node.create_publisher(ExposedState, names.offer_reports, _LATCHED)
         self._commands = node.create_subscription(Command, names.offer_commands, qos_profile=_COMMANDS_DEPTH)
 
     def __enter__(self) -> Self:
@@ -51,10 +51,10 @@ class Offering:
             self._offers.publish(self.offer.model_copy(update={"is_withdrawn": True}))
         self._commands.close()
 
-    def say(self, capability: str, value: PlainValue, part: str = "") -> None:
+    def set_state(self, capability: str, value: PlainValue, part: str = "") -> None:
         """Tell what it is now: *capability* of the part *part* has *value*."""
         reading = Reading(part=part, capability=capability, value=Value.of(value))
-        self._reports.publish(OfferReport(id=self.offer.id, readings=(reading,)))
+        self._reports.publish(ExposedState(id=self.offer.id, readings=(reading,)))
 
     async def commands(self) -> AsyncIterator[Command]:
         """Yield what others tell it to become, until the block or the node ends.

@@ -6,10 +6,10 @@ from collections.abc import AsyncIterator
 
 from homebot.graph import EntityKind, Graph
 
-__all__ = ["service_starts"]
+__all__ = ["watch_services"]
 
 
-async def service_starts(graph: Graph) -> AsyncIterator[str | None]:
+async def watch_services(graph: Graph) -> AsyncIterator[str | None]:
     """Yield the full name of each service that comes, from the first step on; to be read to its end, in one task.
 
     None comes at the beginning, and whenever more happened than could be remembered: any service may be a new one.

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.raw import RawMessage
-from homebot.devices.words import read_words_address
+from homebot.devices.words import read_text_address
 
 __all__ = ["speaking_part"]
 
 
 def speaking_part(device: Device, message: RawMessage) -> DevicePart | None:
     """Return the part of *device* that said *message*; None where that is not known."""
-    words = read_words_address(message.address)
+    words = read_text_address(message.address)
     for part in device.parts:
         for route in part.routes:
             is_it = route.key == message.key if words is None else (route.key, route.part) == words

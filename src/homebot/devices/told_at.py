@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device, DevicePart, Endpoint
-from homebot.devices.words import meaning, words_address
+from homebot.devices.words import decode_command, text_address
 from homebot.errors import RefusedError
 
-__all__ = ["others_at", "told_at"]
+__all__ = ["command_address", "others_at"]
 
 
-def told_at(device: Device, endpoint: Endpoint, said: str) -> str:
+def command_address(device: Device, endpoint: Endpoint, said: str) -> str:
     """Return the address at which *endpoint* of *device* is told the word *said*.
 
     It is the endpoint's own, unless that is one of several ways to a part, of which another one of the same gateway is
@@ -20,12 +20,12 @@ def told_at(device: Device, endpoint: Endpoint, said: str) -> str:
     if part is None or len(part.routes) == 1:
         return address
     try:
-        capability, _ = meaning(said, part.part)
+        capability, _ = decode_command(said, part.part)
     except RefusedError:
         return address  # its gateway says what it takes
     for route in part.routes:
         if route.gateway == endpoint.gateway and route.can(capability):
-            return words_address(route.key, route.part)
+            return text_address(route.key, route.part)
     return address
 
 
@@ -49,7 +49,7 @@ def others_at(device: Device, address: str, said: str) -> tuple[str, ...]:
 
 def _takes(part: DevicePart, said: str) -> bool:
     try:
-        meaning(said, part.part)
+        decode_command(said, part.part)
     except RefusedError:
         return False
     return True
@@ -57,7 +57,7 @@ def _takes(part: DevicePart, said: str) -> bool:
 
 def _part_at(device: Device, address: str) -> DevicePart | None:
     for part in device.parts:
-        if any(words_address(route.key, route.part) == address for route in part.routes):
+        if any(text_address(route.key, route.part) == address for route in part.routes):
             return part
     return None
 
@@ -66,6 +66,6 @@ def _part(device: Device, endpoint: Endpoint) -> DevicePart | None:
     for part in device.parts:
         for route in part.routes:
             is_there = route.gateway == endpoint.gateway
-            if is_there and words_address(route.key, route.part) == endpoint.command_address:
+            if is_there and text_address(route.key, route.part) == endpoint.command_address:
                 return part
     return None

@@ -10,32 +10,32 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability
 
 __all__ = [
-    "FLAGS",
-    "FRACTIONS",
-    "OPENINGS",
-    "SPEEDS",
-    "SPOKEN_FIRST",
+    "BOOL_WORDS",
+    "FRACTION_CAPABILITIES",
+    "OPENING_WORDS",
+    "PRIORITY",
+    "SPEED_WORDS",
     "bounds_of",
     "percent",
     "plain_number",
     "says_unknown",
 ]
 
-FRACTIONS: Final = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
+FRACTION_CAPABILITIES: Final = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
 """Percentages that are spoken as 0 to 1."""
 
-SPEEDS: Final = frozenset({"level", "fan_speed"})
+SPEED_WORDS: Final = frozenset({"level", "fan_speed"})
 """What is 0 only where it is off."""
 
 _UNKNOWN: Final = frozenset({"none", "null", "unknown", "unavailable"})
 _LONGEST_UNKNOWN: Final = 40
 
-OPENINGS: Final = ("movement", "valve")
+OPENING_WORDS: Final = ("movement", "valve")
 
-SPOKEN_FIRST: Final = ("lock", "on_off", "occupancy", "contact", "vacuum", "mower", "alarm", "local_temperature")
+PRIORITY: Final = ("lock", "on_off", "occupancy", "contact", "vacuum", "mower", "alarm", "local_temperature")
 """What a message is about when it tells several things; openings, which come next, have a rule of their own."""
 
-FLAGS: Final[Mapping[str, tuple[str, str]]] = {"occupancy": ("clear", "motion"), "contact": ("closed", "open")}
+BOOL_WORDS: Final[Mapping[str, tuple[str, str]]] = {"occupancy": ("clear", "motion"), "contact": ("closed", "open")}
 """Words for no and yes; of any other flag ``off`` and ``on``."""
 
 

@@ -12,10 +12,27 @@ from collections.abc import Iterator, Mapping
 
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
-from homebot.devices.wording import FLAGS, FRACTIONS, OPENINGS, SPEEDS, SPOKEN_FIRST, bounds_of, percent, plain_number
+from homebot.devices.wording import (
+    BOOL_WORDS,
+    FRACTION_CAPABILITIES,
+    OPENING_WORDS,
+    PRIORITY,
+    SPEED_WORDS,
+    bounds_of,
+    percent,
+    plain_number,
+)
 from homebot.errors import RefusedError
 
-__all__ = ["main_part", "meaning", "read_words_address", "takes_words", "told", "word", "words_address"]
+__all__ = [
+    "accepts_text",
+    "decode_command",
+    "encode_command",
+    "encode_state",
+    "main_part",
+    "read_text_address",
+    "text_address",
+]
 
 _SCHEME = "words:"
 
@@ -44,12 +61,12 @@ _NUMBERS = (
 """What a bare number is about, the first that the part can be told."""
 
 
-def words_address(key: str, part_id: str) -> str:
+def text_address(key: str, part_id: str) -> str:
     """Return where the part *part_id* of the device that its gateway calls *key* speaks plain words."""
     return f"{_SCHEME}{_escape(key)}#{_escape(part_id)}"
 
 
-def read_words_address(address: str) -> tuple[str, str] | None:
+def read_text_address(address: str) -> tuple[str, str] | None:
     """Return key and part of a words address; None for any other address."""
     if not address.startswith(_SCHEME):
         return None
@@ -65,18 +82,18 @@ def main_part(parts: tuple[Part, ...]) -> Part | None:
     return parts[0] if parts else None
 
 
-def takes_words(part: Part) -> bool:
+def accepts_text(part: Part) -> bool:
     """Whether the part can be told anything."""
     return any(capability.settable for capability in part.capabilities)
 
 
-def word(readings: Mapping[str, PlainValue]) -> str | None:
+def encode_state(readings: Mapping[str, PlainValue]) -> str | None:
     """Return in one word what one message told of a part; None where it told nothing that has a word.
 
     Args:
         readings: Values by capability.
     """
-    for name in SPOKEN_FIRST:
+    for name in PRIORITY:
         if readings.get(name) is not None:
             return _spoken(name, readings[name])
     if (opening := _opening(readings)) is not None:
@@ -87,7 +104,7 @@ def word(readings: Mapping[str, PlainValue]) -> str | None:
     return None
 
 
-def meaning(said: str, part: Part) -> tuple[str, PlainValue]:
+def decode_command(said: str, part: Part) -> tuple[str, PlainValue]:
     """Return which capability *part* is told to have which value by the word *said*.
 
     Raises:
@@ -97,7 +114,7 @@ def meaning(said: str, part: Part) -> tuple[str, PlainValue]:
     for name, value in _PHRASES.get(said, ()):
         if name in settable:
             return name, value
-    if said == "off" and (speed := next((name for name in SPEEDS if name in settable), None)) is not None:
+    if said == "off" and (speed := next((name for name in SPEED_WORDS if name in settable), None)) is not None:
         return speed, 0.0
     if said.endswith(" K") and "color_temperature" in settable and (kelvin := plain_number(said[:-2])) is not None:
         return "color_temperature", kelvin
@@ -113,7 +130,7 @@ def meaning(said: str, part: Part) -> tuple[str, PlainValue]:
     raise RefusedError(f"the word {said[:40]!r}", f"this part takes {_known(settable)}")
 
 
-def told(capability: str, value: PlainValue, part: Part) -> str:
+def encode_command(capability: str, value: PlainValue, part: Part) -> str:
     """Return the word by which *part* is told that *capability* shall be *value*; the inverse of :func:`meaning`.
 
     Raises:
@@ -140,10 +157,10 @@ def _spoken(name: str, value: PlainValue) -> str | None:
         case None | tuple():
             return None
         case bool():
-            return FLAGS.get(name, ("off", "on"))[value]
+            return BOOL_WORDS.get(name, ("off", "on"))[value]
         case str():
             return value
-        case _ if name in FRACTIONS:
+        case _ if name in FRACTION_CAPABILITIES:
             return _digits(value / 100)
         case _ if name == "color_temperature":
             return f"{_digits(value)} K"
@@ -162,11 +179,11 @@ def _candidates(capability: str, value: PlainValue) -> Iterator[str]:
 
 def _is_understood(said: str, part: Part, capability: str, value: PlainValue) -> bool:
     try:
-        name, meant = meaning(said, part)
+        name, meant = decode_command(said, part)
     except RefusedError:
         return False
     if name != capability:
-        return capability in SPEEDS and value == 0 and (name, meant) == ("on_off", False)
+        return capability in SPEED_WORDS and value == 0 and (name, meant) == ("on_off", False)
     return type(meant) is type(value) and (meant == value or isinstance(value, float))  # rounded to three digits
 
 
@@ -177,7 +194,7 @@ def _is_within(value: PlainValue, capability: Capability) -> bool:
 
 def _opening(readings: Mapping[str, PlainValue]) -> str | None:
     """On its way it says where to; at rest whether it is closed or open, or its position between the two."""
-    movement = next((readings[name] for name in OPENINGS if readings.get(name) is not None), None)
+    movement = next((readings[name] for name in OPENING_WORDS if readings.get(name) is not None), None)
     position = readings.get("position")
     if movement in {"opening", "closing"} or not isinstance(position, float):
         return movement if isinstance(movement, str) else None
@@ -187,7 +204,7 @@ def _opening(readings: Mapping[str, PlainValue]) -> str | None:
 def _told_number(number: float, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
     for name in _NUMBERS:
         if name in settable:
-            if name not in FRACTIONS:
+            if name not in FRACTION_CAPABILITIES:
                 return name, number
             if not 0 <= number <= 1:
                 return None
@@ -205,6 +222,6 @@ def _known(settable: Mapping[str, Capability]) -> str:
     words = [said for said, meant in _PHRASES.items() if any(name in settable for name, _ in meant)]
     words += ["2700 K"] if "color_temperature" in settable else []
     name = next((name for name in _NUMBERS if name in settable), None)
-    words += [] if name is None else ["a number from 0 to 1" if name in FRACTIONS else "a number"]
+    words += [] if name is None else ["a number from 0 to 1" if name in FRACTION_CAPABILITIES else "a number"]
     words += [option for capability in settable.values() for option in capability.options]
     return ", ".join(dict.fromkeys(words)) or "nothing"

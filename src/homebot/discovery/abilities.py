@@ -8,10 +8,10 @@ from homebot.devices.device import EVERYTHING
 from homebot.devices.part import Capability, Part
 from homebot.discovery.matching import SETTING
 
-__all__ = ["decided", "taken_by", "united"]
+__all__ = ["decided", "merge_capabilities", "settable_by"]
 
 
-def united(parts: Sequence[Part]) -> Part:
+def merge_capabilities(parts: Sequence[Part]) -> Part:
     """Return the first of *parts* with the capabilities of all of them: it is what they all describe, best first."""
     best = parts[0]
     if len(parts) == 1 or all(one.capabilities == best.capabilities for one in parts):
@@ -26,12 +26,12 @@ def united(parts: Sequence[Part]) -> Part:
 
 
 def decided(parts: Sequence[Part]) -> Part:
-    """Return what *parts*, best first, are together: as :func:`united`, and a setting where one of them says so.
+    """Return :func:`merge_capabilities` of *parts*, best first; it is a setting where one of them says so.
 
     Who knows the category decides for all, and of a setting for the type as well: Home Assistant knows no setting that
     is on or off, it calls that a switch.
     """
-    whole = united(parts)
+    whole = merge_capabilities(parts)
     knows = next((one for one in parts if one.category), whole)
     is_setting = knows.service_type == SETTING
     service_type, advertised = (SETTING, knows.advertised) if is_setting else (whole.service_type, whole.advertised)
@@ -41,7 +41,7 @@ def decided(parts: Sequence[Part]) -> Part:
     return whole.model_copy(update=changes)
 
 
-def taken_by(part: Part, whole: Part) -> tuple[str, ...]:
+def settable_by(part: Part, whole: Part) -> tuple[str, ...]:
     """Return what can be told by the way that is described as *part*, where all ways together are *whole*."""
     if part is whole:
         return EVERYTHING

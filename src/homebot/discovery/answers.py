@@ -38,13 +38,13 @@ from homebot.devices.services import (
 )
 from homebot.discovery.change_log import ChangeLog
 from homebot.discovery.index import DeviceIndex
-from homebot.discovery.keeper import Keeper
+from homebot.discovery.keeper import IndexPersistence
 from homebot.discovery.rank import rank, reasons
 from homebot.discovery.unknown_words import unknown_word
 from homebot.errors import UsageError
 from homebot.graph import Node
 
-__all__ = ["Answers"]
+__all__ = ["DirectoryServices"]
 
 _FEW = 10
 """Changes told, and devices made findable, before others get their turn."""
@@ -53,7 +53,7 @@ _MOST_TURNS = 1000
 """Turns that others get before an answer, so that none waits for a flood to end."""
 
 
-class Answers:
+class DirectoryServices:
     """The services of the directory.
 
     Args:
@@ -64,7 +64,7 @@ class Answers:
             it; says whether there was any.
     """
 
-    def __init__(self, node: Node, index: DeviceIndex, keeper: Keeper, tell: Callable[[int], bool]) -> None:
+    def __init__(self, node: Node, index: DeviceIndex, keeper: IndexPersistence, tell: Callable[[int], bool]) -> None:
         self._clock = node.graph.clock
         self._index = index
         self._keeper = keeper
@@ -72,7 +72,7 @@ class Answers:
         self._changes = ChangeLog(index.sequence)
         self._node = node
 
-    def offer(self) -> None:
+    def register(self) -> None:
         """Begin to answer."""
         node = self._node
         node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)

@@ -18,9 +18,9 @@ from itertools import combinations
 from typing import TypeAlias, final
 
 from homebot.devices import Sighting
-from homebot.discovery.claim import WHOLE, ClaimKey
+from homebot.discovery.claim import WHOLE_DEVICE, SourceKey
 
-__all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "Bonds", "is_generic"]
+__all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "IdentityGraph", "is_generic"]
 
 MAX_IDENTIFIERS = 16
 """Identifiers of one announcement that count; the first ones, hardware addresses before others."""
@@ -48,7 +48,7 @@ _Sign: TypeAlias = tuple[str, str, tuple[str, ...], str]
 
 
 @dataclass(slots=True, eq=False)
-class Voice:
+class Identity:
     """Who speaks in one way about one device; announcements of the same voice are about one device.
 
     Attributes:
@@ -64,7 +64,7 @@ class Voice:
     key: str
 
     @property
-    def sign(self) -> _Sign:
+    def key_of(self) -> _Sign:
         """What it is known by."""
         return self.gateway, self.convention, self.identifiers, self.key
 
@@ -80,7 +80,7 @@ class Voice:
 
 
 @final
-class Bonds:
+class IdentityGraph:
     """Keeps who shares which identifiers.
 
     Attributes:
@@ -89,13 +89,13 @@ class Bonds:
 
     def __init__(self) -> None:
         self.cut = 0
-        self._voices: dict[ClaimKey, Voice] = {}
-        self._known: dict[_Sign, Voice] = {}
-        self._claims: dict[Voice, dict[ClaimKey, None]] = {}
-        self._holders: dict[str, dict[Voice, None]] = {}
+        self._voices: dict[SourceKey, Identity] = {}
+        self._known: dict[_Sign, Identity] = {}
+        self._claims: dict[Identity, dict[SourceKey, None]] = {}
+        self._holders: dict[str, dict[Identity, None]] = {}
         self._links: dict[str, bool] = {}
 
-    def put(self, key: ClaimKey, sighting: Sighting) -> frozenset[ClaimKey]:
+    def put(self, key: SourceKey, sighting: Sighting) -> frozenset[SourceKey]:
         """Note who *key* says the device is.
 
         Returns:
@@ -123,12 +123,12 @@ class Bonds:
             return affected | {key}
         return affected | self._affected(voice, changed)
 
-    def sibling(self, key: ClaimKey) -> ClaimKey | None:
+    def same_identity(self, key: SourceKey) -> SourceKey | None:
         """Return an older announcement that says the same of who the device is; None where there is none."""
         first = next(iter(self._claims[self._voices[key]]))
         return None if first == key else first
 
-    def discard(self, key: ClaimKey) -> frozenset[ClaimKey]:
+    def discard(self, key: SourceKey) -> frozenset[SourceKey]:
         """Forget *key*; return the announcements whose bonds may be others now."""
         voice = self._voices.pop(key, None)
         if voice is None:
@@ -137,23 +137,23 @@ class Bonds:
         del claims[key]
         if claims:
             return frozenset(claims)
-        del self._claims[voice], self._known[voice.sign]
+        del self._claims[voice], self._known[voice.key_of]
         linked = [one for one in voice.identifiers if self._links.pop(one, True)]
         for identifier in voice.identifiers:
             holders = self._holders[identifier]
             del holders[voice]
             if not holders:
                 del self._holders[identifier]
-        reached: set[Voice] = set()
+        reached: set[Identity] = set()
         for identifier in voice.identifiers:
             if identifier in self._holders and (identifier in linked or self._is_link(identifier)):
                 reached |= self._reach(self._holders[identifier])
         return frozenset(claim for one in reached for claim in self._claims[one])
 
-    def groups(self, keys: Iterable[ClaimKey]) -> tuple[frozenset[ClaimKey], ...]:
+    def groups(self, keys: Iterable[SourceKey]) -> tuple[frozenset[SourceKey], ...]:
         """Return the devices that the announcements *keys* are about, each as the set of all its announcements."""
-        found: list[frozenset[ClaimKey]] = []
-        done: set[Voice] = set()
+        found: list[frozenset[SourceKey]] = []
+        done: set[Identity] = set()
         for key in keys:
             voice = self._voices.get(key)
             if voice is None or voice in done:
@@ -163,7 +163,7 @@ class Bonds:
             found.append(frozenset(claim for one in voices for claim in self._claims[one]))
         return tuple(found)
 
-    def shared(self, keys: Iterable[ClaimKey]) -> Iterator[tuple[str, tuple[ClaimKey, ...]]]:
+    def shared(self, keys: Iterable[SourceKey]) -> Iterator[tuple[str, tuple[SourceKey, ...]]]:
         """Yield each identifier that holds different voices among *keys* together, with one announcement of each."""
         found = dict.fromkeys(self._voices[key] for key in keys if key in self._voices)
         voices = {voice: number for number, voice in enumerate(found)}
@@ -176,29 +176,29 @@ class Bonds:
             if len(holders) >= _PAIR:
                 yield identifier, tuple(next(iter(self._claims[voice])) for voice in holders)
 
-    def _voice(self, key: ClaimKey, sighting: Sighting) -> Voice:
+    def _voice(self, key: SourceKey, sighting: Sighting) -> Identity:
         found = sighting.identifiers
         if len(found) > MAX_IDENTIFIERS:
             self.cut += 1
             found = found[:MAX_IDENTIFIERS]
-        is_own = sighting.convention in WHOLE or not any(_names_somebody(one) for one in found)
+        is_own = sighting.convention in WHOLE_DEVICE or not any(_names_somebody(one) for one in found)
         if place := _own_topic(sighting):
             found = tuple(dict.fromkeys((*found, f"id:{place}")))
         sign = (key[0], sighting.convention, found, key[1] if is_own else "")
         voice = self._known.get(sign)
         if voice is None:
-            voice = self._known[sign] = Voice(*sign)
+            voice = self._known[sign] = Identity(*sign)
         return voice
 
-    def _affected(self, voice: Voice, changed: set[str]) -> frozenset[ClaimKey]:
-        reached: set[Voice] = {voice}
+    def _affected(self, voice: Identity, changed: set[str]) -> frozenset[SourceKey]:
+        reached: set[Identity] = {voice}
         for identifier in changed:
             linked = self._links.pop(identifier, True)
             if linked or self._is_link(identifier):
                 reached |= self._reach(self._holders[identifier])
         return frozenset(claim for one in reached for claim in self._claims[one])
 
-    def _reach(self, voices: Iterable[Voice]) -> set[Voice]:
+    def _reach(self, voices: Iterable[Identity]) -> set[Identity]:
         """All that is bound to one of *voices*, directly or by others."""
         reached = set(voices)
         waiting = list(reached)
@@ -221,20 +221,20 @@ class Bonds:
 _PAIR = 2
 
 
-def _is_specific(identifier: str, holders: dict[Voice, None]) -> bool:
+def _is_specific(identifier: str, holders: dict[Identity, None]) -> bool:
     if len(holders) > MAX_HOLDERS:
         return False
     if identifier.startswith("eui64:"):
         return True
     if identifier.startswith("mac:"):
-        return not any(_are_guests(one, other) for one, other in combinations(holders, 2))
+        return not any(_share_a_host(one, other) for one, other in combinations(holders, 2))
     if not _names_somebody(identifier) or len(identifier) < len("id:") + _SHORTEST:
         return False
     known = [hardware for voice in holders if (hardware := voice.hardware)]
     return not any(one.isdisjoint(other) for one, other in combinations(known, 2))
 
 
-def _are_guests(one: Voice, other: Voice) -> bool:
+def _share_a_host(one: Identity, other: Identity) -> bool:
     """Whether a hardware address that both name is their host's: it speaks of both in the same way."""
     if (one.gateway, one.convention) != (other.gateway, other.convention):
         return False
@@ -246,7 +246,7 @@ def _are_guests(one: Voice, other: Voice) -> bool:
 
 def _own_topic(sighting: Sighting) -> str:
     """The topic below which all is the device's; empty where none is known."""
-    if sighting.convention in WHOLE:
+    if sighting.convention in WHOLE_DEVICE:
         return sighting.owns[0] if sighting.owns else ""
     names = [one[len("id:") :] for one in sighting.identifiers if one.startswith("id:") and _names_somebody(one)]
     if not names:

@@ -13,25 +13,25 @@ from homebot.devices.value import PlainValue
 from homebot.messages import Time
 
 __all__ = [
-    "NATIVE",
-    "WHOLE",
-    "Claim",
-    "ClaimKey",
+    "NATIVE_CONVENTIONS",
+    "WHOLE_DEVICE",
     "Reach",
-    "Told",
+    "SourceKey",
+    "SourceRecord",
+    "StoredValue",
     "is_described_anew",
     "note_description",
     "preference",
 ]
 
-ClaimKey: TypeAlias = tuple[str, str]
+SourceKey: TypeAlias = tuple[str, str]
 """Gateway, and what that calls the announcement."""
 
-WHOLE = frozenset({"homie", "shelly", "tasmota", "zigbee2mqtt"})
+WHOLE_DEVICE = frozenset({"homie", "shelly", "tasmota", "zigbee2mqtt"})
 """Conventions whose announcements each tell of a whole device: two of them are never about the same one, unless they
 name one radio address."""
 
-NATIVE = WHOLE | {"", "thesis"}
+NATIVE_CONVENTIONS = WHOLE_DEVICE | {"", "thesis"}
 """Conventions of the devices themselves, preferred to what somebody else makes of them."""
 
 
@@ -40,7 +40,7 @@ _NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
 
 @dataclass(slots=True)
-class Told:
+class StoredValue:
     """A value that a part told.
 
     Attributes:
@@ -76,7 +76,7 @@ class Reach:
 
 
 @dataclass(slots=True, eq=False)
-class Claim:
+class SourceRecord:
     """What one gateway heard under one key.
 
     Attributes:
@@ -84,11 +84,11 @@ class Claim:
         number: Grows with each new claim: who came first.
         first_seen: When it was first heard of.
         seen_at: When the device was last heard through it, or it was announced.
-        heard: The same on the clock that is never set; minus infinity where that was before the start.
+        heard_at: The same on the clock that is never set; minus infinity where that was before the start.
         key: What it goes by in the index.
         confirmed: Whether the device itself was heard through it since the start.
-        said: Each fact with its value, and when it was first said.
-        told: What its parts told, by part and capability.
+        facts: Each fact with its value, and when it was first said.
+        values: What its parts told, by part and capability.
         events: What happened last, by part and capability.
         reach: Whether it can be reached, as it says, by part; the whole is ``""``. See :meth:`set_reach`.
         is_online: Whether it said live that it is online, so that its last will watches over it.
@@ -99,17 +99,17 @@ class Claim:
     first_seen: Time
     seen_at: Time
     confirmed: bool
-    heard: float = -math.inf
-    key: ClaimKey = field(init=False)
-    said: Mapping[str, tuple[str, Time]] = field(init=False)
-    told: dict[tuple[str, str], Told] = field(default_factory=dict)
-    events: Mapping[tuple[str, str], Told] = field(init=False)
+    heard_at: float = -math.inf
+    key: SourceKey = field(init=False)
+    facts: Mapping[str, tuple[str, Time]] = field(init=False)
+    values: dict[tuple[str, str], StoredValue] = field(default_factory=dict)
+    events: Mapping[tuple[str, str], StoredValue] = field(init=False)
     reach: Mapping[str, Reach] = field(init=False)
     is_online: bool = False
 
     def __post_init__(self) -> None:
         self.key = (self.sighting.gateway, self.sighting.key)
-        self.said = self.events = self.reach = _NOTHING
+        self.facts = self.events = self.reach = _NOTHING
 
     def set_reach(self, reach: Mapping[str, Reach]) -> None:
         """Make *reach* what it says of whether it can be reached."""
@@ -135,9 +135,9 @@ class Claim:
         return prefix + sighting.key
 
 
-def preference(claim: Claim) -> tuple[int, int]:
+def preference(claim: SourceRecord) -> tuple[int, int]:
     """Return what sorts claims on one device: those of its own convention first, then the older ones."""
-    return (0 if claim.sighting.convention in NATIVE else 1, claim.number)
+    return (0 if claim.sighting.convention in NATIVE_CONVENTIONS else 1, claim.number)
 
 
 def is_described_anew(before: Sighting, now: Sighting) -> bool:
@@ -156,16 +156,16 @@ def is_described_anew(before: Sighting, now: Sighting) -> bool:
     )
 
 
-def note_description(claim: Claim, before: Sighting) -> None:
+def note_description(claim: SourceRecord, before: Sighting) -> None:
     """Note since when *claim* says what it did not say *before*; what it can tell no longer is forgotten."""
     now = claim.sighting
     known = {"name": before.name, "area": before.area, **{one.key: one.value for one in before.metadata}}
     said = {"name": now.name, "area": now.area, **{one.key: one.value for one in now.metadata}}
-    kept = {name: found for name, found in claim.said.items() if name in said}
+    kept = {name: found for name, found in claim.facts.items() if name in said}
     anew = {name: (value, now.seen_at) for name, value in said.items() if known.get(name) != value}
-    claim.said = {**kept, **anew} or _NOTHING
+    claim.facts = {**kept, **anew} or _NOTHING
     places = {(part.id, capability.name) for part in now.parts for capability in part.capabilities}
-    claim.told = {place: told for place, told in claim.told.items() if place in places}
+    claim.values = {place: told for place, told in claim.values.items() if place in places}
     parts = {"", *(part.id for part in now.parts)}
     claim.set_reach({part: one for part, one in claim.reach.items() if part in parts})
     claim.events = {place: told for place, told in claim.events.items() if place in places} or _NOTHING

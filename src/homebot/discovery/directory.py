@@ -26,9 +26,9 @@ from homebot.devices import (
     gateway_of,
 )
 from homebot.devices.report import Report
-from homebot.discovery.answers import Answers
+from homebot.discovery.answers import DirectoryServices
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
-from homebot.discovery.keeper import Keeper
+from homebot.discovery.keeper import IndexPersistence
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
 from homebot.isolation import run_as
@@ -112,8 +112,8 @@ class Directory:
         self._clock = clock
         self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         self._states = node.create_publisher(StateChange, DEVICE_STATES, _STATES_QOS)
-        self._keeper = Keeper(node, self.index, file if settings.persist else None)
-        self._answers = Answers(node, self.index, self._keeper, self._tell)
+        self._persistence = IndexPersistence(node, self.index, file if settings.persist else None)
+        self._services = DirectoryServices(node, self.index, self._persistence, self._tell)
         self._sources: dict[str, Subscription[Sighting] | Subscription[Report]] = {}
         self._wakes_at = math.inf
         self._rejected = 0
@@ -128,12 +128,12 @@ class Directory:
         It answers as soon as it has taken in its file and what the gateways keep for late joiners, so that nobody who
         asks a restarted directory hears of an empty house.
         """
-        await self._keeper.load()
+        await self._persistence.load()
         with self._node.graph.watch() as changes:
             self._follow_all()
-            self._answers.offer()
+            self._services.register()
             async with anyio.create_task_group() as tasks:
-                for work in (self._keeper.run, self._expire, self._tell_on):
+                for work in (self._persistence.run, self._expire, self._publish_changes):
                     tasks.start_soon(run_as, self._node.full_name, work)
                 task_status.started()
                 lost = 0
@@ -211,21 +211,21 @@ class Directory:
         self.index.observe(sighting, self._heard_at(sighting))
         if self.index.counters.rejected > self._rejected:
             self._tell_rejected(sighting)
-        self._look()
+        self._wake_workers()
 
     def _report(self, gateway: str, report: Report) -> None:
         if not self._is_own(gateway, report):
             return
         self.index.tells_states = self._states.subscription_count > 0
         self.index.report(report, self._heard_at(report))
-        self._look()
+        self._wake_workers()
 
     def _heard_at(self, message: Sighting | Report) -> float:
         """What a gateway keeps for late joiners may be old."""
         now = self._clock.monotonic()
         return min(message.heard_at or now, now)
 
-    def _look(self) -> None:
+    def _wake_workers(self) -> None:
         """Wake those who have something to do now."""
         if not self._happened.is_set():
             self._happened.set()
@@ -233,7 +233,7 @@ class Directory:
         if deadline is not None and deadline < self._wakes_at:
             self._earlier_deadline.set()
 
-    async def _tell_on(self) -> None:
+    async def _publish_changes(self) -> None:
         """Tell what happened, and sort it in for queries, while nothing else is to be done."""
         while True:
             await self._happened.wait()
@@ -249,10 +249,10 @@ class Directory:
             with anyio.move_on_after(max(0.0, self._wakes_at - self._clock.monotonic())):
                 await self._earlier_deadline.wait()
             while self.index.expire(self._clock.monotonic(), at_most=_TURN):
-                self._tell_all()
+                self._flush_changes()
                 await anyio.lowlevel.checkpoint()
 
-    def _tell_all(self) -> None:
+    def _flush_changes(self) -> None:
         while self._tell(_TURN):
             pass
 
@@ -260,7 +260,7 @@ class Directory:
         """Tell of so many changes, and of all new states after the last one; return whether there were changes."""
         changes = self.index.take_changes(at_most)
         for change in changes:
-            self._answers.remember(change)
+            self._services.remember(change)
             self._changes.publish(change)
             self._log(change)
         if len(changes) < at_most:

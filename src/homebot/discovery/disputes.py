@@ -17,10 +17,10 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple, TypeAlias, final
 
-from homebot.discovery.claim import NATIVE, Claim, ClaimKey
+from homebot.discovery.claim import NATIVE_CONVENTIONS, SourceKey, SourceRecord
 from homebot.discovery.places import aliases_of, is_called, names, place_of, score
 
-__all__ = ["MAX_BELOW", "MAX_LEVELS", "MAX_TOPICS", "MAX_USERS", "NOBODY", "Disputes", "TopicUse", "topic_use"]
+__all__ = ["MAX_BELOW", "MAX_LEVELS", "MAX_TOPICS", "MAX_USERS", "NOBODY", "TopicOwnership", "TopicUse", "topic_use"]
 
 MAX_TOPICS = 1000
 """Topics that one announcement is watched on; a further one that it names is not its to use."""
@@ -56,7 +56,7 @@ class TopicUse(NamedTuple):
         is_native: Whether it is in a convention of devices themselves.
     """
 
-    key: ClaimKey
+    key: SourceKey
     device: str
     announced_on: str = ""
     writes: tuple[str, ...] = ()
@@ -80,7 +80,7 @@ class TopicUse(NamedTuple):
         return names(place_of(self.announced_on))
 
 
-def topic_use(claim: Claim, device: str) -> TopicUse:
+def topic_use(claim: SourceRecord, device: str) -> TopicUse:
     """Return what the announcement *claim* of *device* does with topics."""
     sighting = claim.sighting
     writes = _each_once([part.writes for part in sighting.parts])
@@ -96,7 +96,7 @@ def topic_use(claim: Claim, device: str) -> TopicUse:
         sighting.identifiers if sighting.owns else (),
         next((one.value for one in sighting.metadata if one.key == "via_device"), ""),
         not sighting.identifiers,
-        sighting.convention in NATIVE,
+        sighting.convention in NATIVE_CONVENTIONS,
     )
 
 
@@ -110,30 +110,30 @@ def _is_filter(topic: str) -> bool:
     return "+" in topic or "#" in topic
 
 
-_Uses: TypeAlias = TopicUse | dict[ClaimKey, TopicUse]
+_Uses: TypeAlias = TopicUse | dict[SourceKey, TopicUse]
 """What several announcements do with a topic; of most topics it is one, which takes no dict."""
 
 
 @dataclass(slots=True, eq=False)
-class _Node:
+class _TopicNode:
     """One topic: what is below, who wants to be told things there, who speaks there, and whose own it is.
 
     Attributes:
         verdicts: Of those who may not use it: who has it.
     """
 
-    parent: _Node | None = None
+    parent: _TopicNode | None = None
     level: str = ""
-    children: dict[str, _Node] | None = None
+    children: dict[str, _TopicNode] | None = None
     users: _Uses | None = None
     speakers: _Uses | None = None
     owners: _Uses | None = None
-    verdicts: dict[ClaimKey, str] | None = None
+    verdicts: dict[SourceKey, str] | None = None
 
     @property
     def topic(self) -> str:
         levels: list[str] = []
-        node: _Node = self
+        node: _TopicNode = self
         while node.parent is not None:
             levels.append(node.level)
             node = node.parent
@@ -145,22 +145,22 @@ class _Node:
 
 
 @final
-class Disputes:
+class TopicOwnership:
     """Keeps who may be told things where.
 
     What it answers follows from the announcements that are known, whatever the order in which they came.
     """
 
     def __init__(self) -> None:
-        self._roots: dict[str, _Node] = {}
-        self._uses: dict[ClaimKey, TopicUse] = {}
+        self._roots: dict[str, _TopicNode] = {}
+        self._uses: dict[SourceKey, TopicUse] = {}
 
     def put(self, use: TopicUse) -> frozenset[str]:
         """Note what an announcement does with topics, in place of what it did; return whom that concerns."""
         before = self._uses.get(use.key)
         if before == use:
             return frozenset()
-        touched: dict[_Node, None] = {}
+        touched: dict[_TopicNode, None] = {}
         if before is not None:
             self._leave(before, touched)
         if use.writes or use.reads or use.owns:
@@ -168,16 +168,16 @@ class Disputes:
             self._enter(use, touched)
         return self._judge(touched) - {use.device}
 
-    def discard(self, key: ClaimKey) -> frozenset[str]:
+    def discard(self, key: SourceKey) -> frozenset[str]:
         """Forget an announcement; return whom that concerns."""
         use = self._uses.get(key)
         if use is None:
             return frozenset()
-        touched: dict[_Node, None] = {}
+        touched: dict[_TopicNode, None] = {}
         self._leave(use, touched)
         return self._judge(touched) - {use.device}
 
-    def owner(self, key: ClaimKey, topic: str) -> str:
+    def owner(self, key: SourceKey, topic: str) -> str:
         """Return who has *topic*, where that is not for the announcement *key* to use; else empty.
 
         It is the announcement's own device where another announcement of it has the topic, and :data:`NOBODY` where
@@ -191,7 +191,7 @@ class Disputes:
             return node.verdicts.get(key, "") if node.verdicts else ""
         return "" if use.has(topic) else NOBODY
 
-    def _enter(self, use: TopicUse, touched: dict[_Node, None]) -> None:
+    def _enter(self, use: TopicUse, touched: dict[_TopicNode, None]) -> None:
         for prefix in use.owns:
             node = self._at(use, prefix)
             node.owners = _with(node.owners, use)
@@ -214,7 +214,7 @@ class Disputes:
             if node.users:
                 touched[node] = None
 
-    def _leave(self, use: TopicUse, touched: dict[_Node, None]) -> None:
+    def _leave(self, use: TopicUse, touched: dict[_TopicNode, None]) -> None:
         del self._uses[use.key]
         for topic in dict.fromkeys((*use.owns, *use.writes, *use.reads)):
             node = self._find(use.key[0], topic)
@@ -229,7 +229,7 @@ class Disputes:
             if node.children and (is_owner or (is_user and use.rank(topic))):
                 touched.update(dict.fromkeys(_below(node, None if is_owner else MAX_BELOW)))
 
-    def _judge(self, touched: Iterable[_Node]) -> frozenset[str]:
+    def _judge(self, touched: Iterable[_TopicNode]) -> frozenset[str]:
         """Decide anew on the topics *touched*; return the devices for which that makes a difference."""
         concerned: set[str] = set()
         for node in touched:
@@ -241,20 +241,20 @@ class Disputes:
                 self._tidy(node)
         return frozenset(concerned)
 
-    def _at(self, use: TopicUse, topic: str) -> _Node:
+    def _at(self, use: TopicUse, topic: str) -> _TopicNode:
         node = self._roots.get(use.key[0])
         if node is None:
-            node = self._roots[use.key[0]] = _Node()
+            node = self._roots[use.key[0]] = _TopicNode()
         for level in topic.split("/", MAX_LEVELS):
             if node.children is None:
                 node.children = {}
             child = node.children.get(level)
             if child is None:
-                child = node.children[level] = _Node(node, level)
+                child = node.children[level] = _TopicNode(node, level)
             node = child
         return node
 
-    def _find(self, gateway: str, topic: str) -> _Node | None:
+    def _find(self, gateway: str, topic: str) -> _TopicNode | None:
         node = self._roots.get(gateway)
         for level in topic.split("/", MAX_LEVELS):
             if node is None or node.children is None:
@@ -262,7 +262,7 @@ class Disputes:
             node = node.children.get(level)
         return node
 
-    def _tidy(self, node: _Node) -> None:
+    def _tidy(self, node: _TopicNode) -> None:
         while node.parent is not None and node.is_unused:
             parent = node.parent
             if parent.children is not None:
@@ -283,20 +283,20 @@ def _all(uses: _Uses | None) -> Collection[TopicUse]:
     return uses.values() if isinstance(uses, dict) else (uses,)
 
 
-def _has(uses: _Uses | None, key: ClaimKey) -> bool:
+def _has(uses: _Uses | None, key: SourceKey) -> bool:
     if uses is None:
         return False
     return key in uses if isinstance(uses, dict) else uses.key == key
 
 
-def _without(uses: _Uses | None, key: ClaimKey) -> _Uses | None:
+def _without(uses: _Uses | None, key: SourceKey) -> _Uses | None:
     if isinstance(uses, dict):
         uses.pop(key, None)
         return uses or None
     return None if _has(uses, key) else uses
 
 
-def _below(node: _Node, most: int | None = None) -> Iterator[_Node]:
+def _below(node: _TopicNode, most: int | None = None) -> Iterator[_TopicNode]:
     """The topic and all below it that somebody wants to be told things on."""
     waiting = [node]
     count = 0
@@ -309,7 +309,7 @@ def _below(node: _Node, most: int | None = None) -> Iterator[_Node]:
             waiting.extend(one.children.values())
 
 
-def _verdicts(node: _Node) -> dict[ClaimKey, str]:
+def _verdicts(node: _TopicNode) -> dict[SourceKey, str]:
     """Who may not use a topic, each with who has it."""
     users = tuple(_all(node.users))
     if not users:
@@ -323,13 +323,13 @@ def _verdicts(node: _Node) -> dict[ClaimKey, str]:
     return _by_place(node.topic, users, [(one, one.rank(where)) for one, where in holders])
 
 
-def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[TopicUse, int]]) -> dict[ClaimKey, str]:
+def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[TopicUse, int]]) -> dict[SourceKey, str]:
     holders.sort(key=lambda held: -held[1])
     ranks = [(one, one.rank(topic)) for one in users]
     top = max(rank for _, rank in ranks)
     best = [one for one, rank in ranks if rank == top]
     winners = {one.key for one in _winners(best)}
-    found: dict[ClaimKey, str] = {}
+    found: dict[SourceKey, str] = {}
     for use, rank in ranks:
         stronger = next((one.device for one, held in holders if held > rank and one.device != use.device), "")
         if stronger:
@@ -342,7 +342,7 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
     return found
 
 
-def _owners(node: _Node | None) -> tuple[TopicUse, ...]:
+def _owners(node: _TopicNode | None) -> tuple[TopicUse, ...]:
     """Whose own the topic is; of those that are above each other the nearest."""
     while node is not None:
         if node.owners:
@@ -351,7 +351,7 @@ def _owners(node: _Node | None) -> tuple[TopicUse, ...]:
     return ()
 
 
-def _holders(node: _Node) -> list[tuple[TopicUse, str]]:
+def _holders(node: _TopicNode) -> list[tuple[TopicUse, str]]:
     """Who speaks on the topic, and who wants to be told things on one above it, with that topic."""
     found = [(one, node.topic) for one in _all(node.speakers)]
     above = node.parent
@@ -362,9 +362,9 @@ def _holders(node: _Node) -> list[tuple[TopicUse, str]]:
     return found
 
 
-def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[ClaimKey, str]:
+def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[SourceKey, str]:
     """Those of *users* that are not the owners' device, or were announced at a place that does not name it."""
-    found: dict[ClaimKey, str] = {}
+    found: dict[SourceKey, str] = {}
     for use in users:
         own = [one for one in owners if one.device == use.device]
         place = place_of(use.announced_on)

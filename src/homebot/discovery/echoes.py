@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias, final
 
 from homebot.devices.value import PlainValue
-from homebot.discovery.claim import ClaimKey
+from homebot.discovery.claim import SourceKey
 
 __all__ = ["Echoes"]
 
@@ -24,7 +24,7 @@ _What: TypeAlias = tuple[int, str, PlainValue]
 class _Lately:
     at: float
     told: int = 0
-    by_route: dict[ClaimKey, int] = field(default_factory=dict)
+    by_route: dict[SourceKey, int] = field(default_factory=dict)
 
 
 @final
@@ -39,7 +39,7 @@ class Echoes:
     def __init__(self) -> None:
         self._lately: OrderedDict[_What, _Lately] | None = None  # most devices have no events
 
-    def is_new(self, place: int, capability: str, value: PlainValue, route: ClaimKey, now: float) -> bool:
+    def is_new(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
         """Whether an event was not told by another route already.
 
         Args:

@@ -18,13 +18,13 @@ from homebot.devices import (
 )
 from homebot.devices.device_types import wanted_types
 from homebot.devices.value import PlainValue, Value
-from homebot.devices.words import takes_words, words_address
-from homebot.discovery.claim import Claim, ClaimKey, Told, preference
+from homebot.devices.words import accepts_text, text_address
+from homebot.discovery.claim import SourceKey, SourceRecord, StoredValue, preference
 from homebot.discovery.echoes import Echoes
 from homebot.discovery.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.parts import Disputed, MergedParts, main_part, merge_parts
 from homebot.discovery.reach import offline_parts, reachability
-from homebot.discovery.rhythm import Rhythm
+from homebot.discovery.rhythm import ReportInterval
 from homebot.messages import Time
 
 __all__ = ["MAX_FACTS", "Entry"]
@@ -39,16 +39,16 @@ class Entry:
 
     Attributes:
         id: Its id, for as long as the entry lives.
-        claims: Its announcements by gateway and key.
+        sources: Its announcements by gateway and key.
         first_seen: When it was first heard of.
         freshness: See :class:`Device`.
         deadline: When it becomes stale unless it is heard of again, in seconds of the clock that is never set.
         expires: The same in seconds since the Unix epoch.
-        rhythm: How often it speaks.
+        report_interval: How often it speaks.
         evidence: Why its announcements are one device, in words.
-        told_conflicts: What was last told to be disputed about it.
-        rival: The device that keeps a topic from it, as was last told; empty for none.
-        lasts: For how many seconds its gateways think that silence is no bad sign.
+        published_conflicts: What was last told to be disputed about it.
+        topic_owner: The device that keeps a topic from it, as was last told; empty for none.
+        silence_allowed: For how many seconds its gateways think that silence is no bad sign.
         saved_at: When it was last to be written to the index file that it was seen, on the clock that is never set.
         known_ids: Ids that parts had, beside those of the description that stands.
         is_denied: Whether any of its announcements says that something of it cannot be reached.
@@ -58,47 +58,47 @@ class Entry:
     id: str
     first_seen: Time
     freshness: Freshness
-    claims: dict[ClaimKey, Claim] = field(default_factory=dict)
+    sources: dict[SourceKey, SourceRecord] = field(default_factory=dict)
     deadline: float = -math.inf
     expires: float = 0.0
-    rhythm: Rhythm = field(default_factory=Rhythm)
+    report_interval: ReportInterval = field(default_factory=ReportInterval)
     evidence: tuple[str, ...] = ()
     saved_at: float = -math.inf
-    lasts: float = 0.0
-    told_conflicts: tuple[str, ...] = ()
-    rival: str = ""
+    silence_allowed: float = 0.0
+    published_conflicts: tuple[str, ...] = ()
+    topic_owner: str = ""
     known_ids: PartIds = field(default_factory=lambda: NO_IDS)
     is_denied: bool = False
     echoes: Echoes | None = None
     _description: _Description | None = None
     _device: Device | None = None
 
-    def best(self) -> Claim:
+    def best(self) -> SourceRecord:
         """Return the preferred announcement."""
-        claims = self.claims.values()
+        claims = self.sources.values()
         return next(iter(claims)) if len(claims) == 1 else min(claims, key=preference)
 
     def hardware(self) -> tuple[str, ...]:
         """Return its hardware addresses."""
-        found = (one for claim in self.claims.values() for one in claim.sighting.identifiers)
+        found = (one for claim in self.sources.values() for one in claim.sighting.identifiers)
         return tuple(dict.fromkeys(one for one in found if not one.startswith("id:")))
 
     def is_confirmed(self) -> bool:
         """Whether it was heard itself since the start."""
-        return any(claim.confirmed for claim in self.claims.values())
+        return any(claim.confirmed for claim in self.sources.values())
 
     def last_seen(self) -> Time:
         """Return when it was last heard of: when it spoke, or else was announced."""
-        if len(self.claims) == 1:
+        if len(self.sources) == 1:
             return self.best().seen_at
-        confirmed = [claim for claim in self.claims.values() if claim.confirmed]
-        return max(confirmed or self.claims.values(), key=lambda one: (one.heard, _moment(one.seen_at))).seen_at
+        confirmed = [claim for claim in self.sources.values() if claim.confirmed]
+        return max(confirmed or self.sources.values(), key=lambda one: (one.heard_at, _moment(one.seen_at))).seen_at
 
-    def told_anew(self) -> None:
+    def invalidate_device(self) -> None:
         """Its states or its freshness changed."""
         self._device = None
 
-    def described_anew(self) -> None:
+    def invalidate_description(self) -> None:
         """Its announcements changed, or what is disputed about it."""
         self.known_ids = self.part_ids()
         self._device = self._description = None
@@ -136,8 +136,8 @@ class Entry:
                 facts=described.facts,
                 reachable=self.reachability(),
                 offline_parts=self.offline_parts(described.merged),
-                states=self._newest(described.merged, [claim.told for claim in self.claims.values()]),
-                events=self._newest(described.merged, [claim.events for claim in self.claims.values()]),
+                states=self._newest(described.merged, [claim.values for claim in self.sources.values()]),
+                events=self._newest(described.merged, [claim.events for claim in self.sources.values()]),
                 evidence=self.evidence,
                 conflicts=described.merged.conflicts,
             )
@@ -145,15 +145,15 @@ class Entry:
 
     def reachability(self) -> Reachability:
         """Return whether it can be reached, as its parts are together."""
-        return reachability(self.claims.values())
+        return reachability(self.sources.values())
 
     def offline_parts(self, merged: MergedParts) -> tuple[str, ...]:
         """Return the ids of its parts that cannot be reached."""
         if not self.is_denied:
             return ()
-        return offline_parts(self.claims, merged.places, {number: one.id for number, one in enumerate(merged.parts)})
+        return offline_parts(self.sources, merged.places, {number: one.id for number, one in enumerate(merged.parts)})
 
-    def is_new_event(self, place: int, capability: str, value: PlainValue, route: ClaimKey, now: float) -> bool:
+    def is_new_event(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
         """Whether an event was not told by another route already; see :meth:`Echoes.is_new`."""
         if self.echoes is None:
             self.echoes = Echoes()
@@ -161,12 +161,12 @@ class Entry:
 
     def _described(self, disputed: Disputed) -> _Description:
         if self._description is None:
-            self._description = _describe(tuple(self.claims.values()), disputed, self.known_ids)
+            self._description = _describe(tuple(self.sources.values()), disputed, self.known_ids)
             if self.known_ids:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
 
-    def _newest(self, merged: MergedParts, said: Sequence[Mapping[tuple[str, str], Told]]) -> tuple[State, ...]:
+    def _newest(self, merged: MergedParts, said: Sequence[Mapping[tuple[str, str], StoredValue]]) -> tuple[State, ...]:
         """The newest of what all routes to a part told; what came live counts more than what the broker had kept.
 
         Args:
@@ -175,8 +175,8 @@ class Entry:
         """
         if not any(said):
             return ()
-        newest: dict[tuple[int, str], Told] = {}
-        for (gateway, key), values in zip(self.claims, said, strict=True):
+        newest: dict[tuple[int, str], StoredValue] = {}
+        for (gateway, key), values in zip(self.sources, said, strict=True):
             for (part, capability), told in values.items():
                 place = merged.places.get((gateway, key, part))
                 if place is None:
@@ -215,7 +215,7 @@ class _Description:
     merged: MergedParts
 
 
-def _describe(claims: tuple[Claim, ...], disputed: Disputed, known_ids: PartIds) -> _Description:
+def _describe(claims: tuple[SourceRecord, ...], disputed: Disputed, known_ids: PartIds) -> _Description:
     ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
     merged = merge_parts(ordered, disputed, known_ids)
     main = main_part(merged.parts)
@@ -235,7 +235,7 @@ def _describe(claims: tuple[Claim, ...], disputed: Disputed, known_ids: PartIds)
     )
 
 
-def _service_types(claims: Sequence[Claim], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
+def _service_types(claims: Sequence[SourceRecord], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
     if parts:
         shown = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
         found = [one.service_type for one in shown] + [one.advertised for one in shown if one.advertised]
@@ -246,7 +246,7 @@ def _service_types(claims: Sequence[Claim], parts: tuple[DevicePart, ...]) -> tu
     return tuple(dict.fromkeys(found))
 
 
-def _metadata(claims: Sequence[Claim]) -> tuple[KeyValue, ...]:
+def _metadata(claims: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
     found: dict[str, KeyValue] = {}
     for claim in claims:
         for one in claim.sighting.metadata:
@@ -254,7 +254,7 @@ def _metadata(claims: Sequence[Claim]) -> tuple[KeyValue, ...]:
     return tuple(found.values())[:MAX_FACTS]
 
 
-def _facts(claims: Sequence[Claim]) -> tuple[Fact, ...]:
+def _facts(claims: Sequence[SourceRecord]) -> tuple[Fact, ...]:
     """Each value once for each gateway and convention, by the first announcement that says it."""
     found: dict[tuple[str, str, str, str], Fact] = {}
     for claim in claims:
@@ -264,8 +264,8 @@ def _facts(claims: Sequence[Claim]) -> tuple[Fact, ...]:
             if not value or place in found:
                 continue
             said_at = claim.first_seen
-            if name in claim.said and claim.said[name][0] == value:
-                said_at = claim.said[name][1]
+            if name in claim.facts and claim.facts[name][0] == value:
+                said_at = claim.facts[name][1]
             found[place] = Fact.of_checked(
                 name=name, value=value, gateway=gateway, convention=convention, key=key, said_at=said_at
             )
@@ -274,12 +274,12 @@ def _facts(claims: Sequence[Claim]) -> tuple[Fact, ...]:
     return tuple(found.values())
 
 
-def _said(claim: Claim) -> list[tuple[str, str]]:
+def _said(claim: SourceRecord) -> list[tuple[str, str]]:
     sighting = claim.sighting
     return [("name", sighting.name), ("area", sighting.area), *((one.key, one.value) for one in sighting.metadata)]
 
 
-def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoint, ...]:
+def _endpoints(claims: Sequence[SourceRecord], main: DevicePart | None) -> tuple[Endpoint, ...]:
     """One for each gateway: two conventions at one gateway say everything twice."""
     found: dict[str, Endpoint] = {}
     if main is not None:
@@ -289,7 +289,7 @@ def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoi
             if sighting.speaks_plainly:
                 address, command_address = sighting.address, sighting.command_address
             else:
-                address = words_address(route.key, route.part)
+                address = text_address(route.key, route.part)
                 command_address = _told_at(main, route.gateway)
             endpoint = Endpoint.of_checked(
                 gateway=route.gateway, key=route.key, address=address, command_address=command_address
@@ -309,13 +309,13 @@ def _endpoints(claims: Sequence[Claim], main: DevicePart | None) -> tuple[Endpoi
 
 def _told_at(part: DevicePart, gateway: str) -> str:
     """Where *part* is told words: by the first of the gateway's ways that takes any."""
-    ways = (one for one in part.routes if one.gateway == gateway and one.takes) if takes_words(part.part) else ()
-    return next((words_address(one.key, one.part) for one in ways), "")
+    ways = (one for one in part.routes if one.gateway == gateway and one.takes) if accepts_text(part.part) else ()
+    return next((text_address(one.key, one.part) for one in ways), "")
 
 
 def _moment(time: Time | None) -> tuple[int, int]:
     return (time.sec, time.nanosec) if time is not None else (0, 0)
 
 
-def _weight(told: Told) -> tuple[bool, float, int, int]:
+def _weight(told: StoredValue) -> tuple[bool, float, int, int]:
     return told.live, told.heard, told.told_at.sec, told.told_at.nanosec

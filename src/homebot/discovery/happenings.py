@@ -12,7 +12,7 @@ from homebot.devices.device import ChangeKind
 from homebot.discovery.entry import Entry
 from homebot.discovery.parts import MergedParts
 
-__all__ = ["Happenings"]
+__all__ = ["ChangeQueue"]
 
 _MAX_STATES = 10_000
 _EVENTS = 100
@@ -20,7 +20,7 @@ _EVENTS = 100
 
 
 @dataclass(slots=True, eq=False)
-class _Happened:
+class _PendingChange:
     kind: ChangeKind
     entry: Entry
     why: str
@@ -29,7 +29,7 @@ class _Happened:
 
 
 @final
-class Happenings:
+class ChangeQueue:
     """Collects changes until they are taken: a device that is announced in thirty messages is then told of once.
 
     Args:
@@ -46,8 +46,8 @@ class Happenings:
         self.states_lost = 0
         self._events = 0
         self._describe = describe
-        self._happened: list[_Happened] = []
-        self._last: dict[str, _Happened] = {}
+        self._pending: list[_PendingChange] = []
+        self._last: dict[str, _PendingChange] = {}
         self._states: list[tuple[Entry, MergedParts, State]] = []
 
     def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
@@ -55,18 +55,18 @@ class Happenings:
         waiting = self._last.get(entry.id)
         if kind == "changed" and waiting is not None and waiting.kind != "stale":
             return
-        happened = _Happened(kind, entry, why, other)
-        self._happened.append(happened)
+        happened = _PendingChange(kind, entry, why, other)
+        self._pending.append(happened)
         self._last[entry.id] = happened
 
     def note_removed(self, entry: Entry, why: str, other: str = "") -> None:
         """Note that *entry* goes; it is told of as it is now."""
         device = self._describe(entry)
         if self._last.pop(entry.id, None) is not None:
-            for one in self._happened:
+            for one in self._pending:
                 if one.entry is entry and one.device is None:
                     one.device = device
-        self._happened.append(_Happened("removed", entry, why, other, device))
+        self._pending.append(_PendingChange("removed", entry, why, other, device))
 
     def note_state(self, entry: Entry, parts: MergedParts, state: State) -> None:
         """Note that one of the *parts* of *entry* told another value; while 10,000 wait, it is dropped and counted."""
@@ -77,8 +77,8 @@ class Happenings:
 
     def take(self, at_most: int | None) -> tuple[DeviceChange, ...]:
         """Return the oldest changes, and what they made disputed, and forget them."""
-        taken = self._happened if at_most is None else self._happened[:at_most]
-        self._happened = [] if at_most is None else self._happened[at_most:]
+        taken = self._pending if at_most is None else self._pending[:at_most]
+        self._pending = [] if at_most is None else self._pending[at_most:]
         return tuple(change for one in taken for change in self._changes(one))
 
     def take_states(self, counts: Callable[[Entry, MergedParts, State], bool]) -> tuple[StateChange, ...]:
@@ -90,14 +90,14 @@ class Happenings:
         taken, self._states = self._states, []
         return tuple(self._state_change(entry, state) for entry, parts, state in taken if counts(entry, parts, state))
 
-    def _changes(self, one: _Happened) -> Iterator[DeviceChange]:
+    def _changes(self, one: _PendingChange) -> Iterator[DeviceChange]:
         """The change, and what became disputed by it."""
         entry = one.entry
         if self._last.get(entry.id) is one:
             del self._last[entry.id]
         device = one.device or self._describe(entry)
         yield self._change(one.kind, device, one.why, one.other)
-        before, entry.told_conflicts = entry.told_conflicts, device.conflicts
+        before, entry.published_conflicts = entry.published_conflicts, device.conflicts
         if before == device.conflicts or one.kind == "removed":
             return
         if not device.conflicts:

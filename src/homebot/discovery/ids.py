@@ -11,7 +11,7 @@ from typing import final
 
 from homebot.devices import Sighting
 from homebot.devices.query.folding import fold
-from homebot.discovery.claim import ClaimKey
+from homebot.discovery.claim import SourceKey
 
 __all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "new_id"]
 
@@ -66,15 +66,15 @@ class Tombstone:
         id: The id it had, and gets again when it returns.
         keys: Its announcements.
         hardware: Its hardware addresses.
-        is_ghost: Whether it was forgotten, though its announcements may still be kept by the broker: these alone do not
-            bring it back.
+        retained_only: Whether it was forgotten, though its announcements may still be kept by the broker: these alone
+            do not bring it back.
         at: When it went, in seconds since the Unix epoch.
     """
 
     id: str
-    keys: tuple[ClaimKey, ...]
+    keys: tuple[SourceKey, ...]
     hardware: tuple[str, ...]
-    is_ghost: bool
+    retained_only: bool
     at: float
 
 
@@ -85,7 +85,7 @@ class Tombstones:
     def __init__(self, at_most: int = MAX_TOMBSTONES) -> None:
         self._at_most = at_most
         self._stones: OrderedDict[str, Tombstone] = OrderedDict()
-        self._by_key: dict[ClaimKey, str] = {}
+        self._by_key: dict[SourceKey, str] = {}
         self._by_hardware: dict[str, str] = {}
 
     def __len__(self) -> int:
@@ -105,7 +105,7 @@ class Tombstones:
         self._by_hardware.update(dict.fromkeys(stone.hardware, stone.id))
         return self.take(next(iter(self._stones))) if len(self._stones) > self._at_most else None
 
-    def find(self, key: ClaimKey, identifiers: Iterable[str]) -> Tombstone | None:
+    def find(self, key: SourceKey, identifiers: Iterable[str]) -> Tombstone | None:
         """Return the device that *key* announced, or that has one of the hardware addresses among *identifiers*."""
         found = self._by_key.get(key)
         if found is None:

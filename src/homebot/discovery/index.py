@@ -18,25 +18,25 @@ from homebot.devices.device import ChangeKind
 from homebot.devices.part import Part
 from homebot.devices.query import Query, facets_of, type_is
 from homebot.devices.report import REACHABLE, Reading, Report
-from homebot.discovery.bonds import Bonds
-from homebot.discovery.claim import Claim, ClaimKey, Told, is_described_anew, note_description
+from homebot.discovery.bonds import IdentityGraph
+from homebot.discovery.claim import SourceKey, SourceRecord, StoredValue, is_described_anew, note_description
 from homebot.discovery.deadlines import Deadlines
-from homebot.discovery.disputes import NOBODY, Disputes, topic_use
+from homebot.discovery.disputes import NOBODY, TopicOwnership, topic_use
 from homebot.discovery.entry import Entry
-from homebot.discovery.happenings import Happenings
+from homebot.discovery.happenings import ChangeQueue
 from homebot.discovery.ids import Tombstone, Tombstones, new_id
 from homebot.discovery.parts import MergedParts
 from homebot.discovery.postings import Postings
 from homebot.discovery.regroup import Regrouped, regroup
-from homebot.discovery.strays import Strays
-from homebot.discovery.values import NOT_ANNOUNCED, can_tell, is_denied, reach, state_of, tell
+from homebot.discovery.strays import PendingReports
+from homebot.discovery.values import NOT_ANNOUNCED, has_capability, is_denied, state_of, store_reachability, store_value
 from homebot.messages import Time
 
-__all__ = ["MAX_CLAIMS", "MAX_DEVICES", "DeviceIndex", "IndexCounters"]
+__all__ = ["MAX_DEVICES", "MAX_SOURCES", "DeviceIndex", "IndexCounters"]
 
 MAX_DEVICES = 100_000
 
-MAX_CLAIMS = 1000
+MAX_SOURCES = 1000
 """Announcements of one device; further ones are rejected."""
 
 SAVE_LIFE = 600.0
@@ -58,12 +58,12 @@ class IndexCounters:
 
     Attributes:
         rejected: Announcements of new devices while the index was full, and those of a device that has too many.
-        ghosts: Announcements that the broker had kept, of devices that were forgotten.
+        retained_only: Announcements that the broker had kept, of devices that were forgotten.
         unknown_parts: Readings of parts that were not announced, or not with that capability; they change nothing.
     """
 
     rejected: int = 0
-    ghosts: int = 0
+    retained_only: int = 0
     unknown_parts: int = 0
 
 
@@ -93,16 +93,16 @@ class DeviceIndex:
         self.tells_states = False
         self._forget_after = forget_after
         self._max_devices = max_devices
-        self._claims: dict[ClaimKey, Claim] = {}
-        self._owner: dict[ClaimKey, Entry] = {}
+        self._sources: dict[SourceKey, SourceRecord] = {}
+        self._owner: dict[SourceKey, Entry] = {}
         self._entries: dict[str, Entry] = {}
-        self._bonds = Bonds()
-        self._disputes = Disputes()
+        self._identities = IdentityGraph()
+        self._topic_ownership = TopicOwnership()
         self._deadlines = Deadlines()
         self._postings = Postings()
         self._unsorted: dict[str, None] = {}
-        self._happenings = Happenings(self._device, first_sequence)
-        self._strays = Strays()
+        self._changes = ChangeQueue(self._device, first_sequence)
+        self._pending = PendingReports()
         self._number = 0
         self._now = -math.inf
 
@@ -113,15 +113,15 @@ class DeviceIndex:
         """Return what was not taken in, and what was dropped, by name."""
         return {
             **asdict(self.counters),
-            "strays": self._strays.count,
-            "identifiers_cut": self._bonds.cut,
-            "states_lost": self._happenings.states_lost,
+            "strays": self._pending.count,
+            "identifiers_cut": self._identities.cut,
+            "states_lost": self._changes.states_lost,
         }
 
     @property
     def sequence(self) -> int:
         """Number of the last change that was taken."""
-        return self._happenings.sequence
+        return self._changes.sequence
 
     def observe(self, sighting: Sighting, now: float | None = None) -> None:
         """Take *sighting* in.
@@ -133,7 +133,7 @@ class DeviceIndex:
         """
         self._now = sighting.seen_at.to_seconds() if now is None else now
         key = (sighting.gateway, sighting.key)
-        claim = self._claims.get(key)
+        claim = self._sources.get(key)
         if sighting.kind == "removed":
             if claim is not None:
                 self._withdraw(key, sighting.why)
@@ -151,9 +151,9 @@ class DeviceIndex:
         """
         self._now = report.received_at.to_seconds() if now is None else now
         key = (report.gateway, report.key)
-        claim = self._claims.get(key) or self._woken(key, report)
+        claim = self._sources.get(key) or self._woken(key, report)
         if claim is None:
-            self._strays.put(key, report, self._now)
+            self._pending.put(key, report, self._now)
             return
         entry, live = self._owner[key], not report.retained
         is_life = live and report.address != ""
@@ -163,28 +163,28 @@ class DeviceIndex:
             if capability == REACHABLE:
                 before = before or self._reach(entry)
                 if report.address:
-                    reach(entry, claim, reading, report.received_at, self._now, live=live)
+                    store_reachability(entry, claim, reading, report.received_at, self._now, live=live)
                 else:  # it tells that no more
                     claim.set_reach({part: one for part, one in claim.reach.items() if part != reading.part})
                 is_life = is_life and reading.value.flag
             elif capability in EVENTS:
                 if live:
                     self._happen(entry, claim, reading, report.received_at)
-            elif (told := tell(claim, reading, report, self._now)) is not None:
-                self._tell(entry, claim, reading, told)
+            elif (told := store_value(claim, reading, report, self._now)) is not None:
+                self._store_value(entry, claim, reading, told)
         if is_life:
-            self._hear(entry, claim, report.received_at, "it spoke itself")
+            self._mark_seen(entry, claim, report.received_at, "it spoke itself")
         else:
-            entry.told_anew()
+            entry.invalidate_device()
         if before is not None and self._reach(entry) != before:
             self._note("changed", entry, entry.reachability().why)
 
-    def _woken(self, key: ClaimKey, report: Report) -> Claim | None:
+    def _woken(self, key: SourceKey, report: Report) -> SourceRecord | None:
         """The announcement of a device that was forgotten, where *report* shows that it is alive."""
-        sighting = self._strays.wake(report)
+        sighting = self._pending.revive(report)
         if sighting is not None:
             self._add(key, sighting)
-        return self._claims.get(key)
+        return self._sources.get(key)
 
     def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...]]:
         """Whether it can be reached, and which of its parts cannot."""
@@ -223,14 +223,14 @@ class DeviceIndex:
         Args:
             at_most: How many to take; None for all.
         """
-        return self._happenings.take(at_most)
+        return self._changes.take(at_most)
 
     def take_states(self) -> tuple[StateChange, ...]:
         """Return the changes of states, oldest first, and forget them; to be called after :meth:`take_changes`.
 
         Those of parts and capabilities that went meanwhile are left out.
         """
-        return self._happenings.take_states(self._counts)
+        return self._changes.take_states(self._is_current)
 
     def devices(self, service_type: str = "") -> tuple[Device, ...]:
         """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""
@@ -283,7 +283,7 @@ class DeviceIndex:
         entry = self._entries.get(device_id)
         if entry is None:
             return None
-        announced = [one.sighting for one in entry.claims.values()]
+        announced = [one.sighting for one in entry.sources.values()]
         self._remove(entry, "somebody wants it forgotten", is_ghost=True, at=now)
         return tuple((one.gateway, one.announced_on) for one in announced if one.announced_on)
 
@@ -308,52 +308,52 @@ class DeviceIndex:
                 homebot was away nobody knows whose clock was set meanwhile.
             wall: Seconds since the Unix epoch, for its stamp; by default the same.
         """
-        if entry.id in self._entries or len(self._entries) >= self._max_devices or not entry.claims:
+        if entry.id in self._entries or len(self._entries) >= self._max_devices or not entry.sources:
             return
-        if any(key in self._claims for key in entry.claims):
+        if any(key in self._sources for key in entry.sources):
             return
-        for key, claim in entry.claims.items():
+        for key, claim in entry.sources.items():
             self._number += 1
             claim.number = self._number
-            self._claims[key] = claim
+            self._sources[key] = claim
             self._owner[key] = entry
-            self._bonds.put(key, claim.sighting)
+            self._identities.put(key, claim.sighting)
         entry.freshness = "unconfirmed"
-        lasts = max(claim.lasts for claim in entry.claims.values())
+        lasts = max(claim.lasts for claim in entry.sources.values())
         entry.deadline, entry.expires = now + lasts, (now if wall is None else wall) + lasts
         self._entries[entry.id] = entry
         self._describe(entry)
         self._deadlines.set(entry.id, entry.deadline)
         self._note("appeared", entry, "it was known before the start")
 
-    def _add(self, key: ClaimKey, sighting: Sighting) -> None:
+    def _add(self, key: SourceKey, sighting: Sighting) -> None:
         stone = self.tombstones.find(key, ())
-        if stone is not None and stone.is_ghost and not sighting.confirmed:
-            self.counters.ghosts += 1
-            self._strays.bury(key, sighting)
+        if stone is not None and stone.retained_only and not sighting.confirmed:
+            self.counters.retained_only += 1
+            self._pending.remember_forgotten(key, sighting)
             return
-        if len(self._claims) >= _CLAIMS_PER_DEVICE * self._max_devices:
+        if len(self._sources) >= _CLAIMS_PER_DEVICE * self._max_devices:
             self.counters.rejected += 1
             return
-        claim = Claim(
+        claim = SourceRecord(
             sighting=sighting,
             number=0,
             first_seen=sighting.seen_at,
             seen_at=sighting.seen_at,
             confirmed=sighting.confirmed,
-            heard=self._now,
+            heard_at=self._now,
         )
         key = claim.key  # one object, wherever it is kept
-        affected = self._bonds.put(key, sighting)
-        sibling = self._bonds.sibling(key)
+        affected = self._identities.put(key, sighting)
+        sibling = self._identities.same_identity(key)
         is_alone = sibling is None and len(affected) == 1
-        count = len(self._owner[sibling].claims) + 1 if sibling is not None else len(affected)
-        if count > MAX_CLAIMS or (is_alone and len(self._entries) >= self._max_devices):
-            self._bonds.discard(key)
+        count = len(self._owner[sibling].sources) + 1 if sibling is not None else len(affected)
+        if count > MAX_SOURCES or (is_alone and len(self._entries) >= self._max_devices):
+            self._identities.discard(key)
             self.counters.rejected += 1
             return
         self._number += 1
-        self._claims[key] = claim
+        self._sources[key] = claim
         claim.number = self._number
         is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first word was overtaken
         why = "it was announced" if is_late else sighting.why
@@ -364,50 +364,50 @@ class DeviceIndex:
         else:
             self._regroup(affected, why)
         if sighting.confirmed and not is_alone:
-            self._hear(self._owner[key], claim, sighting.seen_at, why)
-        for report in self._strays.take(key, self._now):
+            self._mark_seen(self._owner[key], claim, sighting.seen_at, why)
+        for report in self._pending.take(key, self._now):
             self.report(report, self._now)
 
-    def _join(self, entry: Entry, claim: Claim) -> None:
+    def _join(self, entry: Entry, claim: SourceRecord) -> None:
         """The usual case, a further announcement of the same device in the same way, without a look at all others."""
-        entry.claims[claim.key] = claim
+        entry.sources[claim.key] = claim
         self._owner[claim.key] = entry
         self._describe(entry, claim)
         if entry.freshness == "unconfirmed":
             self._lengthen(entry, claim, self._now)
         self._note("changed", entry, "it announces more")
 
-    def _refresh(self, key: ClaimKey, claim: Claim, sighting: Sighting) -> None:
+    def _refresh(self, key: SourceKey, claim: SourceRecord, sighting: Sighting) -> None:
         before, claim.sighting = claim.sighting, sighting
         entry = self._owner[key]
         is_new = is_described_anew(before, sighting)
         if is_new:
             note_description(claim, before)
-            if affected := self._bonds.put(key, sighting):
+            if affected := self._identities.put(key, sighting):
                 self._regroup(affected, "it says anew who it is")
                 entry = self._owner[key]
             self._describe(entry)
             self._note("changed", entry, "it is described anew")
         if sighting.confirmed:
-            self._hear(entry, claim, sighting.seen_at, "it spoke itself")
+            self._mark_seen(entry, claim, sighting.seen_at, "it spoke itself")
         elif not claim.confirmed and entry.freshness == "unconfirmed":
-            claim.seen_at, claim.heard = sighting.seen_at, self._now
-            entry.told_anew()
+            claim.seen_at, claim.heard_at = sighting.seen_at, self._now
+            entry.invalidate_device()
             self._lengthen(entry, claim, self._now)
 
-    def _withdraw(self, key: ClaimKey, why: str) -> None:
+    def _withdraw(self, key: SourceKey, why: str) -> None:
         entry = self._owner[key]
-        if len(entry.claims) == 1:
+        if len(entry.sources) == 1:
             self._remove(entry, why, is_ghost=False, at=entry.last_seen().to_seconds())
             return
-        affected = self._bonds.discard(key)
-        del self._claims[key], self._owner[key], entry.claims[key]
-        self._settle(self._disputes.discard(key))
+        affected = self._identities.discard(key)
+        del self._sources[key], self._owner[key], entry.sources[key]
+        self._refresh_conflicts(self._topic_ownership.discard(key))
         self._regroup(affected, why)
         self._describe(entry)
         self._note("changed", entry, f"it announces less: {why}")
 
-    def _appear(self, claims: dict[ClaimKey, Claim], why: str) -> Entry:
+    def _appear(self, claims: dict[SourceKey, SourceRecord], why: str) -> Entry:
         first = next(iter(claims.values()))
         stone = self._stone(claims)
         if stone is not None:
@@ -421,14 +421,14 @@ class DeviceIndex:
         self._owner.update(dict.fromkeys(claims, entry))
         for claim in claims.values():
             if claim.confirmed:
-                entry.rhythm.heard(claim.heard)
+                entry.report_interval.record(claim.heard_at)
         self._describe(entry)
         for claim in claims.values():
-            self._lengthen(entry, claim, self._now if claim.heard == -math.inf else claim.heard)
+            self._lengthen(entry, claim, self._now if claim.heard_at == -math.inf else claim.heard_at)
         self._note("appeared", entry, f"it is back: {why}" if is_back else why)
         return entry
 
-    def _stone(self, claims: dict[ClaimKey, Claim]) -> Tombstone | None:
+    def _stone(self, claims: dict[SourceKey, SourceRecord]) -> Tombstone | None:
         for key, claim in claims.items():
             hardware = (one for one in claim.sighting.identifiers if not one.startswith("id:"))
             if (stone := self.tombstones.find(key, hardware)) is not None:
@@ -439,20 +439,20 @@ class DeviceIndex:
         return device_id in self._entries or device_id in self.tombstones
 
     def _remove(self, entry: Entry, why: str, *, is_ghost: bool, at: float) -> None:
-        self._happenings.note_removed(entry, why)
-        stone = Tombstone(entry.id, tuple(entry.claims), entry.hardware(), is_ghost, at)
+        self._changes.note_removed(entry, why)
+        stone = Tombstone(entry.id, tuple(entry.sources), entry.hardware(), is_ghost, at)
         self._drop(entry)
-        affected: set[ClaimKey] = set()
-        for key, claim in entry.claims.items():
+        affected: set[SourceKey] = set()
+        for key, claim in entry.sources.items():
             if is_ghost:
-                self._strays.bury(key, claim.sighting)
-            affected |= self._bonds.discard(key)
-            del self._claims[key], self._owner[key]
-            self._settle(self._disputes.discard(key))
+                self._pending.remember_forgotten(key, claim.sighting)
+            affected |= self._identities.discard(key)
+            del self._sources[key], self._owner[key]
+            self._refresh_conflicts(self._topic_ownership.discard(key))
         forgotten = self.tombstones.put(stone)
         if forgotten is not None:
-            self._mark(forgotten.id)
-        if affected := affected - entry.claims.keys():
+            self._mark_unsaved(forgotten.id)
+        if affected := affected - entry.sources.keys():
             self._regroup(affected, f"{entry.id} is gone: {why}")
 
     def _drop(self, entry: Entry) -> None:
@@ -460,42 +460,42 @@ class DeviceIndex:
         self._unsorted.pop(entry.id, None)
         self._postings.discard(entry.id)
         self._deadlines.discard(entry.id)
-        self._mark(entry.id)
+        self._mark_unsaved(entry.id)
 
-    def _regroup(self, affected: Iterable[ClaimKey], why: str) -> None:
+    def _regroup(self, affected: Iterable[SourceKey], why: str) -> None:
         """Make the devices those that the announcements *affected* are about now."""
-        for one in regroup(self._bonds.groups(affected), self._owner, self._age):
+        for one in regroup(self._identities.groups(affected), self._owner, self._age):
             if one.keeps is not None:
-                self._gather(one.keeps, one, why)
+                self._merge(one.keeps, one, why)
             else:
-                self._part(one, why)
+                self._split(one, why)
 
-    def _age(self, key: ClaimKey) -> int:
-        return self._claims[key].number
+    def _age(self, key: SourceKey) -> int:
+        return self._sources[key].number
 
-    def _part(self, new: Regrouped, why: str) -> None:
+    def _split(self, new: Regrouped, why: str) -> None:
         for parent in new.parents:
             for key in new.keys:
-                parent.claims.pop(key, None)
-        entry = self._appear({key: self._claims[key] for key in new.keys}, why)
+                parent.sources.pop(key, None)
+        entry = self._appear({key: self._sources[key] for key in new.keys}, why)
         for parent in new.parents:
             self._describe(parent)
             self._note("unmerged", parent, f"{entry.id} turned out to be another device", entry.id)
 
-    def _gather(self, entry: Entry, found: Regrouped, why: str) -> None:
-        claims = {key: self._claims[key] for key in found.keys}
-        new = claims.keys() - entry.claims.keys()
-        if not new and len(claims) == len(entry.claims):
+    def _merge(self, entry: Entry, found: Regrouped, why: str) -> None:
+        claims = {key: self._sources[key] for key in found.keys}
+        new = claims.keys() - entry.sources.keys()
+        if not new and len(claims) == len(entry.sources):
             return
         for other in found.gone:
-            self._happenings.note_removed(other, f"it is the same device as {entry.id}", entry.id)
+            self._changes.note_removed(other, f"it is the same device as {entry.id}", entry.id)
             self._drop(other)
-            entry.rhythm.join(other.rhythm)
+            entry.report_interval.join(other.report_interval)
             if other.deadline > entry.deadline:
                 entry.deadline, entry.expires = other.deadline, other.expires
             if other.freshness == "fresh" or entry.freshness == "stale":
                 entry.freshness = other.freshness
-        entry.claims = claims
+        entry.sources = claims
         self._owner.update(dict.fromkeys(claims, entry))
         before = entry.evidence
         self._describe(entry)
@@ -506,68 +506,68 @@ class DeviceIndex:
         if new and not found.gone:
             self._note("merged" if evidence else "changed", entry, evidence or "it announces more")
 
-    def _describe(self, entry: Entry, new: Claim | None = None) -> None:
+    def _describe(self, entry: Entry, new: SourceRecord | None = None) -> None:
         """What the announcements of *entry* say changed, maybe by *new* alone: look anew at what follows from it."""
-        entry.described_anew()
-        claims = tuple(entry.claims.values()) if new is None else (new,)
+        entry.invalidate_description()
+        claims = tuple(entry.sources.values()) if new is None else (new,)
         if new is None:
             entry.evidence = tuple(self._evidence(entry)) if len(claims) > 1 else ()
-            entry.lasts = max([claim.lasts for claim in claims])
+            entry.silence_allowed = max([claim.lasts for claim in claims])
             entry.is_denied = is_denied(claims)
         else:
-            entry.lasts = max(entry.lasts, new.lasts)
+            entry.silence_allowed = max(entry.silence_allowed, new.lasts)
         concerned: set[str] = set()
         for claim in claims:
-            concerned |= self._disputes.put(topic_use(claim, entry.id))
+            concerned |= self._topic_ownership.put(topic_use(claim, entry.id))
         if concerned:
-            self._settle(concerned)
+            self._refresh_conflicts(concerned)
         self._unsorted[entry.id] = None
-        self._mark(entry.id)
+        self._mark_unsaved(entry.id)
         owner = ""
         for claim in claims:
             if owner := self._rival(entry, claim):
                 break
         if new is not None and not owner:
             return
-        before, entry.rival = entry.rival, owner
+        before, entry.topic_owner = entry.topic_owner, owner
         if owner and owner != before:
             why = f"{entry.id} wants to be told things where it listens"
             self._note("conflict", self._entries[owner], why, entry.id)
 
     def _evidence(self, entry: Entry) -> Iterator[str]:
-        for number, (identifier, keys) in enumerate(self._bonds.shared(entry.claims)):
+        for number, (identifier, keys) in enumerate(self._identities.shared(entry.sources)):
             if number >= _MAX_EVIDENCE:
                 return
-            yield f"same {identifier} in {' and '.join(self._claims[key].label for key in keys)}"
+            yield f"same {identifier} in {' and '.join(self._sources[key].label for key in keys)}"
 
-    def _settle(self, concerned: Iterable[str]) -> None:
+    def _refresh_conflicts(self, concerned: Iterable[str]) -> None:
         """Look anew at devices that share a topic with one that came or went."""
         for device_id in concerned:
             entry = self._entries.get(device_id)
             if entry is None:
                 continue
-            entry.described_anew()
+            entry.invalidate_description()
             self._unsorted[device_id] = None
-            if entry.told_conflicts != entry.parts(self._disputed).conflicts:
+            if entry.published_conflicts != entry.parts(self._disputed).conflicts:
                 self._note("changed", entry, "what is disputed about it changed")
 
-    def _rival(self, entry: Entry, claim: Claim) -> str:
+    def _rival(self, entry: Entry, claim: SourceRecord) -> str:
         """The device that keeps a topic from *claim*; empty where none does."""
         for part in claim.sighting.parts:
             for topic in part.writes:
-                owner = self._disputes.owner(claim.key, topic)
+                owner = self._topic_ownership.owner(claim.key, topic)
                 if owner and owner != entry.id and owner in self._entries:
                     return owner
         return ""
 
-    def _disputed(self, claim: Claim, part: Part) -> str:
+    def _disputed(self, claim: SourceRecord, part: Part) -> str:
         for topic in part.writes:
-            owner = self._disputes.owner(claim.key, topic)
+            owner = self._topic_ownership.owner(claim.key, topic)
             if owner:
                 return self._dispute_in_words(claim, topic, owner)
         return ""
 
-    def _dispute_in_words(self, claim: Claim, topic: str, owner: str) -> str:
+    def _dispute_in_words(self, claim: SourceRecord, topic: str, owner: str) -> str:
         wants = f"{claim.label} wants to be told things on {topic}, where"
         if owner == NOBODY:
             return f"{wants} too many others do"
@@ -575,17 +575,17 @@ class DeviceIndex:
             return f"{wants} another announcement of the device is told something else"
         return f"{wants} {owner} listens"
 
-    def _hear(self, entry: Entry, claim: Claim, stamp: Time, why: str) -> None:
+    def _mark_seen(self, entry: Entry, claim: SourceRecord, stamp: Time, why: str) -> None:
         now = self._now
         if now - entry.saved_at > SAVE_LIFE:
             entry.saved_at = now
-            self._mark(entry.id)
+            self._mark_unsaved(entry.id)
         claim.confirmed = True
-        claim.seen_at, claim.heard = stamp, now
-        usual = entry.rhythm.heard(now)
-        entry.told_anew()
-        if usual < entry.lasts:
-            usual = entry.lasts
+        claim.seen_at, claim.heard_at = stamp, now
+        usual = entry.report_interval.record(now)
+        entry.invalidate_device()
+        if usual < entry.silence_allowed:
+            usual = entry.silence_allowed
         if usual < _ONLINE_FOR and claim.is_online:
             usual = _ONLINE_FOR
         before, entry.freshness = entry.freshness, "fresh"
@@ -599,7 +599,7 @@ class DeviceIndex:
         else:
             self._note("changed", entry, why)
 
-    def _lengthen(self, entry: Entry, claim: Claim, heard: float) -> None:
+    def _lengthen(self, entry: Entry, claim: SourceRecord, heard: float) -> None:
         """Let *entry* be silent for as long as *claim*, last *heard* then, says; unless it may for longer already."""
         deadline = heard + claim.lasts
         if deadline > entry.deadline:
@@ -610,7 +610,7 @@ class DeviceIndex:
         forgets = self._forget_after if entry.freshness == "stale" else 0.0
         self._deadlines.set(entry.id, entry.deadline + forgets)
 
-    def _tell(self, entry: Entry, claim: Claim, reading: Reading, told: Told) -> None:
+    def _store_value(self, entry: Entry, claim: SourceRecord, reading: Reading, told: StoredValue) -> None:
         """Make a new value findable, and tell it."""
         if told is NOT_ANNOUNCED:
             self.counters.unknown_parts += 1
@@ -628,11 +628,11 @@ class DeviceIndex:
         elif is_sorted:
             self._postings.tell(entry.id, part.id, part.part.service_type, reading.capability, told.value)
         if self.tells_states:
-            self._happenings.note_state(entry, merged, state_of(part.id, reading, told))
+            self._changes.note_state(entry, merged, state_of(part.id, reading, told))
 
-    def _happen(self, entry: Entry, claim: Claim, reading: Reading, stamp: Time) -> None:
+    def _happen(self, entry: Entry, claim: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Tell an event once, by however many routes it comes; it is no state, so nothing becomes findable by it."""
-        if not can_tell(claim, reading.part, reading.capability):
+        if not has_capability(claim, reading.part, reading.capability):
             self.counters.unknown_parts += 1
             return
         merged = entry.parts(self._disputed)
@@ -640,13 +640,13 @@ class DeviceIndex:
         value = reading.value.plain()
         if number is None or not entry.is_new_event(number, reading.capability, value, claim.key, self._now):
             return
-        told = Told(value, stamp, stamp, live=True, heard=self._now)
+        told = StoredValue(value, stamp, stamp, live=True, heard=self._now)
         claim.events = {**claim.events, (reading.part, reading.capability): told}
         if self.tells_states:
             state = state_of(merged.parts[number].id, reading, told)
-            self._happenings.note_state(entry, merged, state)
+            self._changes.note_state(entry, merged, state)
 
-    def _counts(self, entry: Entry, parts: MergedParts, state: State) -> bool:
+    def _is_current(self, entry: Entry, parts: MergedParts, state: State) -> bool:
         if self._entries.get(entry.id) is not entry:
             return False
         if state.capability in EVENTS:
@@ -656,7 +656,7 @@ class DeviceIndex:
         place = (state.part, state.capability)
         return any((one.part, one.capability) == place for one in self._device(entry).states)
 
-    def _mark(self, device_id: str) -> None:
+    def _mark_unsaved(self, device_id: str) -> None:
         if self.is_saved:
             self.unsaved[device_id] = None
             if len(self.unsaved) > _MAX_UNSAVED:
@@ -667,6 +667,6 @@ class DeviceIndex:
         return entry.to_device(self._disputed)
 
     def _note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
-        entry.told_anew()
+        entry.invalidate_device()
         self._unsorted[entry.id] = None
-        self._happenings.note(kind, entry, why, other)
+        self._changes.note(kind, entry, why, other)

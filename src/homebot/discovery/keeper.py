@@ -22,7 +22,7 @@ from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
 
-__all__ = ["Keeper"]
+__all__ = ["IndexPersistence"]
 
 DAMAGED = "discovery.index_file_damaged"
 NOT_WRITTEN = "discovery.index_file_not_written"
@@ -44,7 +44,7 @@ _BATCH = 200
 _LAST_CHANCE = 5.0
 
 
-class Keeper:
+class IndexPersistence:
     """Keeps the index file.
 
     Args:
@@ -196,7 +196,7 @@ class Keeper:
 
 
 @dataclass(frozen=True, slots=True)
-class _Known:
+class _SavedState:
     """What is in the file; the devices oldest first."""
 
     entries: tuple[Entry, ...]
@@ -204,7 +204,7 @@ class _Known:
     rejected: int
 
 
-def _read(file: IndexFile) -> _Known:
+def _read(file: IndexFile) -> _SavedState:
     """Read and understand the whole file; in a worker thread, for it takes a second for ten thousand devices."""
     records = file.read()
     entries: list[Entry] = []
@@ -222,4 +222,4 @@ def _read(file: IndexFile) -> _Known:
             rejected += 1
     entries.sort(key=lambda one: (one.first_seen.sec, one.first_seen.nanosec, one.id))
     tombstones.sort(key=lambda one: (one.at, one.id))
-    return _Known(tuple(entries), tuple(tombstones), rejected)
+    return _SavedState(tuple(entries), tuple(tombstones), rejected)

@@ -10,8 +10,8 @@ from typing import TypeAlias
 from homebot.devices import DevicePart, Route
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
-from homebot.discovery.abilities import decided, taken_by
-from homebot.discovery.claim import NATIVE, Claim, preference
+from homebot.discovery.abilities import decided, settable_by
+from homebot.discovery.claim import NATIVE_CONVENTIONS, SourceRecord, preference
 from homebot.discovery.matching import Candidate, candidates, match
 from homebot.discovery.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
 
@@ -20,7 +20,7 @@ __all__ = ["MAX_PARTS", "Disputed", "MergedParts", "main_part", "merge_parts"]
 MAX_PARTS = 1000
 """Parts of one device; further ones are left out."""
 
-Disputed: TypeAlias = Callable[[Claim, Part], str]
+Disputed: TypeAlias = Callable[[SourceRecord, Part], str]
 """Says in words who else has what a part of a claim would use; empty for nobody."""
 
 
@@ -48,7 +48,7 @@ class _Told:
     """A part as one source tells of it: in one announcement, or in several that agree where it is told things."""
 
     part: Part
-    claims: list[Claim]
+    claims: list[SourceRecord]
 
 
 @dataclass(slots=True)
@@ -71,10 +71,10 @@ _Source: TypeAlias = tuple[bool, str, str]
 _Way: TypeAlias = tuple[PartPlace, str, Part]
 """Where a part is told of, by which convention, and as what."""
 
-_Telling: TypeAlias = tuple[Claim, Part, _Told]
+_Telling: TypeAlias = tuple[SourceRecord, Part, _Told]
 
 
-def merge_parts(claims: Sequence[Claim], disputed: Disputed, known: PartIds = NO_IDS) -> MergedParts:
+def merge_parts(claims: Sequence[SourceRecord], disputed: Disputed, known: PartIds = NO_IDS) -> MergedParts:
     """Return the parts that *claims* on one device tell of; those that are *known* keep their ids.
 
     Parts of different conventions or gateways are one as :mod:`homebot.discovery.matching` says. In one convention they
@@ -117,7 +117,7 @@ def main_part(parts: Iterable[DevicePart]) -> DevicePart | None:
 _RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
 
 
-def _tellings(claims: Sequence[Claim], conflicts: list[str]) -> list[_Telling]:
+def _tellings(claims: Sequence[SourceRecord], conflicts: list[str]) -> list[_Telling]:
     """Each part of each claim, and which part of its source that is; those that are another's are in *conflicts*."""
     found: list[_Telling] = []
     namesakes: dict[tuple[_Source, str, str], list[_Told]] = {}
@@ -174,20 +174,20 @@ def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
 def _device_part(part_id: str, one: _Merged) -> DevicePart:
     part = decided([way[2] for way in sorted(one.ways, key=_way_source)]) if len(one.ways) > 1 else one.part
     routes = tuple(
-        Route.of_checked(gateway=gateway, key=key, part=name, convention=convention, takes=taken_by(described, part))
+        Route.of_checked(gateway=gateway, key=key, part=name, convention=convention, takes=settable_by(described, part))
         for (gateway, key, name), convention, described in one.ways
     )
     return DevicePart.of_checked(id=part_id, part=part, routes=routes)
 
 
-def _source(claim: Claim) -> _Source:
+def _source(claim: SourceRecord) -> _Source:
     sighting = claim.sighting
-    return sighting.convention not in NATIVE, sighting.gateway, sighting.convention
+    return sighting.convention not in NATIVE_CONVENTIONS, sighting.gateway, sighting.convention
 
 
 def _way_source(way: _Way) -> _Source:
     (gateway, _, _), convention, _ = way
-    return convention not in NATIVE, gateway, convention
+    return convention not in NATIVE_CONVENTIONS, gateway, convention
 
 
 def _same_topics(part: Part, other: Part) -> bool:

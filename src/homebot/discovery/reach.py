@@ -6,17 +6,17 @@ from collections.abc import Iterable, Mapping
 from typing import TypeAlias
 
 from homebot.devices import Reachability
-from homebot.discovery.claim import Claim, ClaimKey, Reach
+from homebot.discovery.claim import Reach, SourceKey, SourceRecord
 
 __all__ = ["offline_parts", "reachability"]
 
-_Said: TypeAlias = tuple[Claim, str, Reach | None]
+_Said: TypeAlias = tuple[SourceRecord, str, Reach | None]
 """What an announcement says of one of its parts."""
 
 _NOT_SAID = Reachability()
 
 
-def reachability(claims: Iterable[Claim]) -> Reachability:
+def reachability(claims: Iterable[SourceRecord]) -> Reachability:
     """Return whether a device can be reached: what its parts are together.
 
     One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing was said, spoke
@@ -26,7 +26,7 @@ def reachability(claims: Iterable[Claim]) -> Reachability:
 
 
 def offline_parts(
-    claims: Mapping[ClaimKey, Claim], places: Mapping[tuple[str, str, str], int], ids: Mapping[int, str]
+    claims: Mapping[SourceKey, SourceRecord], places: Mapping[tuple[str, str, str], int], ids: Mapping[int, str]
 ) -> tuple[str, ...]:
     """Return the ids of the parts that cannot be reached, by the same rule for each.
 
@@ -43,7 +43,7 @@ def offline_parts(
     return tuple(ids[place] for place in sorted(said) if _together(said[place]).state == "no")
 
 
-def _said(claims: Iterable[Claim]) -> list[_Said]:
+def _said(claims: Iterable[SourceRecord]) -> list[_Said]:
     found: list[_Said] = []
     for claim in claims:
         if len(claim.reach) == 1 and "" in claim.reach:
@@ -77,7 +77,7 @@ def _together(said: list[_Said]) -> Reachability:
     return _NOT_SAID
 
 
-def _speaker(said: list[_Said], since: float) -> Claim | None:
+def _speaker(said: list[_Said], since: float) -> SourceRecord | None:
     """One of which nothing was said, or what was said is in doubt, that spoke itself later than *since*."""
     undecided = (claim for claim, _, one in said if one is None or one.value is None)
-    return next((claim for claim in undecided if claim.confirmed and claim.heard > since), None)
+    return next((claim for claim in undecided if claim.confirmed and claim.heard_at > since), None)

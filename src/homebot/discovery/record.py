@@ -9,11 +9,11 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from homebot.devices import Sighting
-from homebot.discovery.claim import Claim, ClaimKey
+from homebot.discovery.claim import SourceKey, SourceRecord
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.part_ids import PartPlace
-from homebot.discovery.rhythm import Rhythm
+from homebot.discovery.rhythm import ReportInterval
 from homebot.errors import InvalidNameError, WireError
 from homebot.messages import Time
 from homebot.names import validate_node_name
@@ -58,7 +58,7 @@ def entry_record(entry: Entry) -> str:
     Raises:
         WireError: A text in it is half a surrogate pair, which no file can hold.
     """
-    ids: dict[ClaimKey, dict[str, str]] = {}
+    ids: dict[SourceKey, dict[str, str]] = {}
     for (gateway, key, part), part_id in entry.part_ids().items():
         if part_id != part:
             ids.setdefault((gateway, key), {})[part] = part_id
@@ -68,11 +68,13 @@ def entry_record(entry: Entry) -> str:
             first_seen=claim.first_seen,
             part_ids=ids.get(claim.key, {}),
         )
-        for claim in entry.claims.values()
+        for claim in entry.sources.values()
     )
     try:
         entry.id.encode()
-        return _EntryRecord(first_seen=entry.first_seen, gaps=entry.rhythm.gaps, claims=claims).model_dump_json()
+        return _EntryRecord(
+            first_seen=entry.first_seen, gaps=entry.report_interval.gaps, claims=claims
+        ).model_dump_json()
     except ValueError as exc:
         raise WireError(f"{entry.id[:100]!r} cannot be kept: {exc}", b"") from exc
 
@@ -93,7 +95,7 @@ def read_entry(device_id: str, text: str) -> Entry:
             validate_node_name(sighting.gateway)
         except InvalidNameError as exc:
             raise WireError(f"a device of no gateway: {exc}", text[:100].encode(errors="replace")) from exc
-        claims[sighting.gateway, sighting.key] = Claim(
+        claims[sighting.gateway, sighting.key] = SourceRecord(
             sighting=sighting,
             number=number,
             first_seen=one.first_seen,
@@ -105,12 +107,14 @@ def read_entry(device_id: str, text: str) -> Entry:
         }
     if not device_id or not claims:
         raise WireError("a device without an id or an announcement", text[:100].encode(errors="replace"))
-    return Entry(device_id, record.first_seen, "unconfirmed", claims, rhythm=Rhythm(gaps), known_ids=ids)
+    return Entry(
+        device_id, record.first_seen, "unconfirmed", claims, report_interval=ReportInterval(gaps), known_ids=ids
+    )
 
 
 def tombstone_record(stone: Tombstone) -> str:
     """Return the record of a device that went."""
-    return json.dumps({"keys": stone.keys, "hardware": stone.hardware, "is_ghost": stone.is_ghost, "at": stone.at})
+    return json.dumps({"keys": stone.keys, "hardware": stone.hardware, "is_ghost": stone.retained_only, "at": stone.at})
 
 
 def read_tombstone(device_id: str, text: str) -> Tombstone:
@@ -125,7 +129,7 @@ def read_tombstone(device_id: str, text: str) -> Tombstone:
     return Tombstone(device_id, record.keys, record.hardware, record.is_ghost, record.at)
 
 
-def _as_last_seen(claim: Claim) -> Sighting:
+def _as_last_seen(claim: SourceRecord) -> Sighting:
     """The clock may have been set since the sighting: what is kept is for how long silence is no bad sign."""
     expires_at = Time.from_seconds(claim.seen_at.to_seconds() + claim.lasts)
     return claim.sighting.model_copy(update={"seen_at": claim.seen_at, "expires_at": expires_at, "confirmed": False})

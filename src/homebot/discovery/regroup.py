@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from homebot.discovery.claim import ClaimKey
+from homebot.discovery.claim import SourceKey
 from homebot.discovery.entry import Entry
 
 __all__ = ["Regrouped", "regroup"]
@@ -22,14 +22,14 @@ class Regrouped:
         parents: Devices that some of the announcements were thought to be about, and that live on.
     """
 
-    keys: tuple[ClaimKey, ...]
+    keys: tuple[SourceKey, ...]
     keeps: Entry | None
     gone: tuple[Entry, ...]
     parents: tuple[Entry, ...]
 
 
 def regroup(
-    groups: Iterable[frozenset[ClaimKey]], owners: Mapping[ClaimKey, Entry], age: Callable[[ClaimKey], int]
+    groups: Iterable[frozenset[SourceKey]], owners: Mapping[SourceKey, Entry], age: Callable[[SourceKey], int]
 ) -> tuple[Regrouped, ...]:
     """Return the devices that *groups* of announcements are about.
 
@@ -41,12 +41,12 @@ def regroup(
         age: Tells which announcement is older: the smaller number.
     """
     ordered = sorted((tuple(sorted(group, key=age)) for group in groups), key=lambda keys: age(keys[0]))
-    found: list[tuple[tuple[ClaimKey, ...], Entry | None, list[Entry]]] = []
+    found: list[tuple[tuple[SourceKey, ...], Entry | None, list[Entry]]] = []
     kept: set[str] = set()
     for keys in ordered:
         entries = list(dict.fromkeys(owners[key] for key in keys if key in owners))
         members = frozenset(keys)
-        keeps = next((one for one in entries if one.id not in kept and next(iter(one.claims)) in members), None)
+        keeps = next((one for one in entries if one.id not in kept and next(iter(one.sources)) in members), None)
         if keeps is not None:
             kept.add(keeps.id)
         found.append((keys, keeps, entries))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import final
 
-__all__ = ["Rhythm"]
+__all__ = ["ReportInterval"]
 
 _KEPT = 8
 _BURST = 1.0
@@ -20,7 +20,7 @@ _LONGEST = 7 * 86_400.0
 
 
 @final
-class Rhythm:
+class ReportInterval:
     """The gaps between the last few times that a device spoke: at most eight, so that old habits are forgotten.
 
     The longest gap does not count once there are three: it may have been a power cut.
@@ -37,8 +37,8 @@ class Rhythm:
         """The gaps in seconds, oldest first."""
         return self._gaps
 
-    def heard(self, now: float) -> float:
-        """Note that it spoke at *now*, in seconds; return :meth:`patience`."""
+    def record(self, now: float) -> float:
+        """Note that it spoke at *now*, in seconds; return :meth:`expected_silence`."""
         last = self._last
         if last is None:
             self._last = now
@@ -47,11 +47,11 @@ class Rhythm:
             self._learn((*self._gaps, gap)[-_KEPT:])
         return self._patience
 
-    def patience(self) -> float:
+    def expected_silence(self) -> float:
         """Return for how many seconds after its last word its silence is usual; 0 where nothing is known yet."""
         return self._patience
 
-    def join(self, other: Rhythm) -> None:
+    def join(self, other: ReportInterval) -> None:
         """Take over what *other* learnt of the same device, where that is more."""
         if len(other._gaps) > len(self._gaps):
             self._learn(other._gaps)

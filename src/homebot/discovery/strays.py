@@ -8,10 +8,10 @@ from typing import final
 from homebot.devices import Sighting
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import REACHABLE, Report
-from homebot.discovery.claim import ClaimKey
+from homebot.discovery.claim import SourceKey
 from homebot.messages import Time
 
-__all__ = ["Strays"]
+__all__ = ["PendingReports"]
 
 _MAX_KEYS = 1000
 _MAX_BURIED = 10_000
@@ -24,7 +24,7 @@ _PATIENCE_OF_EVENT = 5.0
 
 
 @final
-class Strays:
+class PendingReports:
     """Keeps the newest reports of devices that nobody announced yet, of the last thousand, and what was forgotten.
 
     Attributes:
@@ -33,10 +33,10 @@ class Strays:
 
     def __init__(self) -> None:
         self.count = 0
-        self._buried: OrderedDict[ClaimKey, Sighting] = OrderedDict()
-        self._reports: OrderedDict[ClaimKey, dict[str, tuple[float, Report]]] = OrderedDict()
+        self._forgotten: OrderedDict[SourceKey, Sighting] = OrderedDict()
+        self._reports: OrderedDict[SourceKey, dict[str, tuple[float, Report]]] = OrderedDict()
 
-    def put(self, key: ClaimKey, report: Report, now: float) -> None:
+    def put(self, key: SourceKey, report: Report, now: float) -> None:
         """Keep *report*, which came at *now*; the newest of each address."""
         self.count += 1
         found = self._reports.setdefault(key, {})
@@ -49,19 +49,19 @@ class Strays:
         if len(self._reports) > _MAX_KEYS:
             self._reports.popitem(last=False)
 
-    def bury(self, key: ClaimKey, sighting: Sighting) -> None:
+    def remember_forgotten(self, key: SourceKey, sighting: Sighting) -> None:
         """Keep how a device that was forgotten is announced; the newest, of the last ten thousand."""
-        self._buried[key] = sighting
-        self._buried.move_to_end(key)
-        if len(self._buried) > _MAX_BURIED:
-            self._buried.popitem(last=False)
+        self._forgotten[key] = sighting
+        self._forgotten.move_to_end(key)
+        if len(self._forgotten) > _MAX_BURIED:
+            self._forgotten.popitem(last=False)
 
-    def wake(self, report: Report) -> Sighting | None:
+    def revive(self, report: Report) -> Sighting | None:
         """Return the announcement of a device that was forgotten and is alive, as *report* shows; else None."""
         is_life = any(reading.capability != REACHABLE or reading.value.flag for reading in report.readings)
         if report.retained or not report.address or not is_life:
             return None
-        sighting = self._buried.pop((report.gateway, report.key), None)
+        sighting = self._forgotten.pop((report.gateway, report.key), None)
         if sighting is None:
             return None
         lasts = sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds()
@@ -69,7 +69,7 @@ class Strays:
         update = {"seen_at": report.received_at, "expires_at": expires_at, "confirmed": True}
         return sighting.model_copy(update={**update, "kind": "appeared", "why": "it spoke again"})
 
-    def take(self, key: ClaimKey, now: float) -> tuple[Report, ...]:
+    def take(self, key: SourceKey, now: float) -> tuple[Report, ...]:
         """Return the reports of the device that is announced at *now*, oldest first, and forget them."""
         found = self._reports.pop(key, None)
         if found is None:

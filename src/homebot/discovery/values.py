@@ -6,17 +6,17 @@ from collections.abc import Iterable
 
 from homebot.devices import State
 from homebot.devices.report import Reading, Report
-from homebot.discovery.claim import Claim, Reach, Told
+from homebot.discovery.claim import Reach, SourceRecord, StoredValue
 from homebot.discovery.entry import Entry
 from homebot.messages import Time
 
-__all__ = ["NOT_ANNOUNCED", "can_tell", "is_denied", "reach", "state_of", "tell"]
+__all__ = ["NOT_ANNOUNCED", "has_capability", "is_denied", "state_of", "store_reachability", "store_value"]
 
-NOT_ANNOUNCED = Told(None, Time.from_seconds(0.0), Time.from_seconds(0.0), live=False)
+NOT_ANNOUNCED = StoredValue(None, Time.from_seconds(0.0), Time.from_seconds(0.0), live=False)
 """Stands for what no part was announced for."""
 
 
-def can_tell(claim: Claim, part_id: str, capability: str) -> bool:
+def has_capability(claim: SourceRecord, part_id: str, capability: str) -> bool:
     """Whether a part with that capability was announced."""
     for part in claim.sighting.parts:
         if part.id == part_id:
@@ -24,7 +24,7 @@ def can_tell(claim: Claim, part_id: str, capability: str) -> bool:
     return False
 
 
-def tell(claim: Claim, reading: Reading, report: Report, now: float) -> Told | None:
+def store_value(claim: SourceRecord, reading: Reading, report: Report, now: float) -> StoredValue | None:
     """Note a value of a part; what the broker had kept never overwrites what was told live.
 
     Args:
@@ -39,11 +39,11 @@ def tell(claim: Claim, reading: Reading, report: Report, now: float) -> Told | N
     """
     place = (reading.part, reading.capability)
     value, stamp, live = reading.value.plain(), report.received_at, not report.retained
-    known = claim.told.get(place)
+    known = claim.values.get(place)
     if known is None:
-        if not can_tell(claim, *place):
+        if not has_capability(claim, *place):
             return NOT_ANNOUNCED
-        known = claim.told[place] = Told(value, stamp, stamp, live, now)
+        known = claim.values[place] = StoredValue(value, stamp, stamp, live, now)
         return known
     if known.live and not live:
         return None
@@ -55,7 +55,9 @@ def tell(claim: Claim, reading: Reading, report: Report, now: float) -> Told | N
     return known
 
 
-def reach(entry: Entry, claim: Claim, reading: Reading, stamp: Time, now: float, *, live: bool) -> None:
+def store_reachability(
+    entry: Entry, claim: SourceRecord, reading: Reading, stamp: Time, now: float, *, live: bool
+) -> None:
     """Note whether a device, or one of its parts, can be reached."""
     if reading.part and all(one.id != reading.part for one in claim.sighting.parts):
         return
@@ -68,15 +70,15 @@ def reach(entry: Entry, claim: Claim, reading: Reading, stamp: Time, now: float,
             claim.set_reach(claim.reach)
         return
     claim.set_reach({**claim.reach, reading.part: Reach(answer, stamp, now, live)})
-    entry.is_denied = is_denied(entry.claims.values())
+    entry.is_denied = is_denied(entry.sources.values())
 
 
-def is_denied(claims: Iterable[Claim]) -> bool:
+def is_denied(claims: Iterable[SourceRecord]) -> bool:
     """Whether any of *claims* says that something cannot be reached."""
     return any(one.value is False for claim in claims if claim.reach for one in claim.reach.values())
 
 
-def state_of(part_id: str, reading: Reading, told: Told) -> State:
+def state_of(part_id: str, reading: Reading, told: StoredValue) -> State:
     """Return the message that tells a value."""
     return State.of_checked(
         part=part_id,

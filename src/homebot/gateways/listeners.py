@@ -12,17 +12,17 @@ from homebot.errors import ClosedError, RefusedError
 from homebot.graph import Node, Publisher, QoSProfile
 from homebot.log import LogLimit
 
-__all__ = ["Listeners"]
+__all__ = ["RawDelivery"]
 
 SLOW_LISTENER = "gateway.slow_listener"
 
-PATIENCE = 0.2
+FULL_INBOX_WAIT = 0.2
 """Seconds for which a full inbox holds up the gateway before it loses its oldest.
 
 Short, because meanwhile the broker queues for everybody: a default Mosquitto drops what is over 1,000 messages.
 """
 
-NO_PATIENCE = 60.0
+SLOW_READER_PENALTY = 60.0
 """Seconds for which a listener is not waited for again after it let that time pass."""
 
 MAX_ADDRESSES = 100_000
@@ -30,7 +30,7 @@ MAX_ADDRESSES = 100_000
 _RAW_QOS = QoSProfile(depth=10_000)
 
 
-class Listeners:
+class RawDelivery:
     """Delivers raw messages, each address to whoever asked for it.
 
     In *inbox* mode a node gets the messages of everything it asked for on one topic of its own, ``<node>/inbox``. In
@@ -105,15 +105,15 @@ class Listeners:
         if not self._by_address.get(address, True):
             del self._by_address[address]
 
-    async def deliver(self, publisher: Publisher[RawMessage], message: RawMessage, *, patient: bool) -> None:
+    async def deliver(self, publisher: Publisher[RawMessage], message: RawMessage, *, wait_if_full: bool) -> None:
         """Hand *message* over; a *patient* delivery waits a moment for a full inbox rather than losing its oldest.
 
         A listener that let it pass gets no more patience for a minute: one that hangs must not hold up the
         others for long.
         """
         try:
-            if patient and publisher.is_full and self._has_patience(publisher.topic_name):
-                with anyio.move_on_after(PATIENCE):
+            if wait_if_full and publisher.is_full and self._has_patience(publisher.topic_name):
+                with anyio.move_on_after(FULL_INBOX_WAIT):
                     await publisher.send(message)
                     return
                 self._lose_patience(publisher.topic_name)
@@ -152,7 +152,7 @@ class Listeners:
         return self._node.graph.clock.monotonic() >= self._no_patience_until.get(topic, 0.0)
 
     def _lose_patience(self, topic: str) -> None:
-        self._no_patience_until[topic] = self._node.graph.clock.monotonic() + NO_PATIENCE
+        self._no_patience_until[topic] = self._node.graph.clock.monotonic() + SLOW_READER_PENALTY
         if self._limit.allows(topic) is not None:
             self._node.log.warning(
                 SLOW_LISTENER, message=f"{topic} is full and not read: its oldest messages are lost", topic=topic

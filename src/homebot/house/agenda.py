@@ -5,13 +5,13 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable
 
-__all__ = ["Agenda"]
+__all__ = ["EventQueue"]
 
 SLACK = 64
 """Entries called off that are no work worth a sweep; they are swept once they are more than these and half of all."""
 
 
-class Agenda:
+class EventQueue:
     """Things to do, by time. The number that breaks ties is the same in every run, so the order is too."""
 
     def __init__(self) -> None:

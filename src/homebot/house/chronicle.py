@@ -9,7 +9,7 @@ from typing import Literal
 
 from homebot.house.daylight import DAY
 
-__all__ = ["Chronicle", "Event", "Verb"]
+__all__ = ["Event", "Verb", "WorldLog"]
 
 Verb = Literal["says", "told", "switch", "power", "enters", "sleeps"]
 
@@ -40,7 +40,7 @@ class Event:
         return f"{days} {hours:02}:{minutes:02}:{rest // 1000:02}.{rest % 1000:03} {self.who} {self.verb} {what}"
 
 
-class Chronicle:
+class WorldLog:
     """The newest events; where it is full the oldest is dropped.
 
     Args:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from homebot.house.device import Machine, number
-from homebot.house.lamp import Lamp
+from homebot.house.device import SimulatedDevice, number
+from homebot.house.lamp import SimulatedLamp
 from homebot.house.motor import WindowMotor
-from homebot.house.thermostat import Thermostat
+from homebot.house.thermostat import SimulatedThermostat
 
-__all__ = ["Condition", "condition_of"]
+__all__ = ["DeviceState", "state_of"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Condition:
+class DeviceState:
     """What a device says of itself; what its kind does not have keeps its default.
 
     Attributes:
@@ -41,24 +41,24 @@ class Condition:
     heats: bool = False
 
 
-def condition_of(device: Machine, word: str) -> Condition:
+def state_of(device: SimulatedDevice, word: str) -> DeviceState:
     """Return how *device* is, if its last word is *word*, which may be a lie.
 
     Args:
         device: The device itself, under all its faults.
         word: What was heard of it.
     """
-    if isinstance(device, Lamp):
+    if isinstance(device, SimulatedLamp):
         return _lamp(device, word)
     if isinstance(device, WindowMotor):
         return _motor(device, word)
-    if isinstance(device, Thermostat):
-        return Condition(word=word, celsius=device.celsius, target=device.target, heats=device.heats)
-    return Condition(word=word, value=number(word, float("-inf"), float("inf")) or 0.0)
+    if isinstance(device, SimulatedThermostat):
+        return DeviceState(word=word, celsius=device.celsius, target=device.target, heats=device.heats)
+    return DeviceState(word=word, value=number(word, float("-inf"), float("inf")) or 0.0)
 
 
-def _lamp(lamp: Lamp, word: str) -> Condition:
-    now = Condition(word=word, is_on=lamp.is_on, brightness=lamp.brightness, kelvin=lamp.kelvin)
+def _lamp(lamp: SimulatedLamp, word: str) -> DeviceState:
+    now = DeviceState(word=word, is_on=lamp.is_on, brightness=lamp.brightness, kelvin=lamp.kelvin)
     if word in {"on", "off"}:
         return replace(now, is_on=word == "on")
     if word.endswith(" K"):
@@ -70,8 +70,8 @@ def _lamp(lamp: Lamp, word: str) -> Condition:
     return replace(now, is_on=brightness > 0, brightness=brightness or now.brightness)
 
 
-def _motor(motor: WindowMotor, word: str) -> Condition:
-    now = Condition(word=word, position=motor.position, way=0)
+def _motor(motor: WindowMotor, word: str) -> DeviceState:
+    now = DeviceState(word=word, position=motor.position, way=0)
     if word in {"opening", "closing"}:
         return replace(now, way=1 if word == "opening" else -1)
     if word in {"open", "closed"}:

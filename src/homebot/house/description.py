@@ -40,12 +40,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
-from homebot.house.device import Machine
+from homebot.house.device import SimulatedDevice
 from homebot.house.dialects.known import DIALECTS
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.people import Habit, Person
 from homebot.house.rooms import OUTSIDE, Room, Rooms
-from homebot.house.world import Errand, Placed, World
+from homebot.house.world import Placed, ScheduledCommand, World
 from homebot.toml_file import read_toml
 
 __all__ = ["load_world", "parse_world"]
@@ -86,7 +86,7 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
         errand = parse_settings(_ErrandTable, table, source, key)
         if errand.device not in known:
             raise ConfigError(source, f"{key}.device", f"there is no device {errand.device!r}")
-        errands.append(Errand(_seconds(errand.at), errand.device, errand.command))
+        errands.append(ScheduledCommand(_seconds(errand.at), errand.device, errand.command))
     return World(
         rooms,
         placed,
@@ -191,10 +191,12 @@ def _placed(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, sour
     return Placed(device, place.room, place.door, dialect)
 
 
-def _faulty(device: Machine, fault: str, table: Table, dice: random.Random, source: str, key: str) -> Machine:
+def _faulty(
+    device: SimulatedDevice, fault: str, table: Table, dice: random.Random, source: str, key: str
+) -> SimulatedDevice:
     if fault not in FAULTS:
         raise ConfigError(source, key, f"is unknown; known are {', '.join(FAULTS)}")
-    return parse_settings(FAULTS[fault], table, source, key).spoil(device, dice)
+    return parse_settings(FAULTS[fault], table, source, key).apply(device, dice)
 
 
 def _person(name: str, table: Table, rooms: Rooms, source: str) -> Person:

@@ -7,11 +7,11 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-__all__ = ["Machine", "number", "spoken"]
+__all__ = ["SimulatedDevice", "number", "spoken"]
 
 
 @dataclass(eq=False)
-class Machine(ABC):
+class SimulatedDevice(ABC):
     """A simulated device that lives in time. It reads no clock: time is given, in seconds, and never goes back.
 
     Time 0 is the midnight before the house starts.
@@ -54,7 +54,7 @@ class Machine(ABC):
         reports: list[str] = []
         while (at := self.next_event()) is not None and at <= now:
             self.now = max(self.now, at)
-            reports += self._happen()
+            reports += self._on_timer()
         self.now = max(self.now, now)
         return tuple(reports)
 
@@ -95,7 +95,7 @@ class Machine(ABC):
         del command
         return ()
 
-    def _happen(self) -> tuple[str, ...]:
+    def _on_timer(self) -> tuple[str, ...]:
         """Do what :meth:`next_event` announced; must move that on."""
         return ()
 

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from homebot.house.device import Machine
-from homebot.house.lamp import Lamp
-from homebot.house.lock import DoorLock
+from homebot.house.device import SimulatedDevice
+from homebot.house.lamp import SimulatedLamp
+from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import CoverMotor, WindowMotor
 from homebot.house.robot import Pose, Robot
-from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
-from homebot.house.thermostat import Thermostat
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.thermostat import SimulatedThermostat
 
 __all__ = [
-    "ContactSensor",
     "CoverMotor",
-    "DoorLock",
-    "Lamp",
     "LuxSensor",
-    "Machine",
     "MotionSensor",
     "Pose",
     "PowerMeter",
     "Robot",
-    "Thermostat",
+    "SimulatedContactSensor",
+    "SimulatedDevice",
+    "SimulatedDoorLock",
+    "SimulatedLamp",
+    "SimulatedThermostat",
     "WindowMotor",
 ]

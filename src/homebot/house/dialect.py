@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from homebot.errors import UsageError
-from homebot.house.condition import Condition
+from homebot.house.condition import DeviceState
 
-__all__ = ["Bridge", "Dialect", "Nameplate", "Outgoing"]
+__all__ = ["Bridge", "Dialect", "OutgoingMessage", "SimulatedDeviceInfo"]
 
 
 @dataclass(frozen=True, slots=True)
-class Nameplate:
+class SimulatedDeviceInfo:
     """What a device knows of itself.
 
     Attributes:
@@ -45,7 +45,7 @@ class Nameplate:
 
 
 @dataclass(frozen=True, slots=True)
-class Outgoing:
+class OutgoingMessage:
     """A message that a device sends.
 
     Attributes:
@@ -70,8 +70,8 @@ class Bridge:
         will: When it vanishes.
     """
 
-    birth: tuple[Outgoing, ...]
-    will: Outgoing
+    birth: tuple[OutgoingMessage, ...]
+    will: OutgoingMessage
 
 
 class Dialect(Protocol):
@@ -82,30 +82,32 @@ class Dialect(Protocol):
         """The kinds of devices, as houses are described, that there are in this family."""
         ...
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return the topic filters that *device* subscribes to."""
         ...
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return what *device* says first on each new link, before its state: announcement, availability."""
         ...
 
-    def will(self, device: Nameplate) -> Outgoing | None:
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
         """Return what the broker says when *device* vanishes."""
         ...
 
-    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return the messages by which *device* says its last word, with the state that its family says with it."""
         ...
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the commands in a message that came in; empty where it holds none."""
         ...
 
-    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+    def replies(
+        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+    ) -> tuple[OutgoingMessage, ...]:
         """Return what *device* says because a message that came in asks for it; empty where it asks nothing."""
         ...
 
-    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
         """Return the bridge that *devices*, all of this family in a house, are bound to; None where there is none."""
         ...

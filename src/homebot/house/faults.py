@@ -1,7 +1,7 @@
 """What goes wrong with devices: wrappers of any device, which are devices themselves, so faults combine.
 
 A fault hears a command before the device does and what the device says before the world does. ``device`` is what it
-wraps, and :func:`truth` the device at the bottom, whose state is what really is.
+wraps, and :func:`unwrap` the device at the bottom, whose state is what really is.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import random
 from collections import deque
 from collections.abc import Iterable
 
-from homebot.house.device import Machine
+from homebot.house.device import SimulatedDevice
 
 __all__ = [
     "Chatterbox",
     "Deaf",
-    "Fault",
+    "DeviceFault",
     "Flapper",
     "Liar",
     "Lossy",
@@ -24,7 +24,7 @@ __all__ = [
     "Slow",
     "Stuck",
     "Unplugged",
-    "truth",
+    "unwrap",
 ]
 
 HELD = 1000
@@ -35,7 +35,7 @@ OPPOSITES = {"on": "off", "open": "closed", "motion": "clear", "locked": "unlock
 OPPOSITES |= {opposite: word for word, opposite in OPPOSITES.items()}
 
 
-class Fault(Machine):
+class DeviceFault(SimulatedDevice):
     """A device with something wrong.
 
     Attributes:
@@ -44,7 +44,7 @@ class Fault(Machine):
         lost: How many held-back things overflowed.
     """
 
-    def __init__(self, device: Machine, rng: random.Random) -> None:
+    def __init__(self, device: SimulatedDevice, rng: random.Random) -> None:
         super().__init__(device.device_id, service_type=device.service_type)
         self.device = device
         self.now = device.now
@@ -85,11 +85,11 @@ class Fault(Machine):
 
     def by_hand(self, command: str, now: float) -> tuple[str, ...]:
         """Let hands reach the device: most faults are of its radio."""
-        return (*self.advance(now), *self._all_heard(self.device.by_hand(command, now)))
+        return (*self.advance(now), *self._deliver_all(self.device.by_hand(command, now)))
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
         """Let the device feel the world."""
-        return (*self.advance(now), *self._all_heard(self.device.sense(value, now)))
+        return (*self.advance(now), *self._deliver_all(self.device.sense(value, now)))
 
     def next_event(self) -> float | None:
         """When the device or the fault does something by itself."""
@@ -100,20 +100,20 @@ class Fault(Machine):
     def _take(self, command: str) -> tuple[str, ...]:
         return self._pass(command)
 
-    def _happen(self) -> tuple[str, ...]:
-        reports = self._all_heard(self.device.advance(self.now))
+    def _on_timer(self) -> tuple[str, ...]:
+        reports = self._deliver_all(self.device.advance(self.now))
         while self._held and self._held[0][0] <= self.now:
             reports += self._release(self._held.popleft()[1])
         return reports
 
     def _pass(self, command: str) -> tuple[str, ...]:
         """Let the device obey."""
-        return self._all_heard(self.device.obey(command, self.now))
+        return self._deliver_all(self.device.obey(command, self.now))
 
-    def _all_heard(self, reports: Iterable[str]) -> tuple[str, ...]:
-        return tuple(word for report in reports for word in self._heard(report))
+    def _deliver_all(self, reports: Iterable[str]) -> tuple[str, ...]:
+        return tuple(word for report in reports for word in self._delivered(report))
 
-    def _heard(self, report: str) -> tuple[str, ...]:
+    def _delivered(self, report: str) -> tuple[str, ...]:
         """What the world hears of *report*."""
         return (report,)
 
@@ -129,24 +129,24 @@ class Fault(Machine):
         self._held.append((at, what))
 
 
-class Lossy(Fault):
+class Lossy(DeviceFault):
     """Loses a share (0 to 1) of what it is told and of what it says."""
 
-    def __init__(self, device: Machine, rng: random.Random, *, share: float = 0.2) -> None:
+    def __init__(self, device: SimulatedDevice, rng: random.Random, *, share: float = 0.2) -> None:
         super().__init__(device, rng)
         self.share = share
 
     def _take(self, command: str) -> tuple[str, ...]:
         return () if self.rng.random() < self.share else self._pass(command)
 
-    def _heard(self, report: str) -> tuple[str, ...]:
+    def _delivered(self, report: str) -> tuple[str, ...]:
         return () if self.rng.random() < self.share else (report,)
 
 
-class Slow(Fault):
+class Slow(DeviceFault):
     """Begins to obey only after a delay of seconds, each time up to half as long again."""
 
-    def __init__(self, device: Machine, rng: random.Random, *, delay: float = 5.0) -> None:
+    def __init__(self, device: SimulatedDevice, rng: random.Random, *, delay: float = 5.0) -> None:
         super().__init__(device, rng)
         self.delay = delay
 
@@ -159,7 +159,7 @@ class Slow(Fault):
         return self._pass(held)
 
 
-class Deaf(Fault):
+class Deaf(DeviceFault):
     """Hears no command; still says how it is."""
 
     def _take(self, command: str) -> tuple[str, ...]:
@@ -167,10 +167,10 @@ class Deaf(Fault):
         return ()
 
 
-class Liar(Fault):
+class Liar(DeviceFault):
     """Reports what it was told and does nothing."""
 
-    def __init__(self, device: Machine, rng: random.Random) -> None:
+    def __init__(self, device: SimulatedDevice, rng: random.Random) -> None:
         super().__init__(device, rng)
         self._lie: str | None = None
 
@@ -188,10 +188,10 @@ class Liar(Fault):
         return (self._lie,)
 
 
-class Stuck(Fault):
+class Stuck(DeviceFault):
     """Stays as it is: tries for some seconds and answers with the old state; what a sensor feels changes nothing."""
 
-    def __init__(self, device: Machine, rng: random.Random, *, after: float = 2.0) -> None:
+    def __init__(self, device: SimulatedDevice, rng: random.Random, *, after: float = 2.0) -> None:
         super().__init__(device, rng)
         self.after = after
 
@@ -216,10 +216,10 @@ class Stuck(Fault):
         return (self.device.state(),)
 
 
-class Reverter(Fault):
+class Reverter(DeviceFault):
     """Obeys, and goes back to how it was after some seconds; a later command calls that off."""
 
-    def __init__(self, device: Machine, rng: random.Random, *, after: float = 60.0) -> None:
+    def __init__(self, device: SimulatedDevice, rng: random.Random, *, after: float = 60.0) -> None:
         super().__init__(device, rng)
         self.after = after
 
@@ -235,25 +235,25 @@ class Reverter(Fault):
         return self._pass(held)
 
 
-class Chatterbox(Fault):
+class Chatterbox(DeviceFault):
     """Floods: says everything again and again, so many times, so many seconds apart."""
 
-    def __init__(self, device: Machine, rng: random.Random, *, times: int = 50, every: float = 0.1) -> None:
+    def __init__(self, device: SimulatedDevice, rng: random.Random, *, times: int = 50, every: float = 0.1) -> None:
         super().__init__(device, rng)
         self.times = times
         self.every = every
 
-    def _heard(self, report: str) -> tuple[str, ...]:
+    def _delivered(self, report: str) -> tuple[str, ...]:
         begins = max(self.now, self._held[-1][0]) if self._held else self.now
         for number in range(1, self.times):
             self._hold(begins + number * self.every, report)
         return (report,)
 
 
-class Flapper(Fault):
+class Flapper(DeviceFault):
     """Now and then, on average every so many seconds, says the opposite and takes it back 0.2 s later."""
 
-    def __init__(self, device: Machine, rng: random.Random, *, every: float = 3600.0) -> None:
+    def __init__(self, device: SimulatedDevice, rng: random.Random, *, every: float = 3600.0) -> None:
         super().__init__(device, rng)
         self.every = every
         self._hold(self.now + rng.expovariate(1 / every), "flap")
@@ -267,10 +267,12 @@ class Flapper(Fault):
         return (word,)
 
 
-class Unplugged(Fault):
+class Unplugged(DeviceFault):
     """Has no power from one time until another (seconds since the first midnight): hears, does and says nothing."""
 
-    def __init__(self, device: Machine, rng: random.Random, *, since: float = 0.0, until: float = float("inf")) -> None:
+    def __init__(
+        self, device: SimulatedDevice, rng: random.Random, *, since: float = 0.0, until: float = float("inf")
+    ) -> None:
         super().__init__(device, rng)
         self.since = since
         self.until = until
@@ -297,7 +299,7 @@ class Unplugged(Fault):
         if not self.has_power:
             self._missed = value
             return reports
-        return reports + self._all_heard(self.device.sense(value, now))
+        return reports + self._deliver_all(self.device.sense(value, now))
 
     def next_event(self) -> float | None:
         """Also when the power goes or returns."""
@@ -308,8 +310,8 @@ class Unplugged(Fault):
     def _take(self, command: str) -> tuple[str, ...]:
         return self._pass(command) if self.has_power else ()
 
-    def _happen(self) -> tuple[str, ...]:
-        reports = super()._happen()
+    def _on_timer(self) -> tuple[str, ...]:
+        reports = super()._on_timer()
         if not self._changes or self._changes[0] > self.now:
             return reports
         if self._changes.pop(0) != self.until:
@@ -319,12 +321,12 @@ class Unplugged(Fault):
             self._missed = None
         return (self.state(),)  # all it says when it starts
 
-    def _heard(self, report: str) -> tuple[str, ...]:
+    def _delivered(self, report: str) -> tuple[str, ...]:
         return (report,) if self.has_power else ()
 
 
-def truth(device: Machine) -> Machine:
+def unwrap(device: SimulatedDevice) -> SimulatedDevice:
     """Return the device under all faults."""
-    while isinstance(device, Fault):
+    while isinstance(device, DeviceFault):
         device = device.device
     return device

@@ -15,20 +15,20 @@ from anyio.lowlevel import checkpoint
 from homebot.clock import Clock
 from homebot.errors import UsageError
 from homebot.house.chronicle import Event
-from homebot.house.condition import Condition, condition_of
+from homebot.house.condition import DeviceState, state_of
 from homebot.house.daylight import DAY
-from homebot.house.dialect import Dialect, Nameplate
+from homebot.house.dialect import Dialect, SimulatedDeviceInfo
 from homebot.house.dialects.bridge import BridgeDialect
 from homebot.house.dialects.known import DIALECTS
-from homebot.house.faults import truth
-from homebot.house.presence import HouseCounters, Presence
+from homebot.house.faults import unwrap
+from homebot.house.presence import HouseCounters, MqttDevice
 from homebot.house.world import Placed, World
 from homebot.isolation import run_as
 from homebot.log import LogLimit
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.options import MqttOptions, Will
+from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.topics import validate_filter
 
 __all__ = ["HEARTBEAT", "SimulatedHouse"]
@@ -130,7 +130,7 @@ class SimulatedHouse:
         Raises:
             UsageError: There is no such device.
         """
-        self._show(self.world.tell(device_id, command, self._within_reach()))
+        self._show(self.world.command(device_id, command, self._within_reach()))
         self._stirred.set()
 
     def press(self, device_id: str, command: str) -> None:
@@ -176,29 +176,29 @@ class SimulatedHouse:
             elif event.verb == "power":
                 self._presences[event.who].power(on=event.what == "on")
 
-    def _condition(self, name: str, word: str) -> Condition:
-        return condition_of(truth(self.world.device(name)), word)
+    def _condition(self, name: str, word: str) -> DeviceState:
+        return state_of(unwrap(self.world.device(name)), word)
 
-    def _plate(self, placed: Placed) -> Nameplate:
+    def _plate(self, placed: Placed) -> SimulatedDeviceInfo:
         device = placed.device
         if placed.dialect not in self._dialects:
             raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}; known are {', '.join(self._dialects)}")
-        kind = truth(device).kind
+        kind = unwrap(device).kind
         if kind not in self._dialects[placed.dialect].kinds:
             raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}, which has no {kind}")
-        return Nameplate(self._home, kind, device.device_id, device.service_type, placed.room)
+        return SimulatedDeviceInfo(self._home, kind, device.device_id, device.service_type, placed.room)
 
-    def _bound(self, world: World, plates: Mapping[str, Nameplate]) -> list[Presence]:
+    def _bound(self, world: World, plates: Mapping[str, SimulatedDeviceInfo]) -> list[MqttDevice]:
         """Return the bridges of the families that have one here."""
         bridges = []
         for name in dict.fromkeys(placed.dialect for placed in world.devices.values()):
             bound = [plates[one] for one, placed in world.devices.items() if placed.dialect == name]
             if (bridge := self._dialects[name].bridge(bound)) is not None:
-                plate = Nameplate(self._home, "bridge", f"{name} bridge", "bridge", "")
+                plate = SimulatedDeviceInfo(self._home, "bridge", f"{name} bridge", "bridge", "")
                 bridges.append(self._presence(plate, BridgeDialect(bridge)))
         return bridges
 
-    def _presence(self, plate: Nameplate, dialect: Dialect) -> Presence:
+    def _presence(self, plate: SimulatedDeviceInfo, dialect: Dialect) -> MqttDevice:
         for topic in (*dialect.filters(plate), *(message.topic for message in dialect.birth(plate))):
             validate_filter(topic)
         will = dialect.will(plate)
@@ -207,12 +207,12 @@ class SimulatedHouse:
             client_id=f"{self._home}-{plate.device_id}",
             # Whoever speaks this often needs few pings in between.
             keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 12 * self._heartbeat), LONGEST_KEEP_ALIVE)),
-            will=None if will is None else Will(will.topic, will.payload, will.qos, will.retain),
+            will=None if will is None else MqttWill(will.topic, will.payload, will.qos, will.retain),
         )
         connection = MqttConnection(
             options, self._make_client, status_topic=None, clock=self._clock, random=self._random
         )
-        return Presence(plate, dialect, connection, partial(self.tell, plate.device_id), self.counters, self._lines)
+        return MqttDevice(plate, dialect, connection, partial(self.tell, plate.device_id), self.counters, self._lines)
 
 
 def _first_midnight(now: float, lived: float) -> float:

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
 
-from homebot.house.agenda import Agenda
+from homebot.house.agenda import EventQueue
 from homebot.house.people import Person, Visit
 from homebot.house.rooms import Rooms
 
-__all__ = ["Household", "Witness"]
+__all__ = ["Household", "MovementObserver"]
 
 
-class Witness(Protocol):
+class MovementObserver(Protocol):
     """Who is told what people do."""
 
     def passed(self, name: str, left: str, entered: str) -> None:
@@ -55,7 +55,12 @@ class Household:
     """
 
     def __init__(
-        self, people: Sequence[Person], rooms: Rooms, agenda: Agenda, clock: Callable[[], float], witness: Witness
+        self,
+        people: Sequence[Person],
+        rooms: Rooms,
+        agenda: EventQueue,
+        clock: Callable[[], float],
+        witness: MovementObserver,
     ) -> None:
         self._rooms = rooms
         self._agenda = agenda

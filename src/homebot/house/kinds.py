@@ -13,14 +13,14 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.house import faults
-from homebot.house.device import Machine
-from homebot.house.lamp import Lamp
-from homebot.house.lock import DoorLock
+from homebot.house.device import SimulatedDevice
+from homebot.house.lamp import SimulatedLamp
+from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import CoverMotor, WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Rooms
-from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
-from homebot.house.thermostat import Thermostat
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.thermostat import SimulatedThermostat
 
 __all__ = ["FAULTS", "KINDS", "FaultSettings", "KindSettings", "Surroundings"]
 
@@ -40,13 +40,13 @@ class Surroundings:
         name: Its own name.
         room: Where it is.
         rooms: The whole plan.
-        dice: Its dice.
+        rng: Its dice.
     """
 
     name: str
     room: str
     rooms: Rooms
-    dice: random.Random
+    rng: random.Random
 
 
 class KindSettings(BaseModel):
@@ -55,7 +55,7 @@ class KindSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     @abstractmethod
-    def build(self, at: Surroundings) -> Machine:
+    def build(self, at: Surroundings) -> SimulatedDevice:
         """Return the device."""
 
 
@@ -65,31 +65,31 @@ class FaultSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     @abstractmethod
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         """Return *device* with the fault."""
 
 
-class _Lamp(KindSettings):
+class _LampKind(KindSettings):
     is_on: bool | None = None
     brightness: Fraction | None = None
     kelvin: Positive | None = None
     rated_watts: Positive | None = None
     rated_lux: NotNegative | None = None
 
-    def build(self, at: Surroundings) -> Machine:
-        return Lamp(at.name, **self.model_dump(exclude_unset=True))
+    def build(self, at: Surroundings) -> SimulatedDevice:
+        return SimulatedLamp(at.name, **self.model_dump(exclude_unset=True))
 
 
 class _Window(KindSettings):
     is_open: bool | None = None
     travel_time: Positive | None = None
 
-    def build(self, at: Surroundings) -> Machine:
+    def build(self, at: Surroundings) -> SimulatedDevice:
         return WindowMotor(at.name, **self.model_dump(exclude_unset=True))
 
 
 class _Cover(_Window):
-    def build(self, at: Surroundings) -> Machine:
+    def build(self, at: Surroundings) -> SimulatedDevice:
         return CoverMotor(at.name, **self.model_dump(exclude_unset=True))
 
 
@@ -98,33 +98,33 @@ class _Lock(KindSettings):
     travel_time: Positive | None = None
     jams: Fraction | None = None
 
-    def build(self, at: Surroundings) -> Machine:
-        return DoorLock(at.name, rng=at.dice, **self.model_dump(exclude_unset=True))
+    def build(self, at: Surroundings) -> SimulatedDevice:
+        return SimulatedDoorLock(at.name, rng=at.rng, **self.model_dump(exclude_unset=True))
 
 
 class _Contact(KindSettings):
-    def build(self, at: Surroundings) -> Machine:
-        return ContactSensor(at.name)
+    def build(self, at: Surroundings) -> SimulatedDevice:
+        return SimulatedContactSensor(at.name)
 
 
 class _Motion(KindSettings):
     hold: NotNegative | None = None
 
-    def build(self, at: Surroundings) -> Machine:
+    def build(self, at: Surroundings) -> SimulatedDevice:
         return MotionSensor(at.name, **self.model_dump(exclude_unset=True))
 
 
 class _Lux(KindSettings):
     share: Fraction | None = None
 
-    def build(self, at: Surroundings) -> Machine:
+    def build(self, at: Surroundings) -> SimulatedDevice:
         return LuxSensor(at.name, **self.model_dump(exclude_unset=True))
 
 
 class _Meter(KindSettings):
     step: Positive | None = None
 
-    def build(self, at: Surroundings) -> Machine:
+    def build(self, at: Surroundings) -> SimulatedDevice:
         return PowerMeter(at.name, **self.model_dump(exclude_unset=True))
 
 
@@ -135,52 +135,52 @@ class _Thermostat(KindSettings):
     inertia: Positive | None = None
     rated_watts: NotNegative | None = None
 
-    def build(self, at: Surroundings) -> Machine:
-        return Thermostat(at.name, **self.model_dump(exclude_unset=True))
+    def build(self, at: Surroundings) -> SimulatedDevice:
+        return SimulatedThermostat(at.name, **self.model_dump(exclude_unset=True))
 
 
 class _Robot(KindSettings):
     speed: Positive | None = None
 
-    def build(self, at: Surroundings) -> Machine:
+    def build(self, at: Surroundings) -> SimulatedDevice:
         return Robot(at.name, at.rooms, at.room, **self.model_dump(exclude_unset=True))
 
 
 class _Lossy(FaultSettings):
     share: Fraction | None = None
 
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         return faults.Lossy(device, dice, **self.model_dump(exclude_unset=True))
 
 
 class _Slow(FaultSettings):
     delay: NotNegative | None = None
 
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         return faults.Slow(device, dice, **self.model_dump(exclude_unset=True))
 
 
 class _Deaf(FaultSettings):
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         return faults.Deaf(device, dice)
 
 
 class _Liar(FaultSettings):
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         return faults.Liar(device, dice)
 
 
 class _Stuck(FaultSettings):
     after: Moment | None = None
 
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         return faults.Stuck(device, dice, **self.model_dump(exclude_unset=True))
 
 
 class _Reverter(FaultSettings):
     after: Moment | None = None
 
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         return faults.Reverter(device, dice, **self.model_dump(exclude_unset=True))
 
 
@@ -188,14 +188,14 @@ class _Chatterbox(FaultSettings):
     times: Annotated[int, Field(ge=1, le=1000)] | None = None
     every: Positive | None = None
 
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         return faults.Chatterbox(device, dice, **self.model_dump(exclude_unset=True))
 
 
 class _Flapper(FaultSettings):
     every: Moment | None = None
 
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         return faults.Flapper(device, dice, **self.model_dump(exclude_unset=True))
 
 
@@ -203,12 +203,12 @@ class _Unplugged(FaultSettings):
     since: NotNegative | None = None
     until: Positive | None = None
 
-    def spoil(self, device: Machine, dice: random.Random) -> Machine:
+    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
         return faults.Unplugged(device, dice, **self.model_dump(exclude_unset=True))
 
 
 KINDS: dict[str, type[KindSettings]] = {
-    "lamp": _Lamp,
+    "lamp": _LampKind,
     "window": _Window,
     "cover": _Cover,
     "lock": _Lock,

@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.device import Machine, number, spoken
+from homebot.house.device import SimulatedDevice, number, spoken
 
-__all__ = ["Lamp"]
+__all__ = ["SimulatedLamp"]
 
 KELVIN = (1500.0, 9000.0)
 """From candle light to a blue sky."""
 
 
 @dataclass(eq=False)
-class Lamp(Machine):
+class SimulatedLamp(SimulatedDevice):
     """A lamp that does at once what it is told, and says so.
 
     It takes ``on``, ``off``, a brightness from ``0`` to ``1``, and a colour temperature such as ``2700 K``.

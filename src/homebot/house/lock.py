@@ -6,13 +6,13 @@ import random
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.device import Machine
+from homebot.house.device import SimulatedDevice
 
-__all__ = ["DoorLock"]
+__all__ = ["SimulatedDoorLock"]
 
 
 @dataclass(eq=False)
-class DoorLock(Machine):
+class SimulatedDoorLock(SimulatedDevice):
     """A lock that takes ``lock`` and ``unlock``; says ``locking`` or ``unlocking``, then where it ended.
 
     A jammed lock says ``jammed`` and is as open as it was; told again it tries again.
@@ -60,7 +60,7 @@ class DoorLock(Machine):
         self._word = f"{command}ing"
         return (self._word,)
 
-    def _happen(self) -> tuple[str, ...]:
+    def _on_timer(self) -> tuple[str, ...]:
         self._arrives_at = None
         if self.rng.random() < self.jams:
             self._word = "jammed"

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.device import Machine, number, spoken
+from homebot.house.device import SimulatedDevice, number, spoken
 
 __all__ = ["CoverMotor", "WindowMotor"]
 
 
 @dataclass(eq=False)
-class WindowMotor(Machine):
+class WindowMotor(SimulatedDevice):
     """A motor that takes a while to ``open`` or ``close`` its window.
 
     It also takes ``stop`` and a position from ``0`` (closed) to ``1`` (open), and moves at one speed. It says
@@ -85,7 +85,7 @@ class WindowMotor(Machine):
             self._start, self._target, self._started_at, self._moves = position, target, self.now, True
         return (self.state(),)
 
-    def _happen(self) -> tuple[str, ...]:
+    def _on_timer(self) -> tuple[str, ...]:
         self._rest(self._target)
         return (self.state(),)
 

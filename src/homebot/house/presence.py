@@ -16,15 +16,15 @@ from typing import final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
-from homebot.house.condition import Condition
-from homebot.house.dialect import Dialect, Nameplate, Outgoing
+from homebot.house.condition import DeviceState
+from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.isolation import run_as
 from homebot.log import LogLimit
 from homebot.logger import get_logger
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 
-__all__ = ["HouseCounters", "Presence"]
+__all__ = ["HouseCounters", "MqttDevice"]
 
 REFUSED = "house.publish_refused"
 
@@ -54,7 +54,7 @@ class HouseCounters:
 
 
 @final
-class Presence:
+class MqttDevice:
     """A device on the wire.
 
     Args:
@@ -68,7 +68,7 @@ class Presence:
 
     def __init__(
         self,
-        device: Nameplate,
+        device: SimulatedDeviceInfo,
         dialect: Dialect,
         connection: MqttConnection,
         tell: Callable[[str], None],
@@ -78,23 +78,23 @@ class Presence:
         self._device = device
         self._dialect = dialect
         self._connection = connection
-        self._condition = Condition(word="")
-        self._last: tuple[Outgoing, ...] = ()
-        self._again: tuple[Outgoing, ...] = ()
+        self._condition = DeviceState(word="")
+        self._last: tuple[OutgoingMessage, ...] = ()
+        self._again: tuple[OutgoingMessage, ...] = ()
         self._tell = tell
         self._counters = counters
         self._lines = lines
         self._has_power = True
         self._switched = anyio.Event()
-        self._queue: deque[Outgoing] = deque()
+        self._queue: deque[OutgoingMessage] = deque()
         self._queued = asyncio.Event()  # anyio's cannot be cleared, and a new one for each message costs
 
-    def begin(self, condition: Condition, *, has_power: bool) -> None:
+    def begin(self, condition: DeviceState, *, has_power: bool) -> None:
         """Begin in *condition*, which is said at the first link; before :meth:`live`."""
         self._keep(condition)
         self._has_power = has_power
 
-    def say(self, condition: Condition) -> None:
+    def say(self, condition: DeviceState) -> None:
         """Say the last word of *condition*, and again at each heartbeat and new link until another; never waits."""
         self._keep(condition)
         if self._is_heard:
@@ -117,12 +117,12 @@ class Presence:
     async def live(self) -> None:
         """Be there whenever there is power, until cancelled."""
         for topic_filter in self._dialect.filters(self._device):
-            await self._connection.subscribe(Subscription(topic_filter, qos=1))  # remembered for every link
+            await self._connection.subscribe(MqttSubscription(topic_filter, qos=1))  # remembered for every link
         while True:
             while not self._has_power:
                 await self._switched.wait()
             async with self._connection, anyio.create_task_group() as tasks:
-                for work in (self._greet, self._speak, self._hear):
+                for work in (self._on_connected, self._speak, self._hear):
                     tasks.start_soon(run_as, "a simulated device", work)
                 while self._has_power:
                     await self._switched.wait()
@@ -133,12 +133,12 @@ class Presence:
     def _is_heard(self) -> bool:
         return self._has_power and self._connection.state.phase is LinkPhase.CONNECTED
 
-    def _keep(self, condition: Condition) -> None:
+    def _keep(self, condition: DeviceState) -> None:
         self._condition = condition
-        self._last = self._dialect.said(self._device, condition)
+        self._last = self._dialect.state_messages(self._device, condition)
         self._again = tuple(replace(message, qos=0) for message in self._last)
 
-    def _enqueue(self, messages: tuple[Outgoing, ...]) -> None:
+    def _enqueue(self, messages: tuple[OutgoingMessage, ...]) -> None:
         for message in messages:
             if len(self._queue) == QUEUED:
                 self._queue.popleft()
@@ -146,7 +146,7 @@ class Presence:
             self._queue.append(message)
         self._queued.set()
 
-    async def _greet(self) -> None:
+    async def _on_connected(self) -> None:
         async for state in self._connection.states():
             if state.phase is LinkPhase.CONNECTED:
                 self._counters.unsaid += len(self._queue)
@@ -161,7 +161,7 @@ class Presence:
             while self._queue:
                 await self._publish(self._queue.popleft())
 
-    async def _publish(self, message: Outgoing) -> None:
+    async def _publish(self, message: OutgoingMessage) -> None:
         try:
             await self._connection.publish(message.topic, message.payload, qos=message.qos, retain=message.retain)
         except LinkError:
@@ -177,8 +177,8 @@ class Presence:
         while True:
             messages = await self._connection.receive()
             for message in messages:
-                for command in self._dialect.told(self._device, message.topic, message.payload):
+                for command in self._dialect.parse_command(self._device, message.topic, message.payload):
                     self._counters.told += 1
                     self._tell(command)
-                self._enqueue(self._dialect.answers(self._device, self._condition, message.topic, message.payload))
+                self._enqueue(self._dialect.replies(self._device, self._condition, message.topic, message.payload))
             self._connection.ack(messages)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from homebot.errors import UsageError
-from homebot.house.device import Machine
+from homebot.house.device import SimulatedDevice
 from homebot.house.rooms import Rooms
 
 __all__ = ["Pose", "Robot"]
@@ -29,7 +29,7 @@ class Pose:
 
 
 @dataclass(eq=False)
-class Robot(Machine):
+class Robot(SimulatedDevice):
     """A robot that takes ``go ROOM`` and ``stop``, and says each room that it enters.
 
     It drives from the middle of one room to the middle of the next, at one speed. A room that no doors lead to it
@@ -108,7 +108,7 @@ class Robot(Machine):
         except UsageError:
             return ()
 
-    def _happen(self) -> tuple[str, ...]:
+    def _on_timer(self) -> tuple[str, ...]:
         heading = self.pose().heading
         self._left_at += self._leg()
         self.room, self._ahead = self._ahead[0], self._ahead[1:]

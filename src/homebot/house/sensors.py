@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.device import Machine, spoken
+from homebot.house.device import SimulatedDevice, spoken
 
-__all__ = ["ContactSensor", "LuxSensor", "MotionSensor", "PowerMeter"]
+__all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "SimulatedContactSensor"]
 
 
 @dataclass(eq=False)
-class ContactSensor(Machine):
+class SimulatedContactSensor(SimulatedDevice):
     """A contact on a door or window: senses 1 for open and 0 for closed.
 
     Attributes:
@@ -36,7 +36,7 @@ class ContactSensor(Machine):
 
 
 @dataclass(eq=False)
-class MotionSensor(Machine):
+class MotionSensor(SimulatedDevice):
     """A motion sensor: senses how many people move before it; says ``motion`` at once and ``clear`` after a while.
 
     Attributes:
@@ -70,13 +70,13 @@ class MotionSensor(Machine):
         """When it is clear."""
         return self._clear_at
 
-    def _happen(self) -> tuple[str, ...]:
+    def _on_timer(self) -> tuple[str, ...]:
         self._clear_at, self._sees_motion = None, False
         return ("clear",)
 
 
 @dataclass(eq=False)
-class LuxSensor(Machine):
+class LuxSensor(SimulatedDevice):
     """A light sensor: senses lux and says them when they changed enough.
 
     Attributes:
@@ -103,7 +103,7 @@ class LuxSensor(Machine):
 
 
 @dataclass(eq=False)
-class PowerMeter(Machine):
+class PowerMeter(SimulatedDevice):
     """A power meter: senses the watts of all that is on.
 
     Attributes:

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.device import Machine, number, spoken
+from homebot.house.device import SimulatedDevice, number, spoken
 
-__all__ = ["Thermostat"]
+__all__ = ["SimulatedThermostat"]
 
 LEAST, MOST = 5.0, 30.0
 """Targets that it takes, in degrees Celsius."""
@@ -21,7 +21,7 @@ BAND = 0.3
 
 
 @dataclass(eq=False)
-class Thermostat(Machine):
+class SimulatedThermostat(SimulatedDevice):
     """A thermostat in a room that cools towards the weather and, while heated, warms towards ``weather + gain``.
 
     First-order: the distance to where the room tends shrinks to 1/e within ``inertia`` seconds. It takes a target from
@@ -88,7 +88,7 @@ class Thermostat(Machine):
         self.target = target
         return (spoken(target),)
 
-    def _happen(self) -> tuple[str, ...]:
+    def _on_timer(self) -> tuple[str, ...]:
         self._looks_at += PERIOD
         tends_to = self.outside + (self.gain if self.heats else 0.0)
         self.celsius = tends_to + (self.celsius - tends_to) * math.exp(-PERIOD / self.inertia)

@@ -12,22 +12,22 @@ from dataclasses import dataclass
 from functools import partial
 
 from homebot.errors import UsageError
-from homebot.house.agenda import Agenda
-from homebot.house.chronicle import Chronicle, Event, Verb
+from homebot.house.agenda import EventQueue
+from homebot.house.chronicle import Event, Verb, WorldLog
 from homebot.house.daylight import DAY, daylight, weather
-from homebot.house.device import Machine
-from homebot.house.faults import truth
+from homebot.house.device import SimulatedDevice
+from homebot.house.faults import unwrap
 from homebot.house.household import Household
-from homebot.house.lamp import Lamp
-from homebot.house.lock import DoorLock
+from homebot.house.lamp import SimulatedLamp
+from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import CoverMotor
 from homebot.house.people import Person
 from homebot.house.robot import Robot
 from homebot.house.rooms import OUTSIDE, Room, Rooms
-from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
-from homebot.house.thermostat import Thermostat
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.thermostat import SimulatedThermostat
 
-__all__ = ["Errand", "Placed", "World"]
+__all__ = ["Placed", "ScheduledCommand", "World"]
 
 SAMPLE = 300.0
 """Seconds between two looks at sun and weather."""
@@ -54,14 +54,14 @@ class Placed:
         dialect: How it speaks where it is carried over a wire, by name.
     """
 
-    device: Machine
+    device: SimulatedDevice
     room: str
     door: str = ""
     dialect: str = "thesis"
 
 
 @dataclass(frozen=True, slots=True)
-class Errand:
+class ScheduledCommand:
     """A command that a timer gives every day.
 
     Attributes:
@@ -84,11 +84,11 @@ class _Drive:
 
 
 @dataclass(eq=False)
-class _Thing:
+class _PlacedDevice:
     """A device, what is under its faults, and how long the door it is on stays open."""
 
     placed: Placed
-    real: Machine
+    real: SimulatedDevice
     open_until: float = 0.0
 
 
@@ -122,7 +122,7 @@ class World:
         rooms: Rooms,
         placed: Iterable[Placed],
         people: Sequence[Person] = (),
-        errands: Sequence[Errand] = (),
+        errands: Sequence[ScheduledCommand] = (),
         *,
         seed: int = 0,
         first_day: int = 80,
@@ -131,13 +131,13 @@ class World:
         capacity: int = 100_000,
     ) -> None:
         self.now = 0.0
-        self.chronicle = Chronicle(capacity)
+        self.chronicle = WorldLog(capacity)
         self._rooms = rooms
-        self._things: dict[str, _Thing] = {}
+        self._things: dict[str, _PlacedDevice] = {}
         for item in placed:
             if item.device.device_id in self._things:
                 raise UsageError(f"two devices are called {item.device.device_id!r}")
-            self._things[item.device.device_id] = _Thing(item, truth(item.device))
+            self._things[item.device.device_id] = _PlacedDevice(item, unwrap(item.device))
         self._errands = errands
         self._seed = seed
         self._first_day = first_day
@@ -146,7 +146,7 @@ class World:
         self._check()
         self._in_room = {room: [t for t in self._things.values() if t.placed.room == room] for room in rooms.rooms}
         self._was_dark: dict[str, bool] = {}
-        self._agenda = Agenda()
+        self._agenda = EventQueue()
         self._household = Household(people, rooms, self._agenda, lambda: self.now, self)
         self._agenda.add(0.0, partial(self._begin_day, 0))
         self._agenda.add(0.0, self._sample)
@@ -154,7 +154,7 @@ class World:
             self._plan_wake(thing)
 
     @classmethod
-    def of(cls, *devices: Machine) -> World:
+    def of(cls, *devices: SimulatedDevice) -> World:
         """Return a house of one room with *devices* in it, and nobody.
 
         Raises:
@@ -184,7 +184,7 @@ class World:
         self._run(now)
         return self.chronicle.since(mark)
 
-    def tell(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
+    def command(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
         """Run until *now*, then give *command* to a device; return all that happened.
 
         Raises:
@@ -204,7 +204,7 @@ class World:
         self._switch(thing, command)
         return self.chronicle.since(mark)
 
-    def device(self, device_id: str) -> Machine:
+    def device(self, device_id: str) -> SimulatedDevice:
         """Return a device, with its faults, at :attr:`now`.
 
         Raises:
@@ -230,16 +230,16 @@ class World:
         covers = [thing.real.position_at(self.now) for thing in things if isinstance(thing.real, CoverMotor)]
         let_in = sum(covers) / len(covers) if covers else 1.0
         sun = daylight(self.now, self._first_day, self._latitude) * self._rooms.rooms[room].window * let_in
-        lamps = [t.real for t in things if isinstance(t.real, Lamp) and t.placed.device.watts() > 0]
+        lamps = [t.real for t in things if isinstance(t.real, SimulatedLamp) and t.placed.device.watts() > 0]
         return sun + sum(lamp.lux() for lamp in lamps)
 
     def passed(self, name: str, left: str, entered: str) -> None:
         """Somebody went through a door: its contact says so, its lock is worked. For the household alone."""
         self._note(name, "enters", entered)
         for thing in self._on_door(left, entered):
-            if isinstance(thing.real, ContactSensor):
+            if isinstance(thing.real, SimulatedContactSensor):
                 self._open(thing)
-            elif isinstance(thing.real, DoorLock):
+            elif isinstance(thing.real, SimulatedDoorLock):
                 self._switch(thing, "unlock")
                 thing.open_until = self.now + DOOR_LOCKS
                 self._agenda.add(thing.open_until, partial(self._close, thing))
@@ -256,7 +256,7 @@ class World:
             return
         wish = "off" if not awake else "on" if self.lux(room) < DARK else ""
         for thing in self._in_room[room]:
-            if wish and isinstance(thing.real, Lamp) and thing.real.state() != wish:
+            if wish and isinstance(thing.real, SimulatedLamp) and thing.real.state() != wish:
                 self._switch(thing, wish)
 
     def _check(self) -> None:
@@ -266,7 +266,7 @@ class World:
         for errand in self._errands:
             self._thing(errand.device_id)
 
-    def _thing(self, device_id: str) -> _Thing:
+    def _thing(self, device_id: str) -> _PlacedDevice:
         if device_id not in self._things:
             raise UsageError(f"there is no device {device_id!r}")
         return self._things[device_id]
@@ -284,41 +284,41 @@ class World:
             self._agenda.add(day * DAY + errand.at, partial(self._command, thing, errand.command))
         self._agenda.add((day + 1) * DAY, partial(self._begin_day, day + 1))
 
-    def _on_door(self, one: str, other: str) -> list[_Thing]:
+    def _on_door(self, one: str, other: str) -> list[_PlacedDevice]:
         """What is on the door between two rooms; nothing where they are one."""
         near = (*self._things_in(one), *self._things_in(other)) if one != other else ()
         return [thing for thing in near if {thing.placed.room, thing.placed.door} == {one, other}]
 
-    def _things_in(self, room: str) -> list[_Thing]:
+    def _things_in(self, room: str) -> list[_PlacedDevice]:
         return self._in_room.get(room, [])  # a robot may have a larger plan
 
-    def _open(self, contact: _Thing) -> None:
+    def _open(self, contact: _PlacedDevice) -> None:
         self._feel(contact, 1.0)
         contact.open_until = self.now + DOOR_CLOSES
         self._agenda.add(contact.open_until, partial(self._close, contact))
 
-    def _close(self, thing: _Thing) -> None:
+    def _close(self, thing: _PlacedDevice) -> None:
         if self.now < thing.open_until:
             return  # somebody else came through
-        if isinstance(thing.real, ContactSensor):
+        if isinstance(thing.real, SimulatedContactSensor):
             self._feel(thing, 0.0)
         else:
             self._switch(thing, "lock")
 
-    def _command(self, thing: _Thing, command: str) -> None:
+    def _command(self, thing: _PlacedDevice, command: str) -> None:
         command = command[:LONGEST_COMMAND]
         self._note(thing.placed.device.device_id, "told", command)
         self._act(thing, lambda device: device.obey(command, self.now))
 
-    def _switch(self, thing: _Thing, command: str) -> None:
+    def _switch(self, thing: _PlacedDevice, command: str) -> None:
         command = command[:LONGEST_COMMAND]
         self._note(thing.placed.device.device_id, "switch", command)
         self._act(thing, lambda device: device.by_hand(command, self.now))
 
-    def _feel(self, thing: _Thing, value: float) -> None:
+    def _feel(self, thing: _PlacedDevice, value: float) -> None:
         self._act(thing, lambda device: device.sense(value, self.now))
 
-    def _act(self, thing: _Thing, act: Callable[[Machine], tuple[str, ...]]) -> None:
+    def _act(self, thing: _PlacedDevice, act: Callable[[SimulatedDevice], tuple[str, ...]]) -> None:
         device = thing.placed.device
         drew, had_power, before = device.watts(), device.has_power, _drive(thing.real)
         reports = act(device)
@@ -327,24 +327,24 @@ class World:
         for report in reports if device.has_power else ():
             self._note(device.device_id, "says", report)
         self._plan_wake(thing)
-        if isinstance(thing.real, Lamp | CoverMotor):
+        if isinstance(thing.real, SimulatedLamp | CoverMotor):
             self._show_light(thing.placed.room)
         if device.watts() != drew:
             self._show_power()
         if (after := _drive(thing.real)) != before:
             self._show_drive(before.room, after.room)
 
-    def _plan_wake(self, thing: _Thing) -> None:
+    def _plan_wake(self, thing: _PlacedDevice) -> None:
         device = thing.placed.device
         self._agenda.plan(device.device_id, device.next_event(), partial(self._act, thing, self._let_pass))
 
-    def _let_pass(self, device: Machine) -> tuple[str, ...]:
+    def _let_pass(self, device: SimulatedDevice) -> tuple[str, ...]:
         return device.advance(self.now)
 
     def _show_drive(self, left: str, entered: str) -> None:
         """A robot set out, arrived or stopped; it works no locks."""
         for thing in self._on_door(left, entered):
-            if isinstance(thing.real, ContactSensor):
+            if isinstance(thing.real, SimulatedContactSensor):
                 self._open(thing)
         for room in dict.fromkeys((left, entered)):
             self._show_motion(room)
@@ -369,7 +369,7 @@ class World:
     def _sample(self) -> None:
         outside = weather(self.now, self._first_day)
         for thing in self._things.values():
-            if isinstance(thing.real, Thermostat):
+            if isinstance(thing.real, SimulatedThermostat):
                 self._feel(thing, outside)
         self._show_power()
         for room in self._rooms.rooms:
@@ -384,5 +384,5 @@ class World:
         self.chronicle.add(Event(self.now, who, verb, what))
 
 
-def _drive(device: Machine) -> _Drive:
+def _drive(device: SimulatedDevice) -> _Drive:
     return _Drive(device.room, device.drives) if isinstance(device, Robot) else _NOWHERE

@@ -38,7 +38,7 @@ from paho.mqtt.reasoncodes import ReasonCode as PahoReason
 from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
 from homebot.logger import get_logger
-from homebot.mqtt.client import MqttCounters, PublishResult, Session, Subscription
+from homebot.mqtt.client import MqttCounters, MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.dial import dial
 from homebot.mqtt.incoming import Frame, FrameReader
 from homebot.mqtt.keep_alive import KeepAlive, LifeSign
@@ -51,7 +51,7 @@ from homebot.mqtt.packets.reason import ProtocolVersion, ReasonCode
 from homebot.mqtt.packets.subscribe import FilterRequest, Subscribe, encode_subscribe
 from homebot.mqtt.read_ahead import ReadAhead
 from homebot.mqtt.receiver import Receiver
-from homebot.mqtt.refusals import check_granted, farewell_error, login_error, reason_words
+from homebot.mqtt.refusals import check_granted, disconnect_error, login_error, reason_text
 from homebot.mqtt.session_end import end_session
 from homebot.mqtt.socket_error import socket_error
 from homebot.mqtt.tls import make_tls_context
@@ -114,7 +114,7 @@ class AiomqttClient:
         """What happened so far."""
         return self._receiver.counters
 
-    def connected(self) -> AbstractAsyncContextManager[Session]:
+    def connected(self) -> AbstractAsyncContextManager[SessionGrant]:
         """Make the link; see `MqttClient.connected`."""
         return self._connected()
 
@@ -137,7 +137,7 @@ class AiomqttClient:
             raise UsageError(f"QoS is 0, 1 or 2, not {qos}")
         return await self._need_link().send(topic, payload, qos, retain=retain, properties=properties)
 
-    async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
+    async def subscribe(self, *subscriptions: MqttSubscription) -> tuple[int, ...]:
         """Subscribe; see `MqttClient.subscribe`."""
         for subscription in subscriptions:
             validate_filter(subscription.filter)
@@ -164,7 +164,7 @@ class AiomqttClient:
             self._link.drop()
 
     @asynccontextmanager
-    async def _connected(self) -> AsyncIterator[Session]:
+    async def _connected(self) -> AsyncIterator[SessionGrant]:
         if self._up:
             raise UsageError("this MQTT client is connected already")
         self._up = True
@@ -189,7 +189,7 @@ class AiomqttClient:
             except HomebotError as error:
                 _log.debug("mqtt.session_left", broker=self._options.url, reason=str(error))
 
-    async def _open(self) -> tuple[_Link, Session]:
+    async def _open(self) -> tuple[_Link, SessionGrant]:
         tls = await make_tls_context(self._options) if self._options.tls else None  # certificates are renewed
         try:
             return await self._open_as(self._first_version(), tls)
@@ -206,7 +206,7 @@ class AiomqttClient:
         )
         return opened
 
-    async def _open_as(self, version: _Version, tls: ssl.SSLContext | None) -> tuple[_Link, Session]:
+    async def _open_as(self, version: _Version, tls: ssl.SSLContext | None) -> tuple[_Link, SessionGrant]:
         # The same object on every link: a new one counts packet identifiers from the start again, and a broker
         # with an open QoS 2 hand-shake of that number takes the next message for a repetition and swallows it.
         link = self._link
@@ -266,8 +266,8 @@ class _Link(aiomqtt.Client):
         self._packets = FrameReader(options.maximum_packet_size)
         self._ahead = ReadAhead(_PORTION, _READ_AHEAD)
         self._is_reading = False
-        self._granted: Session | None = None
-        self._greeting: asyncio.Future[Session] = self._loop.create_future()
+        self._granted: SessionGrant | None = None
+        self._greeting: asyncio.Future[SessionGrant] = self._loop.create_future()
         self._lost: LinkError | RefusedError | None = LinkError("not connected yet")
         self._gone = anyio.Event()
         self._drained = anyio.Event()
@@ -291,7 +291,7 @@ class _Link(aiomqtt.Client):
         # paho makes costly objects for each call of it, and we read the answers ourselves.
         self._client.on_publish = None
 
-    async def open(self, sock: socket.socket) -> Session:
+    async def open(self, sock: socket.socket) -> SessionGrant:
         """Say CONNECT on *sock*, which from now on belongs to the link, and wait for the answer."""
         self._dialled = sock
         self._packets = FrameReader(self._options.maximum_packet_size)
@@ -350,7 +350,7 @@ class _Link(aiomqtt.Client):
         self._check_alive()
         return PublishResult()
 
-    async def request(self, subscriptions: tuple[Subscription, ...]) -> tuple[int, ...]:
+    async def request(self, subscriptions: tuple[MqttSubscription, ...]) -> tuple[int, ...]:
         """Subscribe without paho, which takes three times as long over it: a house has thousands of topics."""
         self._check_alive()
         packet_id = self._free_packet_id()
@@ -361,7 +361,7 @@ class _Link(aiomqtt.Client):
         refused = [(s.filter, reason) for s, reason in zip(subscriptions, reasons, strict=False) if reason >= 0x80]
         if refused:
             names = ", ".join(repr(name) for name, _ in refused)
-            raise RefusedError(f"the subscription to {names}", reason_words(refused[0][1]), refused[0][1])
+            raise RefusedError(f"the subscription to {names}", reason_text(refused[0][1]), refused[0][1])
         return reasons
 
     async def cancel(self, filters: tuple[str, ...]) -> None:
@@ -417,7 +417,7 @@ class _Link(aiomqtt.Client):
         self._check_alive()  # the sending itself may have found the link broken
         reason = await self._wait_for_answer(self._answers, packet_id, "a publish")
         if reason >= 0x80:
-            raise RefusedError(f"the publish to {topic!r}", reason_words(reason), reason)
+            raise RefusedError(f"the publish to {topic!r}", reason_text(reason), reason)
         return PublishResult(reason)
 
     def _put_publish(self, topic: str, payload: bytes, *, retain: bool) -> int:
@@ -706,11 +706,11 @@ class _Link(aiomqtt.Client):
         properties: Properties | None = None,
     ) -> None:
         if flags.is_disconnect_packet_from_server:
-            self._lose(farewell_error(reason_code.value))
+            self._lose(disconnect_error(reason_code.value))
         elif self._write_error is not None:
             self._lose(self._cut(self._write_error))
         else:
-            self._lose(LinkError(reason_words(reason_code.value) if reason_code.is_failure else "closed"))
+            self._lose(LinkError(reason_text(reason_code.value) if reason_code.is_failure else "closed"))
 
     def _break(self, reason: LinkError | RefusedError) -> None:
         self._lose(reason)
@@ -752,7 +752,7 @@ class _Link(aiomqtt.Client):
             del messages[packet_id]
 
 
-def _wish(subscription: Subscription) -> FilterRequest:
+def _wish(subscription: MqttSubscription) -> FilterRequest:
     return FilterRequest(
         subscription.filter,
         subscription.qos,
@@ -824,12 +824,12 @@ def _keep_alive(properties: Properties | None, options: MqttOptions) -> float:
     return float(seconds) if isinstance(seconds, int) and seconds > 0 else float(options.keep_alive)
 
 
-def _session(version: _Version, flags: paho.ConnectFlags, properties: Properties | None) -> Session:
+def _session(version: _Version, flags: paho.ConnectFlags, properties: Properties | None) -> SessionGrant:
     def fact(name: str, default: int) -> int:
         value = getattr(properties, name, default)
         return value if isinstance(value, int) else default
 
-    return Session(
+    return SessionGrant(
         resumed=bool(flags.session_present),
         protocol=version,
         maximum_qos=fact("MaximumQoS", 2),

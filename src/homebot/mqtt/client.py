@@ -10,11 +10,11 @@ from typing import Literal, Protocol
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 
-__all__ = ["MqttClient", "MqttCounters", "PublishResult", "Session", "Subscription"]
+__all__ = ["MqttClient", "MqttCounters", "MqttSubscription", "PublishResult", "SessionGrant"]
 
 
 @dataclass(frozen=True, slots=True)
-class Subscription:
+class MqttSubscription:
     """One topic filter and how its messages should come.
 
     Attributes:
@@ -36,7 +36,7 @@ class Subscription:
 
 
 @dataclass(frozen=True, slots=True)
-class Session:
+class SessionGrant:
     """What the broker granted when the link was made.
 
     Attributes:
@@ -100,7 +100,7 @@ class MqttClient(Protocol):
         """What happened so far."""
         ...
 
-    def connected(self) -> AbstractAsyncContextManager[Session]:
+    def connected(self) -> AbstractAsyncContextManager[SessionGrant]:
         """Make the link; leaving the block says good-bye and drops it. Can be used again afterwards.
 
         Raises:
@@ -140,7 +140,7 @@ class MqttClient(Protocol):
         """
         ...
 
-    async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
+    async def subscribe(self, *subscriptions: MqttSubscription) -> tuple[int, ...]:
         """Subscribe to all of them with one request.
 
         Returns:

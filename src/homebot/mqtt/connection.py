@@ -22,10 +22,10 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
 from homebot.logger import get_logger
 from homebot.mqtt.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
-from homebot.mqtt.client import MqttClient, MqttCounters, PublishResult, Session, Subscription
+from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
-from homebot.mqtt.options import MqttOptions, Will
-from homebot.mqtt.standing import StandingSubscriptions
+from homebot.mqtt.options import MqttOptions, MqttWill
+from homebot.mqtt.standing import SubscriptionSet
 from homebot.mqtt.topics import validate_filter
 
 __all__ = ["OFFLINE", "ONLINE", "ConnectionState", "LinkPhase", "MqttConnection"]
@@ -104,7 +104,7 @@ class MqttConnection:
         if status_topic == "":
             status_topic = f"homebot/{options.client_id.replace('+', '_').replace('#', '_')}/status"
         if status_topic is not None and options.will is None:
-            options = replace(options, will=Will(status_topic, OFFLINE, qos=1, retain=True))
+            options = replace(options, will=MqttWill(status_topic, OFFLINE, qos=1, retain=True))
         self._status_topic = status_topic
         self._url = options.url
         self._client = make_client(options)
@@ -112,7 +112,7 @@ class MqttConnection:
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
         self._link_backoff = link_backoff
         self._refused_backoff = refused_backoff
-        self._standing = StandingSubscriptions(self._client)
+        self._standing = SubscriptionSet(self._client)
         self._state = ConnectionState(LinkPhase.CLOSED)
         self._changed = anyio.Event()
         self._tasks: TaskGroup | None = None
@@ -190,7 +190,7 @@ class MqttConnection:
             await checkpoint()  # or who tries again in a loop would keep the supervisor from its work
             raise
 
-    async def subscribe(self, *subscriptions: Subscription, every_link: bool = False) -> None:
+    async def subscribe(self, *subscriptions: MqttSubscription, every_link: bool = False) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
 
         While the link is down they are only remembered. What the broker refuses stands in `refused`, and is asked for
@@ -311,7 +311,7 @@ class MqttConnection:
             reason = error
         return self._plan(reason, up_since)
 
-    async def _prepare(self, session: Session) -> None:
+    async def _prepare(self, session: SessionGrant) -> None:
         if refused := await self._standing.begin_link(resumed=session.resumed):
             _log.debug(
                 "mqtt.subscriptions_refused",

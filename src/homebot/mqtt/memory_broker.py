@@ -16,7 +16,7 @@ import anyio
 from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, UsageError
 from homebot.logger import get_logger
-from homebot.mqtt.broker import BrokerLimits, BrokerStats, Hub, Policy
+from homebot.mqtt.broker import BrokerLimits, BrokerPolicy, BrokerState, BrokerStats
 from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.hub_timer import HubTimer
 from homebot.mqtt.broker.limits import checked_keep_alive
@@ -67,7 +67,7 @@ class MemoryBroker:
         credentials: Mapping[str, str] | None = None,
         keep_alive: int | None = None,
         refuse_filters: Collection[str] = (),
-        policy: Policy | None = None,
+        policy: BrokerPolicy | None = None,
         random: Random | None = None,
     ) -> None:
         self._clock = clock
@@ -76,7 +76,7 @@ class MemoryBroker:
         self._keep_alive = checked_keep_alive(keep_alive)
         self._policy = policy_of(policy, refuse_filters)
         self._random = random or SystemRandom()
-        self._hub: Hub | None = None
+        self._hub: BrokerState | None = None
         self._running = False
         self._links: dict[MemoryLink, None] = {}
         self._dialled = 0
@@ -163,7 +163,7 @@ class MemoryBroker:
             return
         if self._hub is None:
             clock = self._clock or LoopClock()
-            self._hub = Hub(
+            self._hub = BrokerState(
                 clock, self._limits, self._authentication, self._policy, self._keep_alive, random=self._random
             )
         self._running = True

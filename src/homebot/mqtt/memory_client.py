@@ -12,8 +12,8 @@ from typing import Protocol, final
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, RefusedError, UsageError
-from homebot.mqtt.client import MqttCounters, PublishResult, Session, Subscription
-from homebot.mqtt.memory_conversation import Conversation
+from homebot.mqtt.client import MqttCounters, MqttSubscription, PublishResult, SessionGrant
+from homebot.mqtt.memory_conversation import ClientProtocol
 from homebot.mqtt.memory_link import LinkUser, MemorySocket
 from homebot.mqtt.memory_packets import filter_request, publish_properties
 from homebot.mqtt.memory_requests import Requests
@@ -36,7 +36,7 @@ from homebot.mqtt.packets import (
 )
 from homebot.mqtt.packets.properties import encode_properties
 from homebot.mqtt.receiver import Receiver
-from homebot.mqtt.refusals import check_granted, reason_words
+from homebot.mqtt.refusals import check_granted, reason_text
 from homebot.mqtt.topics import validate_filter, validate_topic
 
 __all__ = ["Dial", "MemoryClient"]
@@ -74,7 +74,7 @@ class MemoryClient:
         self._version = ProtocolVersion.V311 if options.protocol == "3.1.1" else ProtocolVersion.V5
         self._receiver = Receiver(options, LoopClock() if clock is None else clock)
         self._requests = Requests(Random() if random is None else random)  # noqa: S311 - identifiers are no secret
-        self._talk: Conversation | None = None
+        self._protocol: ClientProtocol | None = None
         self._up = False
 
     @property
@@ -82,13 +82,13 @@ class MemoryClient:
         """What happened so far."""
         return self._receiver.counters
 
-    def connected(self) -> AbstractAsyncContextManager[Session]:
+    def connected(self) -> AbstractAsyncContextManager[SessionGrant]:
         """Make the link; see `MqttClient.connected`."""
         return self._connected()
 
     async def wait_lost(self) -> LinkError | RefusedError:
         """Wait until the link is gone and say why."""
-        return await self._need_talk().wait_lost()
+        return await self._need_protocol().wait_lost()
 
     async def publish(
         self,
@@ -103,7 +103,7 @@ class MemoryClient:
         validate_topic(topic)
         if qos not in {0, 1, 2}:
             raise UsageError(f"QoS is 0, 1 or 2, not {qos}")
-        talk = self._need_talk()
+        talk = self._need_protocol()
         talk.check_alive()
         extra = publish_properties(properties) if talk.version is ProtocolVersion.V5 else NOTHING
         if talk.granted is not None:
@@ -112,17 +112,17 @@ class MemoryClient:
         packet = Publish(topic, payload, qos, retain, properties=extra)
         if qos:
             return await self._publish_and_wait(talk, packet)
-        talk.say(packet)
+        talk.send_packet(packet)
         await talk.wait_until_taken()
         return PublishResult()
 
-    async def subscribe(self, *subscriptions: Subscription) -> tuple[int, ...]:
+    async def subscribe(self, *subscriptions: MqttSubscription) -> tuple[int, ...]:
         """Subscribe; see `MqttClient.subscribe`."""
         for subscription in subscriptions:
             validate_filter(subscription.filter)
         if not subscriptions:
             return ()
-        talk = self._need_talk()
+        talk = self._need_protocol()
         talk.check_alive()
         packet_id = self._requests.new_id()
         request = Subscribe(packet_id, tuple(filter_request(each) for each in subscriptions))
@@ -131,14 +131,14 @@ class MemoryClient:
         refused = [(each.filter, code) for each, code in zip(subscriptions, reasons, strict=False) if code.failed]
         if refused:
             names = ", ".join(repr(name) for name, _ in refused)
-            raise RefusedError(f"the subscription to {names}", reason_words(refused[0][1]), refused[0][1])
+            raise RefusedError(f"the subscription to {names}", reason_text(refused[0][1]), refused[0][1])
         return tuple(int(reason) for reason in reasons)
 
     async def unsubscribe(self, *filters: str) -> None:
         """Take back subscriptions; see `MqttClient.unsubscribe`."""
         if not filters:
             return
-        talk = self._need_talk()
+        talk = self._need_protocol()
         talk.check_alive()
         packet_id = self._requests.new_id()
         await talk.answer_to(Unsubscribe(packet_id, filters), packet_id, "unsubscribe")
@@ -150,15 +150,15 @@ class MemoryClient:
     def ack(self, messages: Iterable[MqttMessage]) -> None:
         """Acknowledge; see `MqttClient.ack`."""
         data = self._receiver.settle(messages)
-        if data and self._talk is not None:
-            self._talk.put(data)
+        if data and self._protocol is not None:
+            self._protocol.put(data)
 
     def drop(self) -> None:
         """Cut the link; see `MqttClient.drop`."""
-        if self._talk is not None and self._up:
-            self._talk.drop()
+        if self._protocol is not None and self._up:
+            self._protocol.drop()
 
-    async def _publish_and_wait(self, talk: Conversation, packet: Publish) -> PublishResult:
+    async def _publish_and_wait(self, talk: ClientProtocol, packet: Publish) -> PublishResult:
         await talk.window.acquire()
         try:
             talk.check_alive()
@@ -168,18 +168,18 @@ class MemoryClient:
             talk.window.release()
         reason = answer.reason if isinstance(answer, Puback | Pubrec | Pubcomp) else 0
         if reason >= 0x80:
-            raise RefusedError(f"the publish to {packet.topic!r}", reason_words(reason), reason)
+            raise RefusedError(f"the publish to {packet.topic!r}", reason_text(reason), reason)
         return PublishResult(reason)
 
     @asynccontextmanager
-    async def _connected(self) -> AsyncIterator[Session]:
+    async def _connected(self) -> AsyncIterator[SessionGrant]:
         if self._up:
             raise UsageError("this MQTT client is connected already")
         self._up = True
         try:
-            talk = Conversation(self._options, self._version, self._receiver, self._requests)
+            talk = ClientProtocol(self._options, self._version, self._receiver, self._requests)
             session = await talk.open(self._dial(self._options.host, self._options.port, talk))
-            self._talk = talk
+            self._protocol = talk
             try:
                 yield session
             finally:
@@ -187,7 +187,7 @@ class MemoryClient:
         finally:
             self._up = False
 
-    def _close(self, talk: Conversation) -> None:
+    def _close(self, talk: ClientProtocol) -> None:
         options = self._options
         ends_session = talk.is_alive and options.session_ends_on_close and options.session_expiry > 0
         is_v5 = talk.version is ProtocolVersion.V5
@@ -201,19 +201,19 @@ class MemoryClient:
         password = None if options.password is None else options.password.get_secret_value().encode()
         connect = Connect(options.client_id, self._version, username=options.user, password=password)
         try:
-            socket = self._dial(options.host, options.port, _Nobody())
+            socket = self._dial(options.host, options.port, _NoUser())
         except LinkError:
             return  # the broker is gone, and with it most likely the session
         socket.write(encode(connect) + encode(Disconnect(), self._version))
         socket.close()
 
-    def _need_talk(self) -> Conversation:
-        if self._talk is None or not self._up:
+    def _need_protocol(self) -> ClientProtocol:
+        if self._protocol is None or not self._up:
             raise LinkError(f"not connected to {self._options.url}")
-        return self._talk
+        return self._protocol
 
 
-class _Nobody:
+class _NoUser:
     """Whoever does not listen to the answers."""
 
     def data_received(self, data: bytes) -> None:

@@ -8,7 +8,7 @@ from typing import Final, final
 import anyio
 
 from homebot.errors import LinkError, RefusedError, WireError
-from homebot.mqtt.client import Session
+from homebot.mqtt.client import SessionGrant
 from homebot.mqtt.incoming import Frame, FrameReader
 from homebot.mqtt.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.memory_link import MemorySocket
@@ -34,9 +34,9 @@ from homebot.mqtt.packets import (
     encode,
 )
 from homebot.mqtt.receiver import Receiver
-from homebot.mqtt.refusals import farewell_error, login_error
+from homebot.mqtt.refusals import disconnect_error, login_error
 
-__all__ = ["Conversation"]
+__all__ = ["ClientProtocol"]
 
 _IN_FLIGHT = 100  # as on the link with a socket, so that tests see the same order
 _SEND_BUFFER = 256 * 1024  # bytes that may wait for the broker before a publish of QoS 0 waits too
@@ -45,7 +45,7 @@ _PUBREL: Final = PacketType.PUBREL
 
 
 @final
-class Conversation:
+class ClientProtocol:
     """Fills :class:`homebot.mqtt.memory_link.LinkUser`.
 
     Args:
@@ -62,7 +62,7 @@ class Conversation:
 
     def __init__(self, options: MqttOptions, version: ProtocolVersion, receiver: Receiver, requests: Requests) -> None:
         self.version: Final = version
-        self.granted: Session | None = None
+        self.granted: SessionGrant | None = None
         self.window = SendWindow(0)
         self._options = options
         self._receiver = receiver
@@ -70,7 +70,7 @@ class Conversation:
         self._loop = asyncio.get_running_loop()
         self._packets = FrameReader(options.maximum_packet_size)
         self._socket: MemorySocket | None = None
-        self._greeting: asyncio.Future[Session] = self._loop.create_future()
+        self._greeting: asyncio.Future[SessionGrant] = self._loop.create_future()
         self._lost: LinkError | RefusedError | None = None
         self._gone = anyio.Event()
         self._drained: anyio.Event | None = None
@@ -78,7 +78,7 @@ class Conversation:
         self._keep_alive: KeepAlive | None = None
         self._check: asyncio.TimerHandle | None = None
 
-    async def open(self, socket: MemorySocket) -> Session:
+    async def open(self, socket: MemorySocket) -> SessionGrant:
         """Say CONNECT on *socket*, which is to bring its bytes here, and wait for the answer.
 
         Raises:
@@ -86,7 +86,7 @@ class Conversation:
             RefusedError: It said no.
         """
         self._socket = socket
-        self.say(connect_packet(self._options, self.version))
+        self.send_packet(connect_packet(self._options, self.version))
         words = f"no answer to CONNECT within {self._options.timeout:g} s"
         try:
             with anyio.fail_after(self._options.timeout):
@@ -101,7 +101,7 @@ class Conversation:
     def close(self, *, ends_session: bool) -> None:
         """Say good-bye, if there is still somebody, and drop the link."""
         if self._lost is None and self._socket is not None:
-            self.say(disconnect_packet(ends_session=ends_session))
+            self.send_packet(disconnect_packet(ends_session=ends_session))
             self._socket.close()
         self._lose(LinkError("closed"))
 
@@ -124,7 +124,7 @@ class Conversation:
         await self._gone.wait()
         return self._lost or LinkError("closed")
 
-    def say(self, packet: Packet) -> None:
+    def send_packet(self, packet: Packet) -> None:
         """Send one packet."""
         self.put(encode(packet, self.version))
 
@@ -208,19 +208,19 @@ class Conversation:
             raise WireError(f"{type(packet).__name__} came instead of CONNACK")
         match packet:
             case Connack():
-                self._greeted(packet)
+                self._on_connack(packet)
             case Pubrec() if not packet.reason.failed:
-                self.say(self._requests.taken(packet.packet_id))
+                self.send_packet(self._requests.taken(packet.packet_id))
             case Puback() | Pubrec() | Pubcomp() | Suback() | Unsuback():
-                self._answered(packet)
+                self._on_answer(packet)
             case Pingresp():
                 pass  # it was heard
             case Disconnect():
-                self._lose(farewell_error(packet.reason))
+                self._lose(disconnect_error(packet.reason))
             case _:
                 raise WireError(f"a broker must not send {type(packet).__name__}")
 
-    def _greeted(self, packet: Connack) -> None:
+    def _on_connack(self, packet: Connack) -> None:
         if self._greeting.done():
             raise WireError("CONNACK came twice")
         if packet.reason.failed:
@@ -235,10 +235,10 @@ class Conversation:
         self._receiver.begin_link(session)
         self._greeting.set_result(session)
         for each in again:
-            self.say(each)
+            self.send_packet(each)
         self._check = self._loop.call_at(self._keep_alive.due, self._check_signs_of_life, self._keep_alive)
 
-    def _answered(self, packet: Answer) -> None:
+    def _on_answer(self, packet: Answer) -> None:
         self._requests.answered(packet)
         if packet.packet_id in self._unfinished:
             self._unfinished.discard(packet.packet_id)
@@ -250,7 +250,7 @@ class Conversation:
                 self._break(LinkError("the broker does not answer any more"))
                 return
             case LifeSign.PING:
-                self.say(Pingreq())
+                self.send_packet(Pingreq())
             case LifeSign.WAIT:
                 pass
         self._check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)

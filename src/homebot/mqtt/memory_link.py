@@ -10,7 +10,7 @@ import asyncio
 from collections.abc import Callable
 from typing import Protocol, final
 
-from homebot.mqtt.broker import Hub, Peer
+from homebot.mqtt.broker import BrokerState, Peer
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["LinkUser", "MemoryLink", "MemorySocket"]
@@ -34,7 +34,7 @@ class LinkUser(Protocol):
 
 @final
 class MemoryLink:
-    """The broker's end; fills :class:`homebot.mqtt.broker.Link`.
+    """The broker's end; fills :class:`homebot.mqtt.broker.Transport`.
 
     Bytes for a client that does not read wait here without a bound of their own: from ``limits.write_buffer`` on the
     link is *choked*, and the broker writes nothing more that can wait.
@@ -46,15 +46,15 @@ class MemoryLink:
         on_closed: Told once, when the broker is through with the link.
 
     Attributes:
-        choked: As :class:`homebot.mqtt.broker.Link` says.
+        write_blocked: As :class:`homebot.mqtt.broker.Transport` says.
         address: The other end in words.
         peer: The broker's state machine for it.
         socket: The client's end.
     """
 
-    def __init__(self, hub: Hub, user: LinkUser, address: str, on_closed: Callable[[MemoryLink], None]) -> None:
+    def __init__(self, hub: BrokerState, user: LinkUser, address: str, on_closed: Callable[[MemoryLink], None]) -> None:
         loop = asyncio.get_running_loop()
-        self.choked = False
+        self.write_blocked = False
         self.address = address
         self.peer = Peer(hub, self)
         self._hub = hub
@@ -70,7 +70,7 @@ class MemoryLink:
         """Send *data* with all else of this turn of the loop."""
         if not self._closing:
             self._down.write(data)
-            self.choked = self._down.size > self._hub.limits.write_buffer
+            self.write_blocked = self._down.size > self._hub.limits.write_buffer
 
     def pause_reading(self) -> None:
         """Let the client's bytes wait at its end."""
@@ -128,8 +128,8 @@ class MemoryLink:
 
     def _hand_down(self, data: bytes) -> None:
         self._user.data_received(data)
-        if self.choked:
-            self.choked = False
+        if self.write_blocked:
+            self.write_blocked = False
             self.peer.writable()
 
 

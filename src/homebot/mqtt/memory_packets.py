@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from homebot.mqtt.client import Session, Subscription
+from homebot.mqtt.client import MqttSubscription, SessionGrant
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.options import Will as WillMessage
+from homebot.mqtt.options import MqttWill as WillMessage
 from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
 from homebot.mqtt.packets import Connack, Connect, Disconnect, FilterRequest, Properties, ProtocolVersion, Will
 
@@ -39,10 +39,10 @@ def disconnect_packet(*, ends_session: bool) -> Disconnect:
     return Disconnect(properties=Properties(session_expiry_interval=0)) if ends_session else Disconnect()
 
 
-def session_of(answer: Connack, version: ProtocolVersion) -> Session:
+def session_of(answer: Connack, version: ProtocolVersion) -> SessionGrant:
     """What the broker granted."""
     granted = answer.properties
-    return Session(
+    return SessionGrant(
         resumed=answer.session_present,
         protocol="5" if version is ProtocolVersion.V5 else "3.1.1",
         maximum_qos=2 if granted.maximum_qos is None else granted.maximum_qos,
@@ -52,7 +52,7 @@ def session_of(answer: Connack, version: ProtocolVersion) -> Session:
     )
 
 
-def filter_request(subscription: Subscription) -> FilterRequest:
+def filter_request(subscription: MqttSubscription) -> FilterRequest:
     """One line of a SUBSCRIBE."""
     return FilterRequest(
         subscription.filter,

@@ -13,7 +13,7 @@ from pydantic import SecretStr
 from homebot.errors import UsageError
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 
-__all__ = ["MqttOptions", "MqttProtocol", "Will"]
+__all__ = ["MqttOptions", "MqttProtocol", "MqttWill"]
 
 MqttProtocol = Literal["auto", "5", "3.1.1"]
 
@@ -21,7 +21,7 @@ _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
 
 
 @dataclass(frozen=True, slots=True)
-class Will:
+class MqttWill:
     """The message that the broker publishes for a client that vanished.
 
     Attributes:
@@ -95,7 +95,7 @@ class MqttOptions:
     receive_maximum: int = 256
     inbox_messages: int = 10_000
     inbox_bytes: int = 16 * 1024 * 1024
-    will: Will | None = None
+    will: MqttWill | None = None
     protocol: MqttProtocol = "auto"
 
     def __post_init__(self) -> None:

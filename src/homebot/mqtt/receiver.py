@@ -9,7 +9,7 @@ from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.log import LogLimit
 from homebot.logger import get_logger
-from homebot.mqtt.client import MqttCounters, Session
+from homebot.mqtt.client import MqttCounters, SessionGrant
 from homebot.mqtt.delivery import DeliveryLedger
 from homebot.mqtt.inbox import Inbox
 from homebot.mqtt.incoming import Frame, PublishReader
@@ -41,7 +41,7 @@ class Receiver:
         self._reader = PublishReader(has_properties=True)
         self.counters = MqttCounters()
 
-    def begin_link(self, session: Session) -> None:
+    def begin_link(self, session: SessionGrant) -> None:
         """Messages of a new link follow."""
         self._ledger.begin_link(resumed=session.resumed)
         self._inbox.reopen(resumed=session.resumed)

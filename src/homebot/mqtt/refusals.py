@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.client import Session
+from homebot.mqtt.client import SessionGrant
 from homebot.mqtt.packets.reason import ReasonCode
 
-__all__ = ["check_granted", "farewell_error", "login_error", "reason_words"]
+__all__ = ["check_granted", "disconnect_error", "login_error", "reason_text"]
 
 _TRY_LATER: Final = {
     ReasonCode.SERVER_UNAVAILABLE,
@@ -27,7 +27,7 @@ _OVERHEAD = 12
 """Bytes of a PUBLISH besides topic, properties and payload, at most."""
 
 
-def reason_words(code: int) -> str:
+def reason_text(code: int) -> str:
     """A reason code in words, such as ``not authorized``."""
     try:
         return ReasonCode(code).words
@@ -38,20 +38,20 @@ def reason_words(code: int) -> str:
 def login_error(code: int) -> LinkError | RefusedError:
     """What a CONNACK with *code* (0x80 or more) means."""
     if code in _TRY_LATER:
-        return LinkError(f"the broker said: {reason_words(code)}")
-    return RefusedError("the login", reason_words(code), code)
+        return LinkError(f"the broker said: {reason_text(code)}")
+    return RefusedError("the login", reason_text(code), code)
 
 
-def farewell_error(code: int) -> LinkError | RefusedError:
+def disconnect_error(code: int) -> LinkError | RefusedError:
     """What a DISCONNECT with *code* from the broker means."""
     if code == ReasonCode.SESSION_TAKEN_OVER:
         return RefusedError("the connection", "session taken over, another client uses this client id", code)
     if code in _THROWN_OUT:
-        return RefusedError("the connection", reason_words(code), code)
-    return LinkError(f"the broker said good-bye: {reason_words(code) if code else 'no reason given'}")
+        return RefusedError("the connection", reason_text(code), code)
+    return LinkError(f"the broker said good-bye: {reason_text(code) if code else 'no reason given'}")
 
 
-def check_granted(session: Session, topic: str, size: int, qos: int, *, retain: bool) -> None:
+def check_granted(session: SessionGrant, topic: str, size: int, qos: int, *, retain: bool) -> None:
     """Refuse a publish that the broker would answer by closing the link.
 
     Args:
@@ -73,4 +73,4 @@ def check_granted(session: Session, topic: str, size: int, qos: int, *, retain: 
         code = ReasonCode.PACKET_TOO_LARGE
     else:
         return
-    raise RefusedError(f"the publish to {topic!r}", reason_words(code), code)
+    raise RefusedError(f"the publish to {topic!r}", reason_text(code), code)

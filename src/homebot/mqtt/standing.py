@@ -8,10 +8,10 @@ from typing import final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.subscription_batches import batches
 
-__all__ = ["StandingSubscriptions"]
+__all__ = ["SubscriptionSet"]
 
 _ROUND = 0.01
 _BURST = 20
@@ -20,7 +20,7 @@ _MOST_ROUNDS = 100
 
 
 @final
-class StandingSubscriptions:
+class SubscriptionSet:
     """What is wanted, made and refused, by filter.
 
     Args:
@@ -29,7 +29,7 @@ class StandingSubscriptions:
 
     def __init__(self, client: MqttClient) -> None:
         self._client = client
-        self._wanted: dict[str, Subscription] = {}
+        self._wanted: dict[str, MqttSubscription] = {}
         self._renewed: set[str] = set()
         self._made: set[str] = set()
         self._refused: dict[str, str] = {}
@@ -41,7 +41,7 @@ class StandingSubscriptions:
         """Why those of this link are refused that are; a copy."""
         return dict(self._refused)
 
-    def want(self, subscriptions: Iterable[Subscription], *, every_link: bool) -> None:
+    def want(self, subscriptions: Iterable[MqttSubscription], *, every_link: bool) -> None:
         """Have *subscriptions* from now on; one takes the place of another to the same filter.
 
         Args:
@@ -107,7 +107,7 @@ class StandingSubscriptions:
         for name in filters:
             self._unwanted.pop(name, None)
 
-    async def _subscribe(self, *batch: Subscription) -> None:
+    async def _subscribe(self, *batch: MqttSubscription) -> None:
         """Subscribe once more where no answer comes, and let the messages that the broker keeps for a filter come.
 
         Some brokers, such as Mosquitto 2.0, drop whatever a client does not take in time: of QoS 0 messages, but even

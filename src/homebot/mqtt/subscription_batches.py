@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 
 __all__ = ["batches"]
 
@@ -12,13 +12,13 @@ MOST = 100
 MOST_CHARACTERS = 16_384
 
 
-def batches(subscriptions: Iterable[Subscription]) -> Iterator[tuple[Subscription, ...]]:
+def batches(subscriptions: Iterable[MqttSubscription]) -> Iterator[tuple[MqttSubscription, ...]]:
     """Yield *subscriptions* in their order, those together that one request may make.
 
     A filter with a wildcard stands alone, because a broker sends all the messages that it keeps for it at once, and
     so does one of QoS 1 or 2. Of the others, with at most one kept message each, up to 100 are one batch.
     """
-    batch: list[Subscription] = []
+    batch: list[MqttSubscription] = []
     size = 0
     for one in subscriptions:
         is_single = one.qos > 0 or "+" in one.filter or "#" in one.filter

@@ -17,7 +17,7 @@ from homebot.gateways import Gateway
 from homebot.plugins import load_plugin
 from homebot.runtime.door_table import DoorTable
 
-__all__ = ["Component", "Plan", "make_plan"]
+__all__ = ["Plan", "PlannedComponent", "make_plan"]
 
 GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
@@ -28,7 +28,7 @@ ComponentT = TypeVar("ComponentT", Gateway, App)
 
 
 @dataclass(frozen=True, slots=True)
-class Component(Generic[ComponentT]):
+class PlannedComponent(Generic[ComponentT]):
     """A gateway or an app to be started.
 
     Attributes:
@@ -55,8 +55,8 @@ class Plan:
     """
 
     home: str
-    gateways: tuple[Component[Gateway], ...]
-    apps: tuple[Component[App], ...]
+    gateways: tuple[PlannedComponent[Gateway], ...]
+    apps: tuple[PlannedComponent[App], ...]
     discovery: DirectorySettings
     door: DoorSettings
 
@@ -89,7 +89,7 @@ def make_plan(config: Config) -> Plan:
     )
 
 
-def _app(base: type[App], name: str, table: Table, config: Config) -> Component[App]:
+def _app(base: type[App], name: str, table: Table, config: Config) -> PlannedComponent[App]:
     if name in OWN_NODES:
         raise ConfigError(
             config.source, f"apps.{name}", "is the name of a node of homebot's own; call the app something else"
@@ -117,7 +117,7 @@ def _door(config: Config) -> DoorSettings:
 
 def _component(
     base: type[ComponentT], group: str, name: str, table: Table, config: Config, key: str
-) -> Component[ComponentT]:
+) -> PlannedComponent[ComponentT]:
     source = config.source
     wanted = table.get("class", name)
     if not isinstance(wanted, str):
@@ -127,7 +127,7 @@ def _component(
     except PluginError as exc:
         raise ConfigError(source, f"{key}.class" if "class" in table else key, str(exc)) from exc
     _check_class(kind, base, wanted, source, key)
-    return Component(name, kind, parse_settings(kind.Settings, table, source, key, config.folder))
+    return PlannedComponent(name, kind, parse_settings(kind.Settings, table, source, key, config.folder))
 
 
 def _check_class(kind: type[object], base: type[ComponentT], wanted: str, source: str, key: str) -> None:

@@ -38,7 +38,7 @@ from homebot.plugins import plugin_names
 from homebot.runtime.embedded_broker import embedded_broker
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
-from homebot.runtime.plan import Component, make_plan
+from homebot.runtime.plan import PlannedComponent, make_plan
 from homebot.runtime.supervisor import Supervisor, Work
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ class Runtime:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
             _log.info(APPS, message=self._apps_in_words(), names=[app.name for app in self._plan.apps])
 
-    def _components(self, gateways: tuple[Component[Gateway], ...]) -> Iterator[tuple[str, Work]]:
+    def _components(self, gateways: tuple[PlannedComponent[Gateway], ...]) -> Iterator[tuple[str, Work]]:
         """In the order of their start; each is made only when those before it are ready."""
         yield from ((gateway.name, self._gateway(gateway)) for gateway in gateways)
         yield "discovery", self._directory
@@ -190,7 +190,7 @@ class Runtime:
             return f"no app runs; name one with --app NAME or a table [apps.NAME] (installed: {installed})"
         return f"the app {names[0]} runs" if len(names) == 1 else f"the apps {', '.join(names)} run"
 
-    async def _with_broker(self, stack: AsyncExitStack) -> tuple[Component[Gateway], ...]:
+    async def _with_broker(self, stack: AsyncExitStack) -> tuple[PlannedComponent[Gateway], ...]:
         """Start the embedded broker if a gateway wants it; return the gateways with its address filled in."""
         gateways = tuple(self._named(gateway) for gateway in self._plan.gateways)
         if not any(_wants_broker(gateway) for gateway in gateways):
@@ -202,7 +202,7 @@ class Runtime:
         self.broker_url = url
         return tuple(_on_broker(gateway, url) for gateway in gateways)
 
-    def _named(self, gateway: Component[Gateway]) -> Component[Gateway]:
+    def _named(self, gateway: PlannedComponent[Gateway]) -> PlannedComponent[Gateway]:
         """Take also the name of an MQTT client from the given source of chance."""
         settings = gateway.settings
         if self._random is None or not isinstance(settings, MqttGatewaySettings):
@@ -210,7 +210,7 @@ class Runtime:
         name = f"homebot-{self._random.getrandbits(32):08x}"
         return replace(gateway, settings=settings.with_client_id(name))
 
-    def _gateway(self, component: Component[Gateway]) -> Work:
+    def _gateway(self, component: PlannedComponent[Gateway]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with Node(self.graph, component.name, namespace="/gateway") as node:
                 gateway = self._make_gateway(component, node)
@@ -218,7 +218,7 @@ class Runtime:
 
         return work
 
-    def _make_gateway(self, component: Component[Gateway], node: Node) -> Gateway:
+    def _make_gateway(self, component: PlannedComponent[Gateway], node: Node) -> Gateway:
         kind, settings = component.kind, component.settings
         if self._broker is None or not issubclass(kind, MqttGateway) or not isinstance(settings, MqttGatewaySettings):
             return kind(node, settings)
@@ -226,7 +226,7 @@ class Runtime:
             node, settings, make_client=self._broker.make_client, random=self._random, computer=self._broker.host
         )
 
-    def _app(self, component: Component[App]) -> Work:
+    def _app(self, component: PlannedComponent[App]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with Node(self.graph, component.name) as node:
                 app = component.kind(node, component.settings)
@@ -262,11 +262,11 @@ class Runtime:
         return work
 
 
-def _wants_broker(gateway: Component[Gateway]) -> bool:
+def _wants_broker(gateway: PlannedComponent[Gateway]) -> bool:
     return isinstance(gateway.settings, MqttGatewaySettings) and gateway.settings.url == EMBEDDED
 
 
-def _on_broker(gateway: Component[Gateway], url: str) -> Component[Gateway]:
+def _on_broker(gateway: PlannedComponent[Gateway], url: str) -> PlannedComponent[Gateway]:
     """On the embedded broker only our own devices listen, so acting is the default."""
     settings = gateway.settings
     if not _wants_broker(gateway) or not isinstance(settings, MqttGatewaySettings):
@@ -275,6 +275,6 @@ def _on_broker(gateway: Component[Gateway], url: str) -> Component[Gateway]:
     return replace(gateway, settings=settings.model_copy(update={"url": url, "act": act}))
 
 
-def _root(gateways: tuple[Component[Gateway], ...]) -> str:
+def _root(gateways: tuple[PlannedComponent[Gateway], ...]) -> str:
     roots = [one.settings.root for one in gateways if isinstance(one.settings, MqttGatewaySettings)]
     return next((root for root in roots if root), THESIS_HOME)

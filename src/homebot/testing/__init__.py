@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from homebot.testing.day import Day
-    from homebot.testing.day_happening import Happening
+    from homebot.testing.day_happening import DayEvent
     from homebot.testing.day_live import live_day
     from homebot.testing.event_log import EventLog, HouseEvent
     from homebot.testing.gateway import FakeGateway, FakeGatewaySettings
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Day",
+    "DayEvent",
     "EventLog",
     "FakeGateway",
     "FakeGatewaySettings",
-    "Happening",
     "HouseEvent",
     "TestHouse",
     "VirtualHouse",
@@ -33,10 +33,10 @@ __all__ = [
 
 _HOMES = {
     "Day": "day",
+    "DayEvent": "day_happening",
     "EventLog": "event_log",
     "FakeGateway": "gateway",
     "FakeGatewaySettings": "gateway",
-    "Happening": "day_happening",
     "HouseEvent": "event_log",
     "TestHouse": "house",
     "VirtualHouse": "virtual_house",

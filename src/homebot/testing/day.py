@@ -32,11 +32,11 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
-from homebot.house.chronicle import Chronicle
+from homebot.house.chronicle import WorldLog
 from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
 from homebot.house.world import World
-from homebot.testing.day_happening import Happening
+from homebot.testing.day_happening import DayEvent
 from homebot.testing.day_text import LONGEST, read_time, write_duration, write_tables, write_time
 from homebot.toml_file import parse_toml, read_toml
 from homebot.units import parse_duration
@@ -67,7 +67,7 @@ class Day:
     """
 
     house: Mapping[str, object]
-    happenings: Sequence[Happening] = ()
+    happenings: Sequence[DayEvent] = ()
     start: float = 0.0
     length: float = DAY
     source: str = field(default="day", compare=False, kw_only=True)
@@ -135,7 +135,7 @@ class Day:
         """Return its house, fresh, at midnight; *seed* is in place of the house's own."""
         return parse_world(self.house, self.source, seed=seed)
 
-    def play(self, world: World | None = None) -> Chronicle:
+    def play(self, world: World | None = None) -> WorldLog:
         """Live the day without a wire, in a few milliseconds.
 
         What happens to the wire (``cut``, ``pull``, ``restart``) changes nothing here.
@@ -152,13 +152,13 @@ class Day:
         world = self.world() if world is None else world
         for happening in self.happenings:
             if happening.what == "tell":
-                world.tell(happening.device, happening.command, happening.at)
+                world.command(happening.device, happening.command, happening.at)
             elif happening.what == "press":
                 world.press(happening.device, happening.command, happening.at)
         world.run_until(self.end)
         return world.chronicle
 
-    async def live(self, house: VirtualHouse, *, root: str = "home425") -> tuple[Happening, ...]:
+    async def live(self, house: VirtualHouse, *, root: str = "home425") -> tuple[DayEvent, ...]:
         """Live the day on the wire, in virtual time.
 
         Args:
@@ -181,7 +181,7 @@ class Day:
         own = parse_settings(_Own, {name: tables[name] for name in (HEAD, HAPPENINGS) if name in tables}, source, "")
         head = parse_settings(_Head, own.day, source, HEAD)
         happenings = [
-            Happening.parse(table, source, f"{HAPPENINGS}.{number}") for number, table in enumerate(own.happenings)
+            DayEvent.parse(table, source, f"{HAPPENINGS}.{number}") for number, table in enumerate(own.happenings)
         ]
         try:
             start, length = read_time(head.start), parse_duration(head.length)

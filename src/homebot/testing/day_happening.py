@@ -13,7 +13,7 @@ from homebot.errors import ConfigError, UsageError
 from homebot.testing.day_text import LONGEST, read_time, write_duration, write_time
 from homebot.units import parse_duration
 
-__all__ = ["HAPPENINGS", "Happening", "What"]
+__all__ = ["HAPPENINGS", "DayEvent", "What"]
 
 ValueT = TypeVar("ValueT")
 
@@ -32,7 +32,7 @@ _TAKES: Final[Mapping[What, frozenset[str]]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Happening:
+class DayEvent:
     """One thing that happens to a house.
 
     Attributes:
@@ -82,7 +82,7 @@ class Happening:
         return table
 
     @classmethod
-    def parse(cls, table: Mapping[str, object], source: str, key: str) -> Happening:
+    def parse(cls, table: Mapping[str, object], source: str, key: str) -> DayEvent:
         """Return what *table* says.
 
         Raises:

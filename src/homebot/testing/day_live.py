@@ -13,9 +13,9 @@ from homebot.errors import LinkError, UsageError
 from homebot.house.world import World
 from homebot.mqtt.memory_link import MemoryLink
 from homebot.testing.day import Day
-from homebot.testing.day_happening import Happening
+from homebot.testing.day_happening import DayEvent
 from homebot.testing.day_text import write_time
-from homebot.testing.moment import as_moment
+from homebot.testing.moment import parse_time
 from homebot.testing.virtual_house import HEARTBEAT, START, VirtualHouse, virtual_house_of
 from homebot.testing.virtual_time import VirtualTimeLoop
 
@@ -46,7 +46,7 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
     async def lived() -> World:
         world = day.world()
         world.run_until(day.start)  # on the wire nobody hears of the morning
-        start = as_moment(START) + timedelta(seconds=day.start)
+        start = parse_time(START) + timedelta(seconds=day.start)
         async with virtual_house_of(
             *apps, world=world, root=root, start=start, seed=seed, heartbeat=heartbeat
         ) as house:
@@ -59,7 +59,7 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
         return runner.run(lived())
 
 
-async def live(day: Day, house: VirtualHouse, *, root: str = ROOT) -> tuple[Happening, ...]:
+async def live(day: Day, house: VirtualHouse, *, root: str = ROOT) -> tuple[DayEvent, ...]:
     """Live *day* in *house*; as :meth:`homebot.testing.day.Day.live`."""
     midnight = house.now.replace(hour=0, minute=0, second=0, microsecond=0)
     start = midnight + timedelta(seconds=day.start)
@@ -90,12 +90,12 @@ class _Wire:
     outages: int = 0
     forget: bool = False
 
-    async def press(self, happening: Happening) -> bool:
+    async def press(self, happening: DayEvent) -> bool:
         self.house.simulated.press(happening.device, happening.command)  # a random day presses what is not there, too
         await self.house.settle()
         return True
 
-    async def tell(self, happening: Happening) -> bool:
+    async def tell(self, happening: DayEvent) -> bool:
         service_type = self.house.world.devices[happening.device].device.service_type
         try:
             await self.house.says(f"{self.root}/{service_type}/{happening.device}/in", happening.command)
@@ -103,13 +103,13 @@ class _Wire:
             return False
         return True
 
-    async def cut(self, happening: Happening) -> bool:
+    async def cut(self, happening: DayEvent) -> bool:
         link = self._link(happening.device)
         if link is not None:
             link.abort()
         return link is not None
 
-    async def pull(self, happening: Happening, links: list[MemoryLink]) -> bool:
+    async def pull(self, happening: DayEvent, links: list[MemoryLink]) -> bool:
         link = self._link(happening.device)
         if link is None:
             return False
@@ -125,7 +125,7 @@ class _Wire:
                 link.thaw()
         return True
 
-    async def stop(self, happening: Happening) -> bool:
+    async def stop(self, happening: DayEvent) -> bool:
         self.outages += 1
         self.forget |= happening.forget
         await self.house.broker.stop()
@@ -143,7 +143,7 @@ class _Wire:
         return next((link for link in self.house.broker.links if link.peer.client_id == name), None)
 
 
-_Step = tuple[float, Happening, Callable[[], Awaitable[bool]]]
+_Step = tuple[float, DayEvent, Callable[[], Awaitable[bool]]]
 
 
 def _plan(day: Day, wire: _Wire) -> list[_Step]:

@@ -15,7 +15,7 @@ from homebot.errors import ClosedError
 from homebot.graph import EntityKind, GraphChange, Node
 from homebot.messages import Message
 from homebot.messages.json import message_to_json
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.testing.background import in_background
 from homebot.testing.house import TestHouse
@@ -91,7 +91,7 @@ class EventLog:
         """
         log = cls(house.runtime.graph.clock)
         async with Node(house.runtime.graph, NODE) as node, house.client(NODE) as connection:
-            await connection.subscribe(Subscription("#"))
+            await connection.subscribe(MqttSubscription("#"))
             await connection.wait_connected()
             async with in_background(lambda: _read_mqtt(connection, log), lambda: _read_graph(node, log)):
                 house.log = log

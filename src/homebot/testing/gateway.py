@@ -13,7 +13,7 @@ from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.errors import HomebotError
 from homebot.gateways import Gateway
-from homebot.gateways.listeners import Listeners
+from homebot.gateways.listeners import RawDelivery
 from homebot.gateways.mqtt.board import stamps
 from homebot.gateways.mqtt.channels import begin_of, missed
 from homebot.graph import Node
@@ -53,7 +53,7 @@ class FakeGateway(Gateway):
         self._settings = settings or FakeGatewaySettings()
         super().__init__(node, self._settings)
         self.told: list[tuple[str, str]] = []
-        self._listeners = Listeners(node, self.names, inboxes=self._settings.delivery == "inbox")
+        self._listeners = RawDelivery(node, self.names, inboxes=self._settings.delivery == "inbox")
         self._kept: defaultdict[str, deque[tuple[float, RawMessage]]] = defaultdict(lambda: deque(maxlen=KEPT))
         node.create_subscription(RawCommand, self.names.out, self._send, 1000)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
@@ -76,7 +76,7 @@ class FakeGateway(Gateway):
         )
         self._kept[message.address].append((self.node.graph.clock.monotonic(), message))
         for listener in tuple(self._listeners.of(message.address)):
-            await self._listeners.deliver(listener, message, patient=True)
+            await self._listeners.deliver(listener, message, wait_if_full=True)
 
     def sees(
         self,

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from contextlib import AbstractAsyncContextManager, contextmanager
 from typing import Any, TypeVar
 
-__all__ = ["held"]
+__all__ = ["hold_open"]
 
 ValueT = TypeVar("ValueT")
 
 
 @contextmanager
-def held(loop: asyncio.AbstractEventLoop, context: AbstractAsyncContextManager[ValueT]) -> Iterator[ValueT]:
+def hold_open(loop: asyncio.AbstractEventLoop, context: AbstractAsyncContextManager[ValueT]) -> Iterator[ValueT]:
     """Enter *context* on *loop*, and leave it at the end of the block.
 
     It is entered and left in one task, as cancel scopes demand; the block's own errors do not reach it. When it ends by

@@ -15,7 +15,7 @@ from homebot.config import Config, parse_config
 from homebot.errors import ClosedError, InvalidNameError, UsageError
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
-from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.topics import validate_topic
@@ -31,7 +31,7 @@ __all__ = ["TestHouse", "house_of"]
 
 PATIENCE = 5.0
 
-EVERYTHING = Subscription("#", qos=1, no_local=True)
+EVERYTHING = MqttSubscription("#", qos=1, no_local=True)
 """What a test may hear: all but its own words."""
 
 KEPT = 1000

@@ -132,10 +132,10 @@ def _shown(
     made: AbstractAsyncContextManager[HouseT],
 ) -> Iterator[HouseT]:
     """Run the house on *loop*, with a log of it for the report of a failed test."""
-    from homebot.testing.held import held  # noqa: PLC0415 - only for those who use it
+    from homebot.testing.held import hold_open  # noqa: PLC0415 - only for those who use it
 
     houses = request.node.stash.setdefault(_HOUSES, [])
-    with _explained(), held(loop, _with_log(made)) as house:
+    with _explained(), hold_open(loop, _with_log(made)) as house:
         houses.append((name, house))
         yield house
         _check_crashes(request.node, name, house)

@@ -15,7 +15,7 @@ from homebot.errors import UsageError
 from homebot.house import World, thesis_world
 from homebot.house.description import load_world
 from homebot.testing.house import TestHouse, house_of
-from homebot.testing.moment import as_moment
+from homebot.testing.moment import parse_time
 from homebot.testing.virtual_house import VirtualHouse, virtual_house_of
 from homebot.units import parse_duration
 
@@ -131,7 +131,7 @@ def _heartbeat(value: object) -> float:
 _CHECKS: Final[Mapping[str, Callable[[Any], object]]] = {
     "root": _text,
     "seed": _seed,
-    "start": as_moment,
+    "start": parse_time,
     "heartbeat": _heartbeat,
     ALLOW_CRASHES: _yes_or_no,
 }

@@ -8,12 +8,12 @@ from typing import Final
 
 from homebot.errors import UsageError
 
-__all__ = ["as_moment", "next_moment"]
+__all__ = ["next_moment", "parse_time"]
 
 _TIME_OF_DAY: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
 
 
-def as_moment(when: str | datetime) -> datetime:
+def parse_time(when: str | datetime) -> datetime:
     """Return a point in time in UTC.
 
     Args:
@@ -35,7 +35,7 @@ def next_moment(now: datetime, when: str | datetime) -> datetime:
 
     Args:
         now: The present, in UTC.
-        when: As :func:`as_moment` takes it, or a time of day such as ``22:00`` or ``22:00:30``: the next one in UTC,
+        when: As :func:`parse_time` takes it, or a time of day such as ``22:00`` or ``22:00:30``: the next one in UTC,
             which is tomorrow's where it is that time now.
 
     Raises:
@@ -46,7 +46,7 @@ def next_moment(now: datetime, when: str | datetime) -> datetime:
         hour, minute, second = (int(part or 0) for part in time_of_day.groups())
         moment = now.replace(hour=hour, minute=minute, second=second, microsecond=0)
         return moment if moment > now else moment + timedelta(days=1)
-    moment = as_moment(when)
+    moment = parse_time(when)
     if moment < now:
         raise UsageError(f"{moment:%Y-%m-%d %H:%M:%S} is past: it is {now:%Y-%m-%d %H:%M:%S} in the house")
     return moment

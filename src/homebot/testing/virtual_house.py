@@ -23,7 +23,7 @@ from homebot.runtime import Runtime
 from homebot.testing.background import in_background
 from homebot.testing.house import EVERYTHING, TestHouse
 from homebot.testing.house_config import house_config
-from homebot.testing.moment import as_moment, next_moment
+from homebot.testing.moment import next_moment, parse_time
 from homebot.testing.plain_logs import plain_logs
 from homebot.testing.virtual_time import VirtualTimeLoop
 from homebot.units import parse_duration
@@ -144,7 +144,7 @@ async def virtual_house_of(
         UsageError: The running event loop is none of virtual time, or an argument cannot be used.
     """
     _virtual_loop()
-    clock = LoopClock(as_moment(start).timestamp())
+    clock = LoopClock(parse_time(start).timestamp())
     random = Random(seed)  # noqa: S311 - a simulation has no secrets
     async with AsyncExitStack() as stack:
         stack.enter_context(plain_logs())

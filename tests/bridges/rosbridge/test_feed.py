@@ -13,7 +13,7 @@ import pytest
 from homebot.bridges.rosbridge.backlog import Backlog, DoorBacklog
 from homebot.bridges.rosbridge.feed import Feed
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import Subscribe
+from homebot.bridges.rosbridge.protocol import SubscribeOperation
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.errors import LinkError
 from homebot.graph import Graph, Node, Publisher
@@ -44,7 +44,7 @@ class Client:
 
 
 @asynccontextmanager
-async def feeding(client: Client, *requests: Subscribe) -> AsyncIterator[Publisher[Int32]]:
+async def feeding(client: Client, *requests: SubscribeOperation) -> AsyncIterator[Publisher[Int32]]:
     graph = Graph()
     outbox = Outbox(client.send, lambda: None, Turns(), 1000)
     feed = Feed(Node(graph, "door"), "/n", Int32, 10, Backlog(10_000, DoorBacklog(10_000)), outbox)
@@ -59,8 +59,10 @@ async def feeding(client: Client, *requests: Subscribe) -> AsyncIterator[Publish
         tasks.cancel_scope.cancel()
 
 
-def request(identifier: str, throttle_rate: float = 0, queue_length: int = 0) -> Subscribe:
-    return Subscribe(op="subscribe", id=identifier, topic="/n", throttle_rate=throttle_rate, queue_length=queue_length)
+def request(identifier: str, throttle_rate: float = 0, queue_length: int = 0) -> SubscribeOperation:
+    return SubscribeOperation(
+        op="subscribe", id=identifier, topic="/n", throttle_rate=throttle_rate, queue_length=queue_length
+    )
 
 
 async def test_without_a_queue_what_comes_while_throttled_is_dropped() -> None:

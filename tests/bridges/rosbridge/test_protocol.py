@@ -13,9 +13,9 @@ from homebot.bridges.rosbridge.protocol import (
     CallService,
     FrameError,
     Operation,
-    Publish,
+    PublishOperation,
     ServiceResponse,
-    Subscribe,
+    SubscribeOperation,
     action_refusal,
     encode_frame,
     parse_frame,
@@ -32,7 +32,7 @@ def test_a_frame_of_roslibpy_is_read() -> None:
         '{"op": "subscribe", "id": "subscribe:/chatter:1", "type": "std_msgs/String", "topic": "/chatter", '
         '"compression": "none", "throttle_rate": 0, "queue_length": 0}'
     )
-    assert op == Subscribe(op="subscribe", id="subscribe:/chatter:1", topic="/chatter", type="std_msgs/String")
+    assert op == SubscribeOperation(op="subscribe", id="subscribe:/chatter:1", topic="/chatter", type="std_msgs/String")
 
 
 def test_null_counts_as_left_out() -> None:
@@ -48,7 +48,7 @@ def test_a_response_without_a_result_is_a_no() -> None:
 
 
 def test_a_number_may_be_an_identifier() -> None:
-    assert parse_frame('{"op": "publish", "id": 7, "topic": "/t", "msg": {}}') == Publish(
+    assert parse_frame('{"op": "publish", "id": 7, "topic": "/t", "msg": {}}') == PublishOperation(
         op="publish", id=7, topic="/t", msg={}
     )
 

@@ -42,7 +42,7 @@ from homebot.devices.services import (
     QueryDevicesResponse,
 )
 from homebot.devices.value import PlainValue, Value
-from homebot.devices.words import words_address
+from homebot.devices.words import text_address
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
@@ -95,8 +95,8 @@ def kitchen_lamp() -> Device:
             Endpoint(
                 gateway="mqtt",
                 key=NATIVE_KEY,
-                address=words_address(NATIVE_KEY, "light"),
-                command_address=words_address(NATIVE_KEY, "light"),
+                address=text_address(NATIVE_KEY, "light"),
+                command_address=text_address(NATIVE_KEY, "light"),
             ),
         ),
         metadata=(),
@@ -186,7 +186,7 @@ def attic() -> Device:
         id="attic",
         name="Attic",
         service_type="temperature_sensor",
-        endpoints=(Endpoint(gateway="mqtt", key="attic", address=words_address("attic", ""), command_address=""),),
+        endpoints=(Endpoint(gateway="mqtt", key="attic", address=text_address("attic", ""), command_address=""),),
         metadata=(),
         first_seen=ago(500),
         last_seen=ago(120),

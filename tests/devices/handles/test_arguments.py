@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices import Devices, handles
-from homebot.devices.handles import DoorLock, Handle, Light, Place, Thermostat
+from homebot.devices.handles import CommonFilters, DoorLock, Handle, Light, Thermostat
 from homebot.graph import Graph, Node
 
 KINDS = [one for one in vars(handles).values() if isinstance(one, type) and issubclass(one, Handle)]
@@ -63,7 +63,7 @@ async def test_a_word_of_a_type_takes_no_conditions(extra: tuple[str, ...], cond
 
 @given(kind=st.sampled_from(KINDS), name=st.text(string.ascii_lowercase + "_", min_size=1, max_size=12))
 def test_every_kind_refuses_every_word_that_it_does_not_take(kind: type[Handle], name: str) -> None:
-    known = {*inspect.signature(kind.wanted).parameters, *Place.__annotations__} - {"place"}
+    known = {*inspect.signature(kind.wanted).parameters, *CommonFilters.__annotations__} - {"place"}
     if name in known:
         return
     arguments: dict[str, Any] = {name: True}

@@ -14,7 +14,7 @@ from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import load_world
 from homebot.house.dialects.known import DIALECTS as DIALECTS_KNOWN
-from homebot.house.lamp import Lamp
+from homebot.house.lamp import SimulatedLamp
 from homebot.testing.virtual_house import virtual_house_of
 
 pytestmark = pytest.mark.virtual_time
@@ -49,7 +49,7 @@ async def test_an_app_acts_on_devices_of_any_convention_and_sees_what_became_of_
             await lamp.turn_on(level=40, kelvin=2500)
         await anyio.sleep(1)
         lamps = [world.devices[name].device for name in ("lamp", "old_lamp")]
-        assert [(one.is_on, one.brightness, one.kelvin) for one in lamps if isinstance(one, Lamp)] == [
+        assert [(one.is_on, one.brightness, one.kelvin) for one in lamps if isinstance(one, SimulatedLamp)] == [
             (True, 0.4, 2500.0)
         ] * 2
         assert (new.on, new.level) == (True, 40.0)
@@ -105,9 +105,9 @@ async def test_one_call_turns_on_lamps_of_every_dialect(mixed_world: World) -> N
             await lamp.turn_on(level=40)
         await anyio.sleep(5)
         lamps = [one.device for one in mixed_world.devices.values()]
-        assert [round(one.brightness, 2) for one in lamps if isinstance(one, Lamp) and one.is_on] == [0.4] * len(
-            DIALECTS
-        )
+        assert [round(one.brightness, 2) for one in lamps if isinstance(one, SimulatedLamp) and one.is_on] == [
+            0.4
+        ] * len(DIALECTS)
         assert len(await devices.find(Light, on=True)) == len(DIALECTS)
 
 

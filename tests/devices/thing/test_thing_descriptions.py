@@ -15,8 +15,8 @@ from homebot.devices import Device, DevicePart, Endpoint, Fact, Route
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Part
-from homebot.devices.thing import CONTEXT, Meant, parts_of, read_thing, to_thing
-from homebot.devices.words import words_address
+from homebot.devices.thing import CONTEXT, ClassifiedPart, parts_of, read_thing, to_thing
+from homebot.devices.words import text_address
 from homebot.errors import WireError
 from homebot.messages import Time
 
@@ -113,7 +113,7 @@ def test_a_device_without_parts_is_described_by_its_words() -> None:
     made = to_thing(device(), {})
     (meant,) = parts_of(read_thing(made))
     assert (meant.part.reads, meant.part.writes) == (("home/l/out",), ("home/l/in",))
-    words = words_address("k", "p")
+    words = text_address("k", "p")
     endpoint = Endpoint(gateway="mqtt", key="k", address=words, command_address=words)
     assert to_thing(device(endpoints=(endpoint,)), {})["properties"] == {}
 
@@ -229,7 +229,7 @@ def lamp() -> dict[str, Any]:
     }
 
 
-def of(parts: tuple[Meant, ...]) -> dict[str, tuple[str, list[str]]]:
+def of(parts: tuple[ClassifiedPart, ...]) -> dict[str, tuple[str, list[str]]]:
     return {one.part.id: (one.part.service_type, [each.name for each in one.part.capabilities]) for one in parts}
 
 

@@ -24,19 +24,19 @@ from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.gateways.mqtt.description import (
+    AnnouncementEvent,
+    AutoExpiry,
     Availability,
-    Described,
     DescribedPart,
-    Fade,
-    Heard,
+    DeviceAnnounced,
+    DeviceRequest,
+    DeviceWithdrawn,
     Publication,
-    Question,
-    Withdrawn,
 )
 from homebot.gateways.mqtt.payload import parse_object
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
 from homebot.messages.message import Message
-from homebot.mqtt.client import Subscription as MqttSubscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MqttMessage
@@ -107,21 +107,21 @@ class SimpleConvention:
     def filters(self) -> tuple[str, ...]:
         return (f"{self._settings.prefix}/+", "covered/#")
 
-    def births(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> tuple[Publication, ...]:
         return (Publication(self._settings.birth, b"who"),) if self._settings.birth else ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         del retained
         prefix, _, key = topic.partition("/")
         if prefix != self._settings.prefix:
             return ()
         match payload:
             case b"":
-                return (Withdrawn(key, "it was taken back"),)
+                return (DeviceWithdrawn(key, "it was taken back"),)
             case b"bye":
-                return (Withdrawn(key, "it left", is_final=True),)
+                return (DeviceWithdrawn(key, "it left", is_final=True),)
             case b"who?":
-                return (Question(key, (Publication(f"ask/{key}", b"who are you"),)),)
+                return (DeviceRequest(key, (Publication(f"ask/{key}", b"who are you"),)),)
             case b"crash":
                 raise SimpleCodec.crash
         try:
@@ -132,13 +132,13 @@ class SimpleConvention:
         return (_described(topic, key, told),)
 
 
-def _described(topic: str, key: str, told: dict[str, object]) -> Described:
+def _described(topic: str, key: str, told: dict[str, object]) -> DeviceAnnounced:
     def text(name: str, otherwise: str) -> str:
         return str(told.get(name, otherwise))
 
     names = text("parts", "lamp").split()
     states = text("state", f"{key}/state").split()
-    fades = (Fade("on_off", 5.0, value=False, only=True),) if "fade" in told else ()
+    fades = (AutoExpiry("on_off", 5.0, value=False, only=True),) if "fade" in told else ()
     parts = tuple(
         DescribedPart(
             Part(
@@ -149,13 +149,13 @@ def _described(topic: str, key: str, told: dict[str, object]) -> Described:
                 writes=(f"{key}/{name}/set",),
             ),
             SimpleCodec(state, f"{key}/{name}/set"),
-            asks=(Publication(f"{key}/get", b""),) if "asks" in told else (),
-            fades=fades,
+            state_requests=(Publication(f"{key}/get", b""),) if "asks" in told else (),
+            expiries=fades,
         )
         for name, state in zip(names, states * len(names), strict=False)
     )
     online = text("online", "").split()
-    return Described(
+    return DeviceAnnounced(
         key=key,
         convention=SimpleConvention.name,
         identifiers=identifiers(text("ids", key).split()),
@@ -165,7 +165,7 @@ def _described(topic: str, key: str, told: dict[str, object]) -> Described:
         area=text("area", ""),
         facts={"model": text("model", "simple")},
         availability=Availability(tuple(OnlineWord(one) for one in online), "all") if online else None,
-        is_sighting="is_live" in told,
+        implies_alive="is_live" in told,
     )
 
 

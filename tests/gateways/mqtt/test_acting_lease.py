@@ -14,7 +14,7 @@ from homebot.devices import GatewayState, RawCommand
 from homebot.devices.quarantine import GetHealth, HealthRequest
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node, qos_profile_latched
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
@@ -100,7 +100,7 @@ async def house(*filters: str) -> AsyncIterator[House]:
         anyio.create_task_group() as tasks,
     ):
         await wire.wait_connected()
-        await wire.subscribe(*(Subscription(one, qos=1) for one in filters))
+        await wire.subscribe(*(MqttSubscription(one, qos=1) for one in filters))
         yield House(broker, tasks, wire)
         tasks.cancel_scope.cancel()
 

@@ -1,9 +1,9 @@
-from homebot.gateways.mqtt.bounded import Bounded
+from homebot.gateways.mqtt.bounded import BoundedDict
 
 
 def test_a_new_one_takes_the_place_of_the_oldest_that_is_not_kept() -> None:
     forgotten: list[int] = []
-    room: Bounded[int] = Bounded(2, forgotten.append)
+    room: BoundedDict[int] = BoundedDict(2, forgotten.append)
     assert room.add("a", 1)
     assert room.add("b", 2)
     room.keep("a")
@@ -14,7 +14,7 @@ def test_a_new_one_takes_the_place_of_the_oldest_that_is_not_kept() -> None:
 
 
 def test_what_is_kept_is_not_pushed_out() -> None:
-    room: Bounded[int] = Bounded(1)
+    room: BoundedDict[int] = BoundedDict(1)
     room.add("a", 1)
     room.keep("a")
     assert not room.add("b", 2)
@@ -23,7 +23,7 @@ def test_what_is_kept_is_not_pushed_out() -> None:
 
 
 def test_what_is_removed_makes_room() -> None:
-    room: Bounded[int] = Bounded(1)
+    room: BoundedDict[int] = BoundedDict(1)
     room.add("a", 1)
     room.keep("a")
     assert room.remove("a") == 1

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from homebot.devices.part import Capability
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
 from homebot.gateways.mqtt.thing import ThingDescriptions, ThingSettings
@@ -69,7 +69,7 @@ def only(convention: Convention, capability: str, *announced: tuple[str, object]
             topic, (payload if isinstance(payload, str) else json.dumps(payload)).encode(), retained=True
         )
     ]
-    parts = [part for one in heard if isinstance(one, Described) for part in one.parts]
+    parts = [part for one in heard if isinstance(one, DeviceAnnounced) for part in one.parts]
     (found,) = [one for one in parts if capability in {each.name for each in one.part.capabilities}]
     return found
 

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.claims import Bounds, Claims
-from homebot.gateways.mqtt.description import Availability, Described, DescribedPart, Publication
-from homebot.gateways.mqtt.filter_tree import FilterTree
+from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryLimits
+from homebot.gateways.mqtt.description import Availability, DescribedPart, DeviceAnnounced, Publication
+from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.topics import topic_matches
 
@@ -47,17 +47,17 @@ class Online:
         return bool(payload)
 
 
-def described(key: str, *filters: tuple[str, ...], online: tuple[str, ...] = ()) -> Described:
+def described(key: str, *filters: tuple[str, ...], online: tuple[str, ...] = ()) -> DeviceAnnounced:
     parts = tuple(
         DescribedPart(Part(id=str(number), service_type="light"), Codec(one)) for number, one in enumerate(filters)
     )
     availability = Availability(tuple(Online(one) for one in online)) if online else None
-    return Described(key, "test", (), key, parts, f"hello/{key}", availability=availability)
+    return DeviceAnnounced(key, "test", (), key, parts, f"hello/{key}", availability=availability)
 
 
-def empty(bounds: Bounds = Bounds()) -> tuple[Claims, StateTopics]:  # noqa: B008 - a frozen value
+def empty(bounds: RegistryLimits = RegistryLimits()) -> tuple[AnnouncementRegistry, StateTopics]:  # noqa: B008 - a frozen value
     topics = StateTopics(())
-    return Claims("mqtt", (), topics, FilterTree(), bounds), topics
+    return AnnouncementRegistry("mqtt", (), topics, ReaderTree(), bounds), topics
 
 
 FILTER_SETS = st.lists(st.sampled_from(FILTERS), max_size=3).map(tuple)
@@ -69,15 +69,15 @@ def test_each_topic_finds_who_reads_it_now(
     steps: list[tuple[str, list[tuple[str, ...]], tuple[str, ...]] | str],
 ) -> None:
     claims, topics = empty()
-    standing: dict[str, Described] = {}
+    standing: dict[str, DeviceAnnounced] = {}
     for step in steps:
         if isinstance(step, str):
-            assert (claims.withdraw(f"test:{step}") is not None) == (step in standing)
+            assert (claims.remove(f"test:{step}") is not None) == (step in standing)
             standing.pop(step, None)
         else:
             key, filters, online = step
             standing[key] = described(key, *filters, online=online)
-            change = claims.describe(standing[key])
+            change = claims.put(standing[key])
             assert change.claim.described is standing[key]
         for topic in TOPICS:
             route = claims.route(topic)
@@ -89,7 +89,7 @@ def test_each_topic_finds_who_reads_it_now(
                 if any(good(each) and topic_matches(each, topic) for each in part.codec.topics())
             }
     for key in KEYS:
-        claims.withdraw(f"test:{key}")
+        claims.remove(f"test:{key}")
     assert (len(claims), len(topics), claims._parts) == (0, 0, 0)
     assert claims._reader_counts == {}
     assert all(claims.route(topic) is None for topic in TOPICS)
@@ -101,49 +101,50 @@ def good(topic_filter: str) -> bool:
 
 def test_who_reads_a_topic_that_is_read_already_is_told_once() -> None:
     claims, _ = empty()
-    claims.describe(described("one", ("s/a",), online=("s/b",)))
+    claims.put(described("one", ("s/a",), online=("s/b",)))
     second = described("two", ("s/a", "s/c"), online=("s/b",))
-    assert [topic for topic, _ in claims.describe(second).readers] == ["s/a", "s/b"]
-    assert claims.describe(second).readers == ()
+    assert [topic for topic, _ in claims.put(second).readers] == ["s/a", "s/b"]
+    assert claims.put(second).readers == ()
 
 
 def test_what_is_known_of_a_device_outlives_a_new_description() -> None:
     claims, _ = empty()
-    first = claims.describe(described("one", ("s/a",), online=("s/b",))).claim
+    first = claims.put(described("one", ("s/a",), online=("s/b",))).claim
     first.reachability[""].hear(0, True, retained=False)
     first.is_confirmed = True
-    second = claims.describe(described("one", ("s/c",), online=("s/b",))).claim
+    second = claims.put(described("one", ("s/c",), online=("s/b",))).claim
     assert second.reachability[""] is first.reachability[""]
     assert second.is_confirmed
-    third = claims.describe(described("one", ("s/c",), online=("s/d",))).claim
+    third = claims.put(described("one", ("s/c",), online=("s/d",))).claim
     assert third.reachability[""].value is None
 
 
 def test_too_many_parts_are_refused_and_what_stood_stays() -> None:
     claims, topics = empty()
-    claims.describe(described("one", ("s/a",)))
+    claims.put(described("one", ("s/a",)))
     with pytest.raises(WireError, match="more than 1,000"):
-        claims.describe(described("one", *[("s/b",)] * 1001))
+        claims.put(described("one", *[("s/b",)] * 1001))
     assert claims.get("test:one") is not None
     assert len(topics) == 1
 
 
 @pytest.mark.parametrize(
-    ("bounds", "words"), [(Bounds(claims=1), "announcements stand"), (Bounds(parts=1), "parts too many")]
+    ("bounds", "words"),
+    [(RegistryLimits(claims=1), "announcements stand"), (RegistryLimits(parts=1), "parts too many")],
 )
-def test_one_too_many_is_refused_and_a_known_one_is_not(bounds: Bounds, words: str) -> None:
+def test_one_too_many_is_refused_and_a_known_one_is_not(bounds: RegistryLimits, words: str) -> None:
     claims, _ = empty(bounds)
-    claims.describe(described("one", ("s/a",)))
-    claims.describe(described("one", ("s/b",)))
+    claims.put(described("one", ("s/a",)))
+    claims.put(described("one", ("s/b",)))
     with pytest.raises(WireError, match=words):
-        claims.describe(described("two", ("s/a",)))
-    claims.withdraw("test:one")
-    claims.describe(described("two", ("s/a",)))
+        claims.put(described("two", ("s/a",)))
+    claims.remove("test:one")
+    claims.put(described("two", ("s/a",)))
 
 
 def test_a_topic_is_read_by_so_many_parts_only() -> None:
-    claims, _ = empty(Bounds(readers=2))
-    change = claims.describe(described("one", ("s/a",), ("s/a",), ("s/a",)))
+    claims, _ = empty(RegistryLimits(readers=2))
+    change = claims.put(described("one", ("s/a",), ("s/a",), ("s/a",)))
     assert [str(one) for one in change.refused] == ["topic 's/a' is read by 2 parts already"]
     route = claims.route("s/a")
     assert route is not None
@@ -153,13 +154,13 @@ def test_a_topic_is_read_by_so_many_parts_only() -> None:
 def test_a_description_that_fails_leaves_nothing_behind() -> None:
     claims, topics = empty()
     with pytest.raises(TypeError):
-        claims.describe(described("one", ("s/a",), 5))  # type: ignore[arg-type] # as a faulty plug-in might
+        claims.put(described("one", ("s/a",), 5))  # type: ignore[arg-type] # as a faulty plug-in might
     assert (len(claims), len(topics), claims._parts) == (0, 0, 0)
     assert claims.route("s/a") is None
 
 
 def test_the_streams_of_a_device_are_bounded() -> None:
     claims, _ = empty()
-    claim = claims.describe(described("one", ("s/+",))).claim
-    names = {claim.stream(f"s/{number}") for number in range(1000)}
-    assert len(names) == len(claim.streams) == 101
+    claim = claims.put(described("one", ("s/+",))).claim
+    names = {claim.report_stream(f"s/{number}") for number in range(1000)}
+    assert len(names) == len(claim.report_streams) == 101

@@ -16,10 +16,10 @@ from homebot.devices import Devices, RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.device import Device, Endpoint
 from homebot.devices.report import Report
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.devices.words import words_address
+from homebot.devices.words import text_address
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.messages import Time
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 
 pytestmark = pytest.mark.virtual_time
@@ -41,7 +41,7 @@ async def test_an_announced_device_is_sighted_with_its_parts(make_house: MakeHou
         assert sighting.convention == "simple"
         assert sighting.identifiers == ("eui64:00158d0001abcdef",)
         assert sighting.announced_on == "hello/lamp1"
-        assert sighting.address == sighting.command_address == words_address(LAMP, "lamp")
+        assert sighting.address == sighting.command_address == text_address(LAMP, "lamp")
         assert [part.id for part in sighting.parts] == ["lamp"]
         assert {fact.key: fact.value for fact in sighting.metadata} == {"model": "simple"}
 
@@ -316,7 +316,7 @@ async def test_a_device_that_tells_who_it_is_only_when_asked_is_asked(make_house
 
 async def test_devices_are_asked_to_announce_themselves_on_each_link(make_house: MakeHouse) -> None:
     async def listen(devices: MqttConnection) -> None:
-        await devices.subscribe(Subscription("please"))
+        await devices.subscribe(MqttSubscription("please"))
 
     async with make_house(before=listen, simple={"birth": "please"}) as house:
         assert [one.payload for one in await house.heard()] == [b"who"]
@@ -382,13 +382,13 @@ async def test_the_bytes_of_a_state_topic_are_there_for_who_wants_them(make_hous
 async def test_plain_words_may_be_listened_to_before_the_device_is_there(make_house: MakeHouse) -> None:
     """An application that was there before the gateway asks for them as soon as that is back."""
     async with make_house() as house:
-        answer = await subscribe(house, words_address(LAMP, "lamp"))
+        answer = await subscribe(house, text_address(LAMP, "lamp"))
         assert answer.success
         inbox = house.watcher.create_subscription(RawMessage, answer.data_topic, qos_profile=10)
         await house.announce("lamp1")
         await house.say("lamp1/state", "on_off=on level=7")
         message = inbox.take()
-        assert (message.key, message.address, message.payload) == (LAMP, words_address(LAMP, "lamp"), b"on")
+        assert (message.key, message.address, message.payload) == (LAMP, text_address(LAMP, "lamp"), b"on")
         assert inbox.take() is None
 
 
@@ -440,7 +440,7 @@ async def test_a_word_that_the_lamp_does_not_take_is_refused_and_counted(make_ho
         await house.announce("lamp1")
         out = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
         with capture_logs() as lines:
-            out.publish(RawCommand(address=words_address(LAMP, "lamp"), payload="dance"))
+            out.publish(RawCommand(address=text_address(LAMP, "lamp"), payload="dance"))
             await anyio.sleep(0.001)
         assert house.gateway.counters.commands_refused == 1
         assert "this part takes on, off" in str(lines)

@@ -16,7 +16,7 @@ from homebot.devices.report import Report
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
@@ -199,7 +199,7 @@ class Home:
 
     async def announce(self, remote: Remote) -> None:
         if remote.is_asked:
-            await self.wire.subscribe(Subscription(f"{GEN2}/rpc"))
+            await self.wire.subscribe(MqttSubscription(f"{GEN2}/rpc"))
         for topic, payload in remote.announced:
             await self.say(topic, payload, retain=True)
         if remote.is_asked:

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.claims import Bounds, Claims
-from homebot.gateways.mqtt.description import Described, DescribedPart, Publication
+from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryLimits
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, excess_of
-from homebot.gateways.mqtt.filter_tree import FilterTree
+from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.state_topics import StateTopics
 
@@ -39,14 +39,16 @@ class Silent:
         raise RefusedError(capability, "it takes nothing")
 
 
-def described(key: str, *options: str, parts: int = 1) -> Described:
+def described(key: str, *options: str, parts: int = 1) -> DeviceAnnounced:
     choice = Capability(name="option", options=options)
     made = [Part(id=str(number), service_type="select", capabilities=(choice,)) for number in range(parts)]
-    return Described(key, "test", (), key, tuple(DescribedPart(one, Silent()) for one in made), f"hello/{key}")
+    return DeviceAnnounced(key, "test", (), key, tuple(DescribedPart(one, Silent()) for one in made), f"hello/{key}")
 
 
-def empty() -> Claims:
-    return Claims("mqtt", (), StateTopics(()), FilterTree(), Bounds(excess=MOST, excess_each=MOST_EACH))
+def empty() -> AnnouncementRegistry:
+    return AnnouncementRegistry(
+        "mqtt", (), StateTopics(()), ReaderTree(), RegistryLimits(excess=MOST, excess_each=MOST_EACH)
+    )
 
 
 def test_what_real_devices_announce_fits_in_the_largest_house() -> None:
@@ -58,7 +60,7 @@ def test_what_real_devices_announce_fits_in_the_largest_house() -> None:
         for where, config in model["discovery"].items():
             payload = json.dumps({**config, "device": model["device"], "origin": ORIGIN}).encode()
             for heard in convention.take(f"homeassistant/{where}/config", payload, retained=True):
-                assert isinstance(heard, Described)
+                assert isinstance(heard, DeviceAnnounced)
                 excess += excess_of(heard, len(payload))
                 count += 1
     assert count > 1_000
@@ -72,7 +74,7 @@ def test_a_list_of_two_thousand_long_options_is_excess() -> None:
     (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(
         "homeassistant/select/d/config", payload, retained=True
     )
-    assert isinstance(heard, Described)
+    assert isinstance(heard, DeviceAnnounced)
     assert 160_000 < excess_of(heard, len(payload)) < MAX_EXCESS_EACH
 
 
@@ -97,18 +99,18 @@ def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, int | Non
     claims, standing = empty(), dict[str, int]()
     for key, length in steps:
         if length is None:
-            claims.withdraw(f"test:{key}")
+            claims.remove(f"test:{key}")
             standing.pop(key, None)
         else:
             one = described(key)
             excess, before = excess_of(one, length), standing.get(key, 0)
             fits = excess <= MOST_EACH and sum(standing.values()) - before + excess <= MOST
             if fits or excess <= before:
-                claims.describe(one, length)
+                claims.put(one, length)
                 standing[key] = excess
             else:
                 with pytest.raises(WireError, match="longer than its parts explain"):
-                    claims.describe(one, length)
+                    claims.put(one, length)
         assert claims.excess == sum(standing.values()) <= MOST
         assert {claim.described.key for claim in claims.all()} == set(standing)
 
@@ -118,9 +120,9 @@ def test_an_honest_newcomer_is_taken_when_long_ones_have_taken_all_room() -> Non
     refused = 0
     for number in range(5):
         try:
-            claims.describe(described(f"long {number}"), MOST_EACH)
+            claims.put(described(f"long {number}"), MOST_EACH)
         except WireError:
             refused += 1
     assert refused
-    claims.describe(described("honest"), 2_000)
+    claims.put(described("honest"), 2_000)
     assert claims.get("test:honest") is not None

@@ -8,7 +8,7 @@ from typing import ClassVar
 import anyio
 import pytest
 
-from homebot.gateways.mqtt.description import Heard
+from homebot.gateways.mqtt.description import AnnouncementEvent
 from homebot.gateways.mqtt.offenders import BURST, MESSAGE_WORK, RATE, SHARED_BURST
 
 from .conftest import House, MakeHouse, SimpleConvention, settled
@@ -26,7 +26,7 @@ class CountedConvention(SimpleConvention):
 
     taken: ClassVar[int] = 0
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         CountedConvention.taken += 1
         return super().take(topic, payload, retained=retained)
 

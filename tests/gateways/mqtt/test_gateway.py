@@ -22,7 +22,7 @@ from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscriptio
 from homebot.messages import Time
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
-from homebot.mqtt.client import Subscription as MqttSubscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.names import escape_token

@@ -1,15 +1,15 @@
-from homebot.gateways.mqtt.last_words import LastWord, LastWords
+from homebot.gateways.mqtt.last_words import CachedMessage, LastMessageCache
 from homebot.messages import Time
 
 NOW = Time(sec=1, nanosec=0)
 
 
-def word(payload: bytes) -> LastWord:
-    return LastWord(payload, retained=False, at=NOW, heard_at=1.0)
+def word(payload: bytes) -> CachedMessage:
+    return CachedMessage(payload, retained=False, at=NOW, heard_at=1.0)
 
 
 def test_the_last_word_is_kept() -> None:
-    words = LastWords()
+    words = LastMessageCache()
     words.keep("a", word(b"1"))
     words.keep("a", word(b"2"))
     assert words.get("a") == word(b"2")
@@ -18,14 +18,14 @@ def test_the_last_word_is_kept() -> None:
 
 
 def test_what_was_replaced_the_longest_ago_goes_first() -> None:
-    words = LastWords(max_total=23)
+    words = LastMessageCache(max_total=23)
     for name in "abc":
         words.keep(name, word(b"0123456789"))
     assert [words.get(name) is None for name in "abc"] == [True, False, False]
 
 
 def test_a_long_one_is_not_kept_and_neither_is_what_it_replaces() -> None:
-    words = LastWords(max_each=3)
+    words = LastMessageCache(max_each=3)
     words.keep("a", word(b"123"))
     words.keep("a", word(b"1234"))
     assert words.get("a") is None

@@ -19,7 +19,7 @@ from tests.gateways.mqtt.conftest import SimpleConvention
 from homebot.discovery import Directory, DirectorySettings
 from homebot.errors import WireError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.gateways.mqtt.description import Heard, Publication, Question
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceRequest, Publication
 from homebot.gateways.mqtt.payload import parse_json, parse_list
 from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.graph import Graph, Node
@@ -135,9 +135,9 @@ async def test_others_get_their_turns_while_a_large_bridge_is_taken() -> None:
 class Endless(SimpleConvention):
     """Never stops telling."""
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[Heard]:  # type: ignore[override]  # that is its fault
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent]:  # type: ignore[override]  # that is its fault
         if payload == b"endless":
-            return repeat(Question("lamp", (Publication("ask/lamp", b""),)))
+            return repeat(DeviceRequest("lamp", (Publication("ask/lamp", b""),)))
         return iter(super().take(topic, payload, retained=retained))
 
 

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import pytest
 
 from homebot.discovery.index import DeviceIndex
-from homebot.gateways.mqtt.claims import Claims
-from homebot.gateways.mqtt.description import Described
-from homebot.gateways.mqtt.filter_tree import FilterTree
+from homebot.gateways.mqtt.claims import AnnouncementRegistry
+from homebot.gateways.mqtt.description import DeviceAnnounced
+from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.messages import Time
@@ -47,14 +47,17 @@ def many_parts(number: int) -> tuple[str, dict[str, object]]:
 def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> float:
     """Return what each of *count* devices takes, in bytes."""
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
-    claims, index = Claims("mqtt", (convention,), StateTopics(()), FilterTree()), DeviceIndex(forget_after=1e6)
+    claims, index = (
+        AnnouncementRegistry("mqtt", (convention,), StateTopics(()), ReaderTree()),
+        DeviceIndex(forget_after=1e6),
+    )
     at, until = Time.from_seconds(1e9), Time.from_seconds(2e9)
 
     def take(number: int) -> None:
         topic, config = make(number)
         for heard in convention.take(topic, json.dumps(config).encode(), retained=False):
-            assert isinstance(heard, Described)
-            change = claims.describe(heard)
+            assert isinstance(heard, DeviceAnnounced)
+            change = claims.put(heard)
             index.observe(change.claim.sighting("appeared", "", at=at, until=until, heard_at=1.0, confirmed=True), 1.0)
         index.take_changes()
 

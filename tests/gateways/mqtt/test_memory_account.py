@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.claims import Bounds, Claims
-from homebot.gateways.mqtt.description import Described, DescribedPart, Publication
-from homebot.gateways.mqtt.filter_tree import FilterTree
+from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryLimits
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, Publication
+from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
 from homebot.gateways.mqtt.state_topics import StateTopics
@@ -43,12 +43,12 @@ class Silent:
         raise RefusedError(capability, "it takes nothing")
 
 
-def described(key: str, parts: int = 1, *identifiers: str) -> Described:
+def described(key: str, parts: int = 1, *identifiers: str) -> DeviceAnnounced:
     made = (DescribedPart(Part(id=str(number), service_type="light"), Silent()) for number in range(parts))
-    return Described(key, "test", identifiers, key, tuple(made), f"hello/{key}")
+    return DeviceAnnounced(key, "test", identifiers, key, tuple(made), f"hello/{key}")
 
 
-def taken(standing: Mapping[str, Described]) -> int:
+def taken(standing: Mapping[str, DeviceAnnounced]) -> int:
     """What the docs say."""
     devices = len({one.identifiers or one.key for one in standing.values()})
     return sum(5 * KB + 3 * KB * len(one.parts) for one in standing.values()) + 8 * KB * devices
@@ -61,16 +61,16 @@ STEPS = st.lists(st.tuples(st.sampled_from("abcdef"), st.none() | st.tuples(st.i
 @given(STEPS)
 def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, tuple[int, tuple[str, ...]] | None]]) -> None:
     """What is one too many is refused and leaves all as it was; what is gone counts no more."""
-    claims = Claims("mqtt", (), StateTopics(()), FilterTree(), Bounds(memory=MOST))
-    standing: dict[str, Described] = {}
+    claims = AnnouncementRegistry("mqtt", (), StateTopics(()), ReaderTree(), RegistryLimits(memory=MOST))
+    standing: dict[str, DeviceAnnounced] = {}
     for key, wanted in steps:
         if wanted is None:
-            claims.withdraw(f"test:{key}")
+            claims.remove(f"test:{key}")
             standing.pop(key, None)
         else:
             one = described(key, wanted[0], *wanted[1])
             try:
-                claims.describe(one)
+                claims.put(one)
             except WireError:
                 assert taken({**standing, f"{key} as well": one}) > MOST
             else:
@@ -78,7 +78,7 @@ def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, tuple[int
         assert claims.memory == taken(standing) <= MOST
         assert {claim.described.key for claim in claims.all()} == set(standing)
     for key in tuple(standing):
-        claims.withdraw(f"test:{key}")
+        claims.remove(f"test:{key}")
     assert claims.memory == 0
 
 
@@ -90,7 +90,7 @@ def test_the_refusal_says_what_to_do() -> None:
     assert "set max_memory of the gateway higher" in str(no.value)
 
 
-def announced_by_real_devices() -> Iterator[Described]:
+def announced_by_real_devices() -> Iterator[DeviceAnnounced]:
     """The 196 models of the test data, by both of their ways."""
     configs = HomeAssistantDiscovery(HomeAssistantSettings())
     bridge = Zigbee2Mqtt(Zigbee2MqttSettings())
@@ -99,11 +99,11 @@ def announced_by_real_devices() -> Iterator[Described]:
         for where, config in model["discovery"].items():
             payload = json.dumps({**config, "device": model["device"]}).encode()
             for heard in configs.take(f"homeassistant/{where}/config", payload, retained=True):
-                assert isinstance(heard, Described)
+                assert isinstance(heard, DeviceAnnounced)
                 yield heard
         entries = [{"type": "EndDevice", "supported": True, **model["entry"]}]
         for one in bridge.take("zigbee2mqtt/bridge/devices", json.dumps(entries).encode(), retained=True):
-            if isinstance(one, Described):
+            if isinstance(one, DeviceAnnounced):
                 yield one
 
 

@@ -1,11 +1,11 @@
 from random import Random
 
-from homebot.gateways.mqtt.offenders import BURST, CALM, LONGEST_DEBT, MESSAGE_WORK, RATE, SHARED_BURST, Offenders
+from homebot.gateways.mqtt.offenders import BURST, CALM, LONGEST_DEBT, MESSAGE_WORK, RATE, SHARED_BURST, WorkBudgets
 
 FILTERS = ("hello/+", "homie/5/+/$state", "+/events/rpc")
 
 
-def spend(offenders: Offenders, topic: str, now: float) -> int:
+def spend(offenders: WorkBudgets, topic: str, now: float) -> int:
     """Break rules with short messages until no more are admitted; return how many were."""
     count = 0
     while offenders.admits(offenders.payer(topic), now):
@@ -14,8 +14,8 @@ def spend(offenders: Offenders, topic: str, now: float) -> int:
     return count
 
 
-def accepted(*topics: str, room: int = 1000) -> Offenders:
-    offenders = Offenders(FILTERS, room)
+def accepted(*topics: str, room: int = 1000) -> WorkBudgets:
+    offenders = WorkBudgets(FILTERS, room)
     for topic in topics:
         offenders.accept(topic, b"{}", 0.0, is_valid=True)
     return offenders
@@ -30,7 +30,7 @@ def test_who_stands_announced_pays_alone_and_all_others_of_a_prefix_together() -
 
 
 def test_a_stranger_gains_nothing_by_changing_topics() -> None:
-    offenders = Offenders(FILTERS)
+    offenders = WorkBudgets(FILTERS)
     admitted = 0
     for number in range(10_000):
         topic = f"hello/{number}"
@@ -38,7 +38,7 @@ def test_a_stranger_gains_nothing_by_changing_topics() -> None:
             offenders.charge(topic, 0, "why", 0.0)
             admitted += 1
     assert admitted == SHARED_BURST // MESSAGE_WORK
-    assert len(offenders.confined()) <= 1
+    assert len(offenders.quarantined()) <= 1
 
 
 def test_a_flood_elsewhere_takes_nothing_from_who_stands_announced() -> None:
@@ -84,7 +84,7 @@ def test_a_device_that_never_broke_a_rule_does_not_wait_for_those_that_do() -> N
 
 
 def test_what_looks_like_the_accepted_announcement_is_told_from_what_does_not() -> None:
-    offenders = Offenders(FILTERS)
+    offenders = WorkBudgets(FILTERS)
     offenders.accept("hello/list", b'[{"ieee_address": "0x1", "type": "Router"}]', 0.0, is_valid=True)
     assert offenders.resembles("hello/list", b'[{"ieee_address": "0x1"}, {"ieee_address": "0x2"}]')
     assert not offenders.resembles("hello/list", b'[{"ieee_address": "0x1"')
@@ -93,17 +93,17 @@ def test_what_looks_like_the_accepted_announcement_is_told_from_what_does_not() 
 
 
 def test_confinement_begins_once_and_is_over_when_all_was_quiet() -> None:
-    offenders = Offenders(FILTERS)
+    offenders = WorkBudgets(FILTERS)
     spend(offenders, "hello/x", 5.0)
     first = offenders.defer("hello/#", 5.0)
     assert first is not None
     assert (first.why, first.offences) == ("why", SHARED_BURST // MESSAGE_WORK)
     assert offenders.defer("hello/#", 7.0) is None
     assert offenders.quiet_in("hello/#", 7.0) == CALM
-    assert offenders.confined() == (first,)
+    assert offenders.quarantined() == (first,)
     assert offenders.release("hello/#") is first
     assert offenders.release("hello/#") is None
-    assert offenders.confined() == ()
+    assert offenders.quarantined() == ()
 
 
 def test_whatever_comes_in_whatever_order_the_work_is_bounded() -> None:

@@ -11,7 +11,7 @@ import anyio
 import pytest
 
 from homebot.devices.command import Command
-from homebot.devices.offer import Offer, OfferReport
+from homebot.devices.offer import ExposedDevice, ExposedState
 from homebot.devices.part import Capability, Part
 from homebot.devices.report import Reading
 from homebot.devices.value import PlainValue, Value
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.virtual_time
 MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[Any]]
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 PUBLISHING = {"conventions": ("homeassistant",), "homeassistant": {"publish": True}}
-ROBOT = Offer(
+ROBOT = ExposedDevice(
     id="robot1",
     name="Robot",
     parts=(Part(id="", service_type="x_robot", capabilities=(Capability(name="on_off", settable=True),)),),
@@ -34,8 +34,8 @@ class App:
 
     def __init__(self, house: Any) -> None:
         names = house.gateway.names
-        self.offers = house.watcher.create_publisher(Offer, names.offers, LATCHED)
-        self.reports = house.watcher.create_publisher(OfferReport, names.offer_reports, LATCHED)
+        self.offers = house.watcher.create_publisher(ExposedDevice, names.offers, LATCHED)
+        self.reports = house.watcher.create_publisher(ExposedState, names.offer_reports, LATCHED)
         self.commands = house.watcher.create_subscription(Command, names.offer_commands, qos_profile=10)
 
     def say(self, *, on: bool) -> None:
@@ -47,7 +47,7 @@ class App:
         readings = tuple(
             Reading(part=part, capability=capability, value=Value.of(value)) for (part, _, capability), value in named
         )
-        self.reports.publish(OfferReport(id=offer, readings=readings))
+        self.reports.publish(ExposedState(id=offer, readings=readings))
 
 
 async def test_an_offer_is_published_and_commanded_and_is_no_device_of_ours(make_house: MakeHouse) -> None:
@@ -93,12 +93,12 @@ async def test_what_is_offered_is_published_anew_on_a_new_link_and_what_is_withd
 async def test_nothing_is_published_unless_it_is_wanted(make_house: MakeHouse, settings: dict[str, object]) -> None:
     async with make_house(**settings) as house:
         await house.listen("homeassistant/#", "homebot/+/offers/#")
-        house.watcher.create_publisher(Offer, house.gateway.names.offers, LATCHED).publish(ROBOT)
+        house.watcher.create_publisher(ExposedDevice, house.gateway.names.offers, LATCHED).publish(ROBOT)
         await anyio.sleep(0.01)
         assert await house.heard() == []
 
 
-LAMP = Offer(
+LAMP = ExposedDevice(
     id="lamp",
     name="Lamp",
     parts=(

@@ -1,8 +1,8 @@
 """A part in the making: what it collects, and what becomes of it."""
 
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.description import Fade, Publication
-from homebot.gateways.mqtt.part_table import JsonPart, PartTable, with_own_ids
+from homebot.gateways.mqtt.description import AutoExpiry, Publication
+from homebot.gateways.mqtt.part_table import JsonPart, PartBuilder, with_own_ids
 from homebot.gateways.mqtt.readings import JsonMessage, Readings
 from homebot.gateways.mqtt.table_codec import json_object
 
@@ -18,20 +18,22 @@ def write(value: PlainValue, transition: float) -> tuple[Publication, ...]:
 
 
 def part() -> JsonPart:
-    made = PartTable(json_object, "id", "light", name="n", advertised="lamp", tag="x", category="config", guessed=True)
-    made.reads("t", read_state)
-    made.reads_events("t/event", lambda message: {"press": str(message.get("action"))})
-    made.offers("on_off", writer=write)
-    made.offers("press", options=("a",))
-    made.offers("level", readable=False)
-    made.listens("t/set", "t/set")
-    made.asks(ASK, ASK)
-    made.fades(Fade("press", 1.0))
+    made = PartBuilder(
+        json_object, "id", "light", name="n", advertised="lamp", tag="x", category="config", guessed=True
+    )
+    made.read_from("t", read_state)
+    made.read_events_from("t/event", lambda message: {"press": str(message.get("action"))})
+    made.add_capability("on_off", writer=write)
+    made.add_capability("press", options=("a",))
+    made.add_capability("level", readable=False)
+    made.add_command_topics("t/set", "t/set")
+    made.add_state_request(ASK, ASK)
+    made.add_expiry(AutoExpiry("press", 1.0))
     return made
 
 
 def test_a_part_has_what_was_collected() -> None:
-    described = part().described()
+    described = part().build()
     about = described.part
     assert (about.id, about.service_type, about.name, about.advertised) == ("id", "light", "n", "lamp")
     assert (about.tag, about.category, about.guessed) == ("x", "config", True)
@@ -39,37 +41,37 @@ def test_a_part_has_what_was_collected() -> None:
         ("on_off", True, True),
         ("press", True, False),
     ]
-    assert (about.reads, about.writes, described.asks) == (("t", "t/event"), ("t/set",), (ASK,))
-    assert described.fades == (Fade("press", 1.0),)
+    assert (about.reads, about.writes, described.state_requests) == (("t", "t/event"), ("t/set",), (ASK,))
+    assert described.expiries == (AutoExpiry("press", 1.0),)
     assert described.codec.topics() == about.reads
 
 
 def test_a_part_reads_and_is_told_as_its_tables_say() -> None:
-    codec = part().described().codec
+    codec = part().build().codec
     assert codec.read("t", b'{"state":"ON"}', retained=True) == {"on_off": True}
     assert codec.write("on_off", value=True, transition=2.0) == (Publication("t/set", b"True in 2"),)
 
 
 def test_equal_capabilities_are_one_value() -> None:
-    first, second = (part().described().part.capabilities for _ in range(2))
+    first, second = (part().build().part.capabilities for _ in range(2))
     assert first[0] is second[0]
 
 
 def test_many_options_are_not_kept_for_others() -> None:
     long = tuple(f"effect {index}" for index in range(200))
-    made = [PartTable(json_object, "id", "light") for _ in range(2)]
+    made = [PartBuilder(json_object, "id", "light") for _ in range(2)]
     for one in made:
-        one.offers("effect", options=long)
-    first, second = (one.described().part.capabilities[0] for one in made)
+        one.add_capability("effect", options=long)
+    first, second = (one.build().part.capabilities[0] for one in made)
     assert first == second
     assert first is not second
 
 
 def test_a_part_that_can_do_nothing_says_so() -> None:
-    assert PartTable(json_object, "", "x_unknown").is_empty
+    assert PartBuilder(json_object, "", "x_unknown").is_empty
     assert not part().is_empty
 
 
 def test_parts_with_one_id_are_numbered_and_cut() -> None:
-    parts = [PartTable(json_object, part_id, "light").described() for part_id in ("a", "a", "a_2", "a", "b")]
+    parts = [PartBuilder(json_object, part_id, "light").build() for part_id in ("a", "a", "a_2", "a", "b")]
     assert [one.part.id for one in with_own_ids(parts, 4)] == ["a", "a_2", "a_2_2", "a_3"]

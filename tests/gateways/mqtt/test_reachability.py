@@ -3,7 +3,7 @@ from dataclasses import dataclass
 import pytest
 
 from homebot.gateways.mqtt.description import Availability, AvailabilityMode
-from homebot.gateways.mqtt.reachability import Reachability
+from homebot.gateways.mqtt.reachability import ReachabilityReader
 
 
 @dataclass(frozen=True)
@@ -14,8 +14,8 @@ class Word:
         return bool(payload)
 
 
-def reachability(mode: AvailabilityMode) -> Reachability:
-    return Reachability(Availability((Word("a"), Word("b")), mode))
+def reachability(mode: AvailabilityMode) -> ReachabilityReader:
+    return ReachabilityReader(Availability((Word("a"), Word("b")), mode))
 
 
 @pytest.mark.parametrize(

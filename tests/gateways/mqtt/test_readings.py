@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.gateways.mqtt.readings import finite_number, json_in, number_in, text_in
+from homebot.gateways.mqtt.readings import finite_number, to_json, to_number, to_text
 
 
 @pytest.mark.parametrize(
@@ -32,11 +32,11 @@ def test_a_number_is_one_that_devices_have(value: object, expected: float | None
     ],
 )
 def test_numbers_are_finite_and_spelled_plainly(value: object, expected: float | None) -> None:
-    assert number_in(value) == expected
+    assert to_number(value) == expected
 
 
 def test_what_is_no_text_or_json_is_none() -> None:
-    assert text_in(b"\xff") is None
-    assert text_in(b"x" * 300_000) is None
-    assert json_in(b"NaN") is None
-    assert json_in(b'{"a":1}') == {"a": 1}
+    assert to_text(b"\xff") is None
+    assert to_text(b"x" * 300_000) is None
+    assert to_json(b"NaN") is None
+    assert to_json(b'{"a":1}') == {"a": 1}

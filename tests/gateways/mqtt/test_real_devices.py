@@ -23,7 +23,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described, DescribedPart, Publication
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
 from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
@@ -57,10 +57,10 @@ ROWS = list(rows())
 
 def parts_of(convention: Convention, row: Row) -> list[DescribedPart]:
     """The parts of all that the announcements describe; a later one takes the place of an earlier one of its key."""
-    described: dict[str, Described] = {}
+    described: dict[str, DeviceAnnounced] = {}
     for topic, payload in row["messages"]:
         for heard in convention.take(topic, payload.encode(), retained=True):
-            if isinstance(heard, Described):
+            if isinstance(heard, DeviceAnnounced):
                 described[heard.key] = heard
     return [part for one in described.values() for part in one.parts]
 

@@ -12,7 +12,7 @@ import pytest
 from homebot.devices import Device
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.graph import Graph, Node
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -86,7 +86,7 @@ def identity(convention: str, row: Row) -> set[str]:
     kind = load_plugin("homebot.mqtt_conventions", CONVENTIONS[convention])
     reader = kind(kind.Settings())
     heard = [one for topic, payload in row["messages"] for one in reader.take(topic, payload.encode(), retained=True)]
-    return {identifier for one in heard if isinstance(one, Described) for identifier in one.identifiers}
+    return {identifier for one in heard if isinstance(one, DeviceAnnounced) for identifier in one.identifiers}
 
 
 def is_known(row: Row, told: tuple[Device, ...], identifiers: set[str]) -> bool:

@@ -19,10 +19,10 @@ from hypothesis import strategies as st
 from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.claim import Claim
+from homebot.gateways.mqtt.claim import StoredAnnouncement
 from homebot.gateways.mqtt.convention import Convention
 from homebot.gateways.mqtt.conventions import default_conventions, find_conventions
-from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.messages import Time
 
@@ -55,16 +55,16 @@ def fresh(name: str) -> Convention:
 
 
 @lru_cache(maxsize=1)
-def products() -> tuple[tuple[Described, ...], ...]:
+def products() -> tuple[tuple[DeviceAnnounced, ...], ...]:
     """What each product announces."""
     found = []
     for file in sorted(FIXTURES.glob("*.jsonl")):
         for line in file.read_text(encoding="utf-8").splitlines():
             convention = fresh(file.stem)
-            described: dict[str, Described] = {}
+            described: dict[str, DeviceAnnounced] = {}
             for topic, payload in json.loads(line)["messages"]:
                 for heard in convention.take(topic, payload.encode(), retained=True):
-                    if isinstance(heard, Described):
+                    if isinstance(heard, DeviceAnnounced):
                         described[heard.key] = heard
             if any(part.part.writes for one in described.values() for part in one.parts):
                 found.append(tuple(described.values()))
@@ -76,7 +76,7 @@ def spelled(identifier: str) -> str:
     return f"0x{rest}" if kind == "eui64" else rest
 
 
-def intruder(topic: str, identifiers: list[str], via: str) -> Described:
+def intruder(topic: str, identifiers: list[str], via: str) -> DeviceAnnounced:
     """A lamp whose word for off is what opens doors."""
     device = {"name": "Lamp", "via_device": via} if via else {"name": "Lamp"}
     config: dict[str, Any] = {
@@ -90,7 +90,7 @@ def intruder(topic: str, identifiers: list[str], via: str) -> Described:
     (heard,) = fresh("homeassistant").take(
         "homeassistant/light/intruder/config", json.dumps(config).encode(), retained=True
     )
-    assert isinstance(heard, Described)
+    assert isinstance(heard, DeviceAnnounced)
     return heard
 
 
@@ -102,19 +102,19 @@ class House:
     parts: dict[tuple[str, str], DescribedPart]
 
     @classmethod
-    def of(cls, announcements: list[Described]) -> House:
+    def of(cls, announcements: list[DeviceAnnounced]) -> House:
         house = cls(DeviceIndex(forget_after=1e6), {})
         now, later = Time.from_seconds(1.0), Time.from_seconds(1e6)
         for one in announcements:
             described, _ = understood().without(one)
-            claim = Claim("mqtt", f"{described.convention}:{described.key}", described)
+            claim = StoredAnnouncement("mqtt", f"{described.convention}:{described.key}", described)
             house.parts.update({(claim.key, part.part.id): part for part in described.parts})
             house.index.observe(claim.sighting("appeared", "", at=now, until=later, heard_at=1.0, confirmed=True))
         return house
 
     def has(self, device: str, key: str) -> bool:
         entry = self.index.entry(device)
-        return entry is not None and ("mqtt", key) in entry.claims
+        return entry is not None and ("mqtt", key) in entry.sources
 
     def device_of(self, key: str) -> str:
         return next(one.id for one in self.index.devices() if self.has(one.id, key))
@@ -142,7 +142,7 @@ class House:
                 yield key, one.topic, one.payload
 
 
-def topics_of(product: tuple[Described, ...]) -> list[str]:
+def topics_of(product: tuple[DeviceAnnounced, ...]) -> list[str]:
     """What an intruder may want of it: where it listens, and what else is below its own topics."""
     writes = [topic for one in product for part in one.parts for topic in part.part.writes]
     own = [f"{prefix}/{more}" for one in product for prefix in one.owns for more in ("set", "set/state", "1/set", "x")]
@@ -150,7 +150,7 @@ def topics_of(product: tuple[Described, ...]) -> list[str]:
 
 
 @st.composite
-def attacks(draw: st.DrawFn) -> tuple[list[Described], Described, str]:
+def attacks(draw: st.DrawFn) -> tuple[list[DeviceAnnounced], DeviceAnnounced, str]:
     """A house in any order, with an intruder in it, and what that wants."""
     chosen = draw(st.lists(st.integers(0, len(products()) - 1), min_size=1, max_size=4, unique=True))
     victim = products()[chosen[0]]
@@ -170,7 +170,7 @@ def test_there_are_products_to_be_robbed() -> None:
 @settings(max_examples=300)
 @given(attacks())
 def test_in_any_order_nothing_of_the_intruders_reaches_another_devices_topic(
-    attack: tuple[list[Described], Described, str],
+    attack: tuple[list[DeviceAnnounced], DeviceAnnounced, str],
 ) -> None:
     announcements, _, topic = attack
     told = [(key, where) for key, where, payload in House.of(announcements).commands() if b"INTRUDER" in payload]
@@ -180,7 +180,7 @@ def test_in_any_order_nothing_of_the_intruders_reaches_another_devices_topic(
 @settings(max_examples=100)
 @given(attacks())
 def test_in_any_order_no_command_reaches_a_topic_that_only_others_announced(
-    attack: tuple[list[Described], Described, str],
+    attack: tuple[list[DeviceAnnounced], DeviceAnnounced, str],
 ) -> None:
     """Of the honest ones too."""
     announcements, hostile, _ = attack

@@ -8,16 +8,16 @@ from hypothesis import strategies as st
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.ear import heard
+from homebot.devices.ear import decode_text
 from homebot.devices.value import PlainValue
-from homebot.devices.words import meaning, told
+from homebot.devices.words import decode_command, encode_command
 from homebot.gateways.mqtt.thesis_parts import thesis_part
-from homebot.house.device import Machine
-from homebot.house.lamp import Lamp
-from homebot.house.lock import DoorLock
+from homebot.house.device import SimulatedDevice
+from homebot.house.lamp import SimulatedLamp
+from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import CoverMotor, WindowMotor
-from homebot.house.sensors import ContactSensor, LuxSensor, MotionSensor, PowerMeter
-from homebot.house.thermostat import Thermostat
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.thermostat import SimulatedThermostat
 
 
 @pytest.mark.parametrize(
@@ -76,23 +76,23 @@ def test_whatever_the_word_the_part_is_of_the_vocabulary(word: str) -> None:
 @pytest.mark.parametrize(
     "device",
     [
-        Lamp("x"),
+        SimulatedLamp("x"),
         WindowMotor("x"),
         CoverMotor("x"),
-        DoorLock("x"),
-        ContactSensor("x"),
+        SimulatedDoorLock("x"),
+        SimulatedContactSensor("x"),
         MotionSensor("x"),
         LuxSensor("x"),
         PowerMeter("x"),
-        Thermostat("x"),
+        SimulatedThermostat("x"),
     ],
     ids=lambda device: device.kind,
 )
-def test_every_simulated_device_says_its_state_and_obeys_what_its_part_offers(device: Machine) -> None:
+def test_every_simulated_device_says_its_state_and_obeys_what_its_part_offers(device: SimulatedDevice) -> None:
     """The house's own words, which are the reference for what the layout speaks."""
     part = thesis_part(device.service_type, "out", "in")
     assert part is not None
-    assert heard(device.state(), part)
+    assert decode_text(device.state(), part)
     values: dict[str, PlainValue] = {
         "on_off": True,
         "level": 40.0,
@@ -104,8 +104,8 @@ def test_every_simulated_device_says_its_state_and_obeys_what_its_part_offers(de
     }
     for capability in part.capabilities:
         if capability.settable:
-            said = told(capability.name, values[capability.name], part)
-            assert meaning(said, part) == (capability.name, values[capability.name])
+            said = encode_command(capability.name, values[capability.name], part)
+            assert decode_command(said, part) == (capability.name, values[capability.name])
             answers = device.obey(said, device.now)
             assert answers
-            assert all(heard(one, part) for one in answers)
+            assert all(decode_text(one, part) for one in answers)

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.devices.ear import heard
+from homebot.devices.ear import decode_text
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
 from homebot.gateways.mqtt.readings import is_unknown, read_number
@@ -35,7 +35,7 @@ def sensor(convention: Convention, *announced: tuple[str, object]) -> DescribedP
             topic, (payload if isinstance(payload, str) else json.dumps(payload)).encode(), retained=True
         )
     ]
-    parts = [part for one in heard if isinstance(one, Described) for part in one.parts]
+    parts = [part for one in heard if isinstance(one, DeviceAnnounced) for part in one.parts]
     (found,) = [one for one in parts if "temperature" in {each.name for each in one.part.capabilities}]
     return found
 
@@ -115,7 +115,7 @@ def thing() -> Read:
 def thesis() -> Read:
     part = thesis_part("temperatures", "h/temperatures/x/out", "h/temperatures/x/in")
     assert part is not None
-    return lambda said: dict(heard(said, part))
+    return lambda said: dict(decode_text(said, part))
 
 
 CONVENTIONS = [homeassistant, homeassistant_in_json, zigbee2mqtt, tasmota, shelly, homie, thing, thesis]

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.house.condition import condition_of
-from homebot.house.devices import CoverMotor, Lamp, Machine, Thermostat
-from homebot.house.dialect import Nameplate
+from homebot.house.condition import state_of
+from homebot.house.devices import CoverMotor, SimulatedDevice, SimulatedLamp, SimulatedThermostat
+from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
 from homebot.house.dialects.wire import as_number, as_object, cover_order, hardware_address, lamp_order, node_name
 from homebot.mqtt.topics import validate_topic
@@ -34,17 +34,20 @@ LEVELS = st.sampled_from(["Backlog", "Power1", "Dimmer", "CT", "ShutterPosition1
 def test_no_message_and_no_word_is_too_odd(name: str, payload: bytes, level: str, said: str) -> None:
     """Commands that mean nothing give nothing; what is said can always be published."""
     dialect = DIALECTS[name]
-    machines: tuple[Machine, ...] = (Lamp("desk"), CoverMotor("blind"), Thermostat("heat"))
+    machines: tuple[SimulatedDevice, ...] = (SimulatedLamp("desk"), CoverMotor("blind"), SimulatedThermostat("heat"))
     for machine in machines:
         if machine.kind not in dialect.kinds:
             continue
-        plate = Nameplate("villa", machine.kind, machine.device_id, machine.service_type, "study")
-        condition = condition_of(machine, said)
+        plate = SimulatedDeviceInfo("villa", machine.kind, machine.device_id, machine.service_type, "study")
+        condition = state_of(machine, said)
         for topic_filter in dialect.filters(plate):
             topic = topic_filter.replace("+", level)
-            for command in dialect.told(plate, topic, payload):
+            for command in dialect.parse_command(plate, topic, payload):
                 machine.obey(command, 1.0)
-            for message in (*dialect.said(plate, condition), *dialect.answers(plate, condition, topic, payload)):
+            for message in (
+                *dialect.state_messages(plate, condition),
+                *dialect.replies(plate, condition, topic, payload),
+            ):
                 validate_topic(message.topic)
 
 
@@ -74,8 +77,8 @@ def test_a_message_to_a_lamp_may_hold_several_commands() -> None:
 
 def test_devices_have_names_and_addresses_of_their_own() -> None:
     """Whatever they are called, and the same in every run."""
-    desk = Nameplate("villa", "lamp", "desk", "lights", "study")
-    odd = Nameplate("a/b", "lamp", "Küche 1", "lights", "kitchen")
+    desk = SimulatedDeviceInfo("villa", "lamp", "desk", "lights", "study")
+    odd = SimulatedDeviceInfo("a/b", "lamp", "Küche 1", "lights", "kitchen")
     assert hardware_address(desk) == hardware_address(desk)
     assert hardware_address(desk) != hardware_address(odd)
     assert (len(hardware_address(desk, 16)), hardware_address(desk)[:2]) == (16, "02")

@@ -10,26 +10,26 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described, DescribedPart, Publication, Question
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, DeviceRequest, Publication
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
 from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
 from homebot.gateways.mqtt.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
-from homebot.house.condition import condition_of
-from homebot.house.device import Machine
+from homebot.house.condition import state_of
+from homebot.house.device import SimulatedDevice
 from homebot.house.devices import (
-    ContactSensor,
     CoverMotor,
-    DoorLock,
-    Lamp,
     LuxSensor,
     MotionSensor,
     PowerMeter,
-    Thermostat,
+    SimulatedContactSensor,
+    SimulatedDoorLock,
+    SimulatedLamp,
+    SimulatedThermostat,
     WindowMotor,
 )
-from homebot.house.dialect import Dialect, Nameplate, Outgoing
+from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
 from homebot.mqtt.topics import topic_matches
 
@@ -42,16 +42,16 @@ CONVENTIONS: Mapping[str, Callable[[], Convention]] = {
     "shelly_rpc": lambda: Shelly(ShellySettings()),
     "homie": lambda: Homie(HomieSettings()),
 }
-KINDS: Mapping[str, Callable[[], Machine]] = {
-    "lamp": lambda: Lamp("desk"),
+KINDS: Mapping[str, Callable[[], SimulatedDevice]] = {
+    "lamp": lambda: SimulatedLamp("desk"),
     "window": lambda: WindowMotor("desk"),
     "cover": lambda: CoverMotor("desk"),
-    "lock": lambda: DoorLock("desk"),
-    "contact": lambda: ContactSensor("desk"),
+    "lock": lambda: SimulatedDoorLock("desk"),
+    "contact": lambda: SimulatedContactSensor("desk"),
     "motion": lambda: MotionSensor("desk"),
     "lux": lambda: LuxSensor("desk"),
     "power_meter": lambda: PowerMeter("desk"),
-    "thermostat": lambda: Thermostat("desk"),
+    "thermostat": lambda: SimulatedThermostat("desk"),
 }
 
 
@@ -60,9 +60,9 @@ class Bench:
     """One device on one side, its convention on the other, and nothing between them but topics and payloads."""
 
     dialect: Dialect
-    device: Machine
-    plate: Nameplate
-    described: list[Described]
+    device: SimulatedDevice
+    plate: SimulatedDeviceInfo
+    described: list[DeviceAnnounced]
 
     @property
     def parts(self) -> list[DescribedPart]:
@@ -70,10 +70,10 @@ class Bench:
 
     def hear(self) -> dict[str, PlainValue]:
         """What is understood of all that the device says of itself now."""
-        condition = condition_of(self.device, self.device.state())
-        return self.understood(self.dialect.said(self.plate, condition))
+        condition = state_of(self.device, self.device.state())
+        return self.understood(self.dialect.state_messages(self.plate, condition))
 
-    def understood(self, messages: tuple[Outgoing, ...]) -> dict[str, PlainValue]:
+    def understood(self, messages: tuple[OutgoingMessage, ...]) -> dict[str, PlainValue]:
         told: dict[str, PlainValue] = {}
         for message in messages:
             for part in self.parts:
@@ -85,7 +85,7 @@ class Bench:
         """Write, send what can be heard, obey, and let it come to rest."""
         for publication in self.written(capability, value):
             assert any(topic_matches(one, publication.topic) for one in self.dialect.filters(self.plate))
-            for word in self.dialect.told(self.plate, publication.topic, publication.payload):
+            for word in self.dialect.parse_command(self.plate, publication.topic, publication.payload):
                 self.device.obey(word, self.device.now)
         self.device.advance(self.device.now + 60.0)
 
@@ -101,21 +101,21 @@ class Bench:
 def bench(name: str, kind: str) -> Bench:
     """Let the device be born, and answer what its convention asks it."""
     dialect, device, convention = DIALECTS[name], KINDS[kind](), CONVENTIONS[name]()
-    plate = Nameplate("villa", kind, device.device_id, device.service_type, "study")
+    plate = SimulatedDeviceInfo("villa", kind, device.device_id, device.service_type, "study")
     bridge = dialect.bridge([plate])
     ahead = [*(bridge.birth if bridge else ()), *dialect.birth(plate)]
-    described: dict[str, Described] = {}
+    described: dict[str, DeviceAnnounced] = {}
     while ahead:
         message = ahead.pop(0)
         if not any(topic_matches(one, message.topic) for one in convention.filters()):
             continue
         for heard in convention.take(message.topic, message.payload, retained=message.retain):
-            if isinstance(heard, Described):
+            if isinstance(heard, DeviceAnnounced):
                 described[heard.key] = heard
-            elif isinstance(heard, Question):
+            elif isinstance(heard, DeviceRequest):
                 for asked in heard.publications:
-                    condition = condition_of(device, device.state())
-                    ahead += dialect.answers(plate, condition, asked.topic, asked.payload)
+                    condition = state_of(device, device.state())
+                    ahead += dialect.replies(plate, condition, asked.topic, asked.payload)
     for one in described.values():
         assert one.identifiers
     return Bench(dialect, device, plate, list(described.values()))
@@ -192,7 +192,7 @@ def test_a_motor_goes_where_it_is_told(name: str, kind: str) -> None:
     motor.tell("position", 30.0)
     assert motor.hear()["position"] == 30.0
     for publication in motor.written("movement", "closed"):
-        for word in motor.dialect.told(motor.plate, publication.topic, publication.payload):
+        for word in motor.dialect.parse_command(motor.plate, publication.topic, publication.payload):
             motor.device.obey(word, motor.device.now)
     assert motor.device.state() == "closing"
     motor.device.advance(motor.device.now + 60.0)
@@ -240,7 +240,7 @@ def test_what_a_sensor_feels_is_known(name: str, kind: str, felt: float, names: 
 def test_who_does_not_have_its_state_kept_says_it_when_asked(name: str) -> None:
     """As conventions ask once they listen."""
     lamp = bench(name, "lamp")
-    asked = [one for part in lamp.parts for one in part.asks]
-    condition = condition_of(lamp.device, "on")
-    answers = [lamp.dialect.answers(lamp.plate, condition, one.topic, one.payload) for one in asked]
+    asked = [one for part in lamp.parts for one in part.state_requests]
+    condition = state_of(lamp.device, "on")
+    answers = [lamp.dialect.replies(lamp.plate, condition, one.topic, one.payload) for one in asked]
     assert any(lamp.understood(one).get("on_off") is True for one in answers)

@@ -12,12 +12,12 @@ import anyio
 import pytest
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker import Broker, BrokerLimits, Hub, Peer, Policy
+from homebot.mqtt.broker import Broker, BrokerLimits, BrokerPolicy, BrokerState, Peer
 from homebot.mqtt.broker.authentication import Authentication
-from homebot.mqtt.broker.deadlines import Deadlines
+from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.replay import Owed, Replay
 from homebot.mqtt.broker.retained import RetainedMessages
-from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.subscription import SessionSubscription
 from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
@@ -48,10 +48,10 @@ PATIENCE = 30.0
 def owed(retained: RetainedMessages, *filters: str) -> list[Owed]:
     """What new subscriptions to *filters* get, with pauses wherever the broker makes one."""
     clock = ManualClock()
-    work = WorkBudget(clock, Deadlines())
+    work = WorkBudget(clock, BrokerTimers())
     replay = Replay(retained, lambda _: True)
     for name in filters:
-        replay.add(Subscription(name, name, 0))
+        replay.add(SessionSubscription(name, name, 0))
     replay.complete = True
     found = []
     while not replay.is_over:
@@ -68,7 +68,7 @@ class MemoryLink:
     """Fills the broker's link port with a buffer."""
 
     def __init__(self) -> None:
-        self.choked = False
+        self.write_blocked = False
         self.address = "memory"
         self.last = b""
         self.written = bytearray()
@@ -95,7 +95,7 @@ class MemoryLink:
 class MemoryClient:
     """One client on a hub: packets in, packets out."""
 
-    def __init__(self, hub: Hub, version: ProtocolVersion = ProtocolVersion.V5) -> None:
+    def __init__(self, hub: BrokerState, version: ProtocolVersion = ProtocolVersion.V5) -> None:
         self.hub = hub
         self.link = MemoryLink()
         self.peer = Peer(hub, self.link)
@@ -163,7 +163,7 @@ class MemoryClient:
             self.send(Puback(message.packet_id) if message.qos == 1 else Pubrec(message.packet_id))
 
 
-NewHub = Callable[..., Hub]
+NewHub = Callable[..., BrokerState]
 Join = Callable[..., MemoryClient]
 Stranger = Callable[..., MemoryClient]
 
@@ -180,39 +180,39 @@ def new_hub(clock: ManualClock) -> NewHub:
     def make(
         *,
         credentials: dict[str, str] | None = None,
-        policy: Policy | None = None,
+        policy: BrokerPolicy | None = None,
         keep_alive: int | None = None,
         **limits: int,
-    ) -> Hub:
-        return Hub(clock, BrokerLimits(**limits), Authentication(credentials), policy, keep_alive)
+    ) -> BrokerState:
+        return BrokerState(clock, BrokerLimits(**limits), Authentication(credentials), policy, keep_alive)
 
     return make
 
 
 @pytest.fixture
-def hub(new_hub: NewHub) -> Hub:
+def hub(new_hub: NewHub) -> BrokerState:
     return new_hub()
 
 
 @pytest.fixture
-def stranger(hub: Hub) -> Stranger:
+def stranger(hub: BrokerState) -> Stranger:
     """A connection that has not sent CONNECT."""
 
-    def make(version: ProtocolVersion = ProtocolVersion.V5, at: Hub | None = None) -> MemoryClient:
+    def make(version: ProtocolVersion = ProtocolVersion.V5, at: BrokerState | None = None) -> MemoryClient:
         return MemoryClient(at or hub, version)
 
     return make
 
 
 @pytest.fixture
-def join(hub: Hub) -> Join:
+def join(hub: BrokerState) -> Join:
     """Log a client in; its ``connack`` is checked and taken."""
 
     def make(
         client_id: str = "a",
         *,
         version: ProtocolVersion = ProtocolVersion.V5,
-        at: Hub | None = None,
+        at: BrokerState | None = None,
         clean: bool = True,
         keep_alive: int = 0,
         will: Will | None = None,
@@ -232,7 +232,7 @@ def join(hub: Hub) -> Join:
 
 
 @pytest.fixture
-def pass_time(clock: ManualClock, hub: Hub) -> Callable[[float], None]:
+def pass_time(clock: ManualClock, hub: BrokerState) -> Callable[[float], None]:
     """Move the clock and let the hub do what is due."""
 
     def move(seconds: float) -> None:

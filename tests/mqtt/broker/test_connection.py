@@ -8,8 +8,8 @@ import socket
 import pytest
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker import BrokerLimits, Hub
-from homebot.mqtt.broker.connection import Connection
+from homebot.mqtt.broker import BrokerLimits, BrokerState
+from homebot.mqtt.broker.connection import BrokerConnection
 from homebot.mqtt.broker.sockets import Sockets
 from homebot.mqtt.packets import Connect, Packet, Pingreq, ProtocolVersion, Publish, encode
 
@@ -46,7 +46,9 @@ class Wire:
     def __init__(self) -> None:
         self.transport = FakeTransport()
         self.tcp: FakeSocket = self.transport.get_extra_info("socket")
-        self._connection = Connection(Hub(ManualClock(), BrokerLimits()), asyncio.get_running_loop(), Sockets())
+        self._connection = BrokerConnection(
+            BrokerState(ManualClock(), BrokerLimits()), asyncio.get_running_loop(), Sockets()
+        )
         self._connection.connection_made(self.transport)
 
     async def send(self, packet: Packet) -> None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.mqtt.broker.deadlines import Deadlines
+from homebot.mqtt.broker.deadlines import BrokerTimers
 
 
 def test_what_is_due_is_done_once_in_order_of_time() -> None:
     done: list[str] = []
-    deadlines = Deadlines()
+    deadlines = BrokerTimers()
     deadlines.at(2.0, lambda: done.append("second"))
     deadlines.at(1.0, lambda: done.append("first"))
     deadlines.at(3.0, lambda: done.append("third"))
@@ -21,7 +21,7 @@ def test_what_is_due_is_done_once_in_order_of_time() -> None:
 
 def test_a_cancelled_deadline_is_not_done_and_not_waited_for() -> None:
     done: list[int] = []
-    deadlines = Deadlines()
+    deadlines = BrokerTimers()
     deadline = deadlines.at(1.0, lambda: done.append(1))
     deadline.cancel()
     assert deadlines.earliest is None
@@ -30,7 +30,7 @@ def test_a_cancelled_deadline_is_not_done_and_not_waited_for() -> None:
 
 
 def test_cancelled_deadlines_do_not_pile_up() -> None:
-    deadlines = Deadlines()
+    deadlines = BrokerTimers()
     kept = [deadlines.at(float(number), lambda: None) for number in range(10)]
     for number in range(5000):
         deadlines.at(1e6 + number, lambda: None).cancel()
@@ -40,7 +40,7 @@ def test_cancelled_deadlines_do_not_pile_up() -> None:
 
 def test_the_owner_is_woken_for_an_earlier_deadline_only() -> None:
     woken: list[float] = []
-    deadlines = Deadlines(woken.append)
+    deadlines = BrokerTimers(woken.append)
     for when in (5.0, 7.0, 3.0, 4.0):
         deadlines.at(when, lambda: None)
     assert woken == [5.0, 3.0]
@@ -48,7 +48,7 @@ def test_the_owner_is_woken_for_an_earlier_deadline_only() -> None:
 
 def test_what_is_noted_while_others_run_waits_for_the_next_run() -> None:
     """Or work that goes on in slices would leave nobody a turn between them."""
-    deadlines = Deadlines()
+    deadlines = BrokerTimers()
     ran: list[int] = []
 
     def again() -> None:
@@ -63,7 +63,7 @@ def test_what_is_noted_while_others_run_waits_for_the_next_run() -> None:
 
 
 def test_a_failure_costs_none_of_the_others() -> None:
-    deadlines = Deadlines()
+    deadlines = BrokerTimers()
     ran: list[str] = []
 
     def fail() -> None:

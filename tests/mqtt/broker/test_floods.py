@@ -8,7 +8,7 @@ import pytest
 from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub, Stranger
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker import Hub
+from homebot.mqtt.broker import BrokerState
 from homebot.mqtt.broker.unsent import UnsentBytes
 from homebot.mqtt.packets import (
     Connack,
@@ -29,21 +29,21 @@ MIB = 1024 * 1024
 
 
 @pytest.fixture
-def small(new_hub: NewHub) -> Hub:
+def small(new_hub: NewHub) -> BrokerState:
     return new_hub(max_all_queued_bytes=MIB, max_queued_bytes=600_000, max_sessions=20)
 
 
-def relieve(hub: Hub) -> None:
+def relieve(hub: BrokerState) -> None:
     hub.deadlines.run(hub.clock.monotonic())
 
 
-def absent(join: Join, hub: Hub, name: str) -> None:
+def absent(join: Join, hub: BrokerState, name: str) -> None:
     client = join(name, at=hub, session_expiry_interval=FOREVER)
     client.subscribe(f"to/{name}")
     client.lose()
 
 
-def test_the_sessions_for_which_most_waits_lose_their_oldest(small: Hub, join: Join) -> None:
+def test_the_sessions_for_which_most_waits_lose_their_oldest(small: BrokerState, join: Join) -> None:
     absent(join, small, "honest")
     for number in range(10):
         absent(join, small, f"flood{number}")
@@ -59,7 +59,7 @@ def test_the_sessions_for_which_most_waits_lose_their_oldest(small: Hub, join: J
     assert [message.payload for message in honest.messages()] == [b"%d" % number for number in range(20)]
 
 
-def test_a_message_that_waits_for_many_counts_once(small: Hub, join: Join) -> None:
+def test_a_message_that_waits_for_many_counts_once(small: BrokerState, join: Join) -> None:
     for number in range(15):
         client = join(f"s{number}", at=small, session_expiry_interval=FOREVER)
         client.subscribe("all")
@@ -73,13 +73,17 @@ def test_a_message_that_waits_for_many_counts_once(small: Hub, join: Join) -> No
 
 
 @pytest.mark.parametrize("acknowledges", [True, False])
-def test_the_connected_client_for_which_most_waits_is_cut_off(small: Hub, join: Join, acknowledges: bool) -> None:  # noqa: FBT001 - by name
+def test_the_connected_client_for_which_most_waits_is_cut_off(
+    small: BrokerState,
+    join: Join,
+    acknowledges: bool,  # noqa: FBT001 - by name
+) -> None:
     """It reads nothing, or reads and acknowledges nothing; one that is a little behind stays."""
     behind, stuck, second, third = (join(name, at=small) for name in ("behind", "stuck", "second", "third"))
     publisher = join("p", at=small)
     for client in (behind, stuck, second, third):
         client.subscribe(f"to/{client.peer.client_id}")
-        client.link.choked = acknowledges
+        client.link.write_blocked = acknowledges
     publisher.publish("to/behind", bytes(5000), 1, 1)
     for name, count in (("stuck", 18), ("second", 15), ("third", 15)):
         for _ in range(count):
@@ -113,7 +117,7 @@ def test_what_is_counted_is_gone_when_the_sessions_are(new_hub: NewHub, join: Jo
                 Subscribe(1, (FilterRequest(random.choice(["t/#", "t/1", "$share/g/t/#"]), random.randrange(3)),))
             )
         elif act == 2:
-            client.link.choked = not client.link.choked
+            client.link.write_blocked = not client.link.write_blocked
             client.peer.writable()
         elif act < 5:
             client.acknowledge(*(each for each in client.messages() if each.qos))
@@ -155,7 +159,7 @@ def test_wills_that_wait_for_their_time_count_as_well(new_hub: NewHub, join: Joi
     assert second.take_only(Connack)[0].reason is ReasonCode.QUOTA_EXCEEDED
 
 
-def test_a_host_that_leaves_many_sessions_pushes_out_its_own(small: Hub, stranger: Stranger) -> None:
+def test_a_host_that_leaves_many_sessions_pushes_out_its_own(small: BrokerState, stranger: Stranger) -> None:
     def leave(name: str, host: str) -> None:
         client = stranger(at=small)
         client.link.address = f"{host}:5000"
@@ -206,7 +210,7 @@ def test_a_shared_subscription_is_one_of_few(new_hub: NewHub, join: Join) -> Non
     assert hub.stats.subscriptions_refused == 2
 
 
-def test_nothing_is_kept_of_clients_that_take_over_each_other(hub: Hub, join: Join) -> None:
+def test_nothing_is_kept_of_clients_that_take_over_each_other(hub: BrokerState, join: Join) -> None:
     for _ in range(500):
         join("same", session_expiry_interval=0)
     assert (hub.stats.clients, hub.stats.sessions, len(hub.waiting_logins)) == (1, 1, 0)
@@ -244,7 +248,7 @@ def test_sockets_that_have_caught_up_meanwhile_are_not_cut() -> None:
     assert unsent.size == 0
 
 
-def test_acknowledgements_free_what_they_acknowledge(hub: Hub, join: Join) -> None:
+def test_acknowledgements_free_what_they_acknowledge(hub: BrokerState, join: Join) -> None:
     client, publisher = join("a"), join("p")
     client.subscribe("t", qos=1)
     publisher.publish("t", bytes(50_000), 1, 1)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker import Hub
+from homebot.mqtt.broker import BrokerState
 from homebot.mqtt.packets import (
     Connack,
     Disconnect,
@@ -30,13 +30,13 @@ V311 = ProtocolVersion.V311
 
 
 @pytest.fixture
-def small(new_hub: NewHub) -> Hub:
+def small(new_hub: NewHub) -> BrokerState:
     """Eight messages may wait for a client: publishers are held back from the sixth on."""
     return new_hub(max_inflight=1, max_queued_messages=8, max_held_packets=20)
 
 
 @pytest.fixture
-def later(small: Hub, clock: ManualClock) -> Callable[[float], None]:
+def later(small: BrokerState, clock: ManualClock) -> Callable[[float], None]:
     def move(seconds: float) -> None:
         clock.advance(seconds)
         small.deadlines.run(clock.monotonic())
@@ -60,7 +60,7 @@ def drain(client: MemoryClient) -> list[bytes]:
     return payloads
 
 
-def test_no_acknowledged_message_is_lost_however_slow_the_subscriber(small: Hub, join: Join) -> None:
+def test_no_acknowledged_message_is_lost_however_slow_the_subscriber(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("t")
     assert pour(publisher, 15) == 7
@@ -71,7 +71,7 @@ def test_no_acknowledged_message_is_lost_however_slow_the_subscriber(small: Hub,
     assert small.stats.dropped_overrun == 0
 
 
-def test_a_held_publisher_may_still_ping_and_acknowledge(small: Hub, join: Join) -> None:
+def test_a_held_publisher_may_still_ping_and_acknowledge(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("t")
     publisher.subscribe("mine")
@@ -82,7 +82,7 @@ def test_a_held_publisher_may_still_ping_and_acknowledge(small: Hub, join: Join)
     assert publisher.take() == [Pingresp()]
 
 
-def test_a_client_that_floods_itself_does_not_block_itself(small: Hub, join: Join) -> None:
+def test_a_client_that_floods_itself_does_not_block_itself(small: BrokerState, join: Join) -> None:
     client = join("both", at=small)
     client.subscribe("t")
     acknowledged = 0
@@ -96,7 +96,7 @@ def test_a_client_that_floods_itself_does_not_block_itself(small: Hub, join: Joi
     assert acknowledged == 30
 
 
-def test_when_too_much_waits_the_socket_is_not_read(small: Hub, join: Join) -> None:
+def test_when_too_much_waits_the_socket_is_not_read(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("p", at=small, version=V311)
     slow.subscribe("t")
     pour(publisher, 7 + 19)
@@ -109,7 +109,7 @@ def test_when_too_much_waits_the_socket_is_not_read(small: Hub, join: Join) -> N
 
 
 def test_the_keep_alive_of_a_publisher_that_is_not_read_does_not_run_out(
-    small: Hub, join: Join, later: Callable[[float], None]
+    small: BrokerState, join: Join, later: Callable[[float], None]
 ) -> None:
     slow, publisher = join("s", at=small), join("p", at=small, keep_alive=4)
     slow.subscribe("t")
@@ -122,7 +122,7 @@ def test_the_keep_alive_of_a_publisher_that_is_not_read_does_not_run_out(
 
 
 def test_after_its_time_a_slow_subscriber_gets_only_what_it_has_room_for(
-    small: Hub, join: Join, later: Callable[[float], None]
+    small: BrokerState, join: Join, later: Callable[[float], None]
 ) -> None:
     slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("t")
@@ -136,7 +136,7 @@ def test_after_its_time_a_slow_subscriber_gets_only_what_it_has_room_for(
     assert len(drain(slow)) == 3
 
 
-def test_a_slow_subscriber_that_goes_lets_the_publisher_go_on(small: Hub, join: Join) -> None:
+def test_a_slow_subscriber_that_goes_lets_the_publisher_go_on(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small, session_expiry_interval=60), join("p", at=small)
     slow.subscribe("t")
     pour(publisher, 20)
@@ -145,7 +145,7 @@ def test_a_slow_subscriber_that_goes_lets_the_publisher_go_on(small: Hub, join: 
     assert len(publisher.take_only(Puback)) == 13
 
 
-def test_what_a_publisher_sent_before_it_left_is_not_lost(small: Hub, join: Join) -> None:
+def test_what_a_publisher_sent_before_it_left_is_not_lost(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("p", at=small, will=Will("t", b"will", 1))
     slow.subscribe("t")
     pour(publisher, 8)
@@ -156,7 +156,7 @@ def test_what_a_publisher_sent_before_it_left_is_not_lost(small: Hub, join: Join
     assert publisher.link.closed
 
 
-def test_what_a_lost_publisher_had_sent_is_forwarded_without_waiting(small: Hub, join: Join) -> None:
+def test_what_a_lost_publisher_had_sent_is_forwarded_without_waiting(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("t")
     pour(publisher, 8)
@@ -164,7 +164,7 @@ def test_what_a_lost_publisher_had_sent_is_forwarded_without_waiting(small: Hub,
     assert len(drain(slow)) == 8
 
 
-def test_many_retained_messages_take_no_room_of_their_new_subscriber(small: Hub, join: Join) -> None:
+def test_many_retained_messages_take_no_room_of_their_new_subscriber(small: BrokerState, join: Join) -> None:
     publisher, slow = join("p", at=small), join("s", at=small)
     for number in range(30):
         publisher.publish(f"t/{number}", b"x", 1, 1, retain=True)
@@ -176,7 +176,7 @@ def test_many_retained_messages_take_no_room_of_their_new_subscriber(small: Hub,
     assert small.stats.queued_messages == 0
 
 
-def test_a_share_whose_only_member_is_slow_holds_its_publishers_too(small: Hub, join: Join) -> None:
+def test_a_share_whose_only_member_is_slow_holds_its_publishers_too(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("$share/g/t")
     assert pour(publisher, 12) == 7
@@ -184,7 +184,7 @@ def test_a_share_whose_only_member_is_slow_holds_its_publishers_too(small: Hub, 
 
 
 def test_an_overrun_client_without_room_gets_no_retained_messages(
-    small: Hub, join: Join, later: Callable[[float], None]
+    small: BrokerState, join: Join, later: Callable[[float], None]
 ) -> None:
     slow, publisher = join("s", at=small), join("p", at=small)
     for number in range(20):
@@ -198,7 +198,7 @@ def test_an_overrun_client_without_room_gets_no_retained_messages(
     assert small.stats.dropped_overrun == 1 + 3
 
 
-def test_a_packet_that_must_not_come_ends_the_connection_also_after_it_waited(small: Hub, join: Join) -> None:
+def test_a_packet_that_must_not_come_ends_the_connection_also_after_it_waited(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("t")
     pour(publisher, 8)
@@ -208,7 +208,7 @@ def test_a_packet_that_must_not_come_ends_the_connection_also_after_it_waited(sm
     assert publisher.take_only(Disconnect)[0].reason is ReasonCode.PROTOCOL_ERROR
 
 
-def test_a_bad_message_among_those_a_lost_publisher_left_ends_them(small: Hub, join: Join) -> None:
+def test_a_bad_message_among_those_a_lost_publisher_left_ends_them(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("t")
     pour(publisher, 8)
@@ -219,7 +219,7 @@ def test_a_bad_message_among_those_a_lost_publisher_left_ends_them(small: Hub, j
 
 
 @pytest.fixture
-def full(small: Hub, join: Join, later: Callable[[float], None]) -> tuple[MemoryClient, MemoryClient]:
+def full(small: BrokerState, join: Join, later: Callable[[float], None]) -> tuple[MemoryClient, MemoryClient]:
     """A subscriber that took nothing for ten seconds, its queue full; and a publisher before MQTT 5, of 9 messages."""
     slow = join("s", at=small, session_expiry_interval=60, will=Will("will", b"s"))
     publisher = join("o", at=small, version=V311)
@@ -232,7 +232,7 @@ def full(small: Hub, join: Join, later: Callable[[float], None]) -> tuple[Memory
 
 
 def test_what_cannot_be_refused_is_neither_acknowledged_nor_dropped(
-    small: Hub, full: tuple[MemoryClient, MemoryClient]
+    small: BrokerState, full: tuple[MemoryClient, MemoryClient]
 ) -> None:
     slow, publisher = full
     assert pour(publisher, 5, start=10) == 0
@@ -241,7 +241,7 @@ def test_what_cannot_be_refused_is_neither_acknowledged_nor_dropped(
     assert len(publisher.take_only(Puback)) == 5
 
 
-def test_at_qos_2_neither(small: Hub, full: tuple[MemoryClient, MemoryClient]) -> None:
+def test_at_qos_2_neither(small: BrokerState, full: tuple[MemoryClient, MemoryClient]) -> None:
     slow, publisher = full
     publisher.publish("t", b"10", 2, 10)
     assert publisher.take() == []
@@ -250,7 +250,7 @@ def test_at_qos_2_neither(small: Hub, full: tuple[MemoryClient, MemoryClient]) -
 
 
 def test_other_publishers_are_not_held_by_a_full_queue_that_is_not_theirs(
-    small: Hub, join: Join, full: tuple[MemoryClient, MemoryClient]
+    small: BrokerState, join: Join, full: tuple[MemoryClient, MemoryClient]
 ) -> None:
     other = join("p", at=small, version=V311)
     other.publish("elsewhere", b"x", 1, 1)
@@ -260,7 +260,7 @@ def test_other_publishers_are_not_held_by_a_full_queue_that_is_not_theirs(
 
 
 def test_a_subscriber_that_stays_stuck_is_cut_off_and_keeps_its_session(
-    small: Hub, join: Join, later: Callable[[float], None], full: tuple[MemoryClient, MemoryClient]
+    small: BrokerState, join: Join, later: Callable[[float], None], full: tuple[MemoryClient, MemoryClient]
 ) -> None:
     slow, publisher = full
     watcher = join("w", at=small)
@@ -278,7 +278,7 @@ def test_a_subscriber_that_stays_stuck_is_cut_off_and_keeps_its_session(
 
 
 def test_a_subscriber_that_is_slow_but_alive_is_waited_for_and_not_cut_off(
-    small: Hub, later: Callable[[float], None], full: tuple[MemoryClient, MemoryClient]
+    small: BrokerState, later: Callable[[float], None], full: tuple[MemoryClient, MemoryClient]
 ) -> None:
     slow, publisher = full
     assert pour(publisher, 6, start=10) == 0
@@ -295,7 +295,7 @@ def test_a_subscriber_that_is_slow_but_alive_is_waited_for_and_not_cut_off(
 
 
 def test_a_publisher_that_reconnects_again_and_again_finds_no_more_room(
-    small: Hub, join: Join, full: tuple[MemoryClient, MemoryClient]
+    small: BrokerState, join: Join, full: tuple[MemoryClient, MemoryClient]
 ) -> None:
     slow, publisher = full
     for _ in range(50):
@@ -306,7 +306,7 @@ def test_a_publisher_that_reconnects_again_and_again_finds_no_more_room(
     assert drain(slow) == [str(number).encode() for number in range(1, 10)]
 
 
-def test_a_message_at_qos_2_without_room_is_taken_when_its_publisher_repeats_it(small: Hub, join: Join) -> None:
+def test_a_message_at_qos_2_without_room_is_taken_when_its_publisher_repeats_it(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("o", at=small, version=V311, clean=False)
     slow.subscribe("t", qos=1)
     pour(publisher, 7)
@@ -320,7 +320,7 @@ def test_a_message_at_qos_2_without_room_is_taken_when_its_publisher_repeats_it(
 
 
 def test_a_group_without_room_holds_its_publishers_and_one_with_room_does_not(
-    small: Hub, join: Join, later: Callable[[float], None]
+    small: BrokerState, join: Join, later: Callable[[float], None]
 ) -> None:
     slow, publisher = join("s", at=small), join("o", at=small, version=V311)
     slow.subscribe("$share/g/t")
@@ -335,7 +335,7 @@ def test_a_group_without_room_holds_its_publishers_and_one_with_room_does_not(
 
 
 def test_a_client_that_is_not_read_from_may_flood_itself_to_its_bound_alone(
-    small: Hub, join: Join, later: Callable[[float], None]
+    small: BrokerState, join: Join, later: Callable[[float], None]
 ) -> None:
     client = join("both", at=small, version=V311)
     client.subscribe("t")
@@ -348,7 +348,7 @@ def test_a_client_that_is_not_read_from_may_flood_itself_to_its_bound_alone(
     assert small.stats.queued_messages <= 8
 
 
-def test_a_client_that_comes_back_to_a_full_queue_holds_publishers_too(small: Hub, join: Join) -> None:
+def test_a_client_that_comes_back_to_a_full_queue_holds_publishers_too(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small, session_expiry_interval=60), join("o", at=small, version=V311)
     slow.subscribe("t")
     slow.lose()

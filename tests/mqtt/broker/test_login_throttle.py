@@ -6,7 +6,7 @@ import pytest
 from tests.mqtt.broker.conftest import MemoryClient, NewHub
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker import Hub
+from homebot.mqtt.broker import BrokerState
 from homebot.mqtt.broker.login_throttle import Applicant, LoginThrottle
 from homebot.mqtt.packets import Connack, Connect, Pingreq, Pingresp, ProtocolVersion, ReasonCode
 
@@ -14,11 +14,13 @@ BAD = ReasonCode.BAD_USER_NAME_OR_PASSWORD
 
 
 @pytest.fixture
-def hub(new_hub: NewHub) -> Hub:
+def hub(new_hub: NewHub) -> BrokerState:
     return new_hub(credentials={"u": "right"})
 
 
-def attempt(hub: Hub, password: bytes = b"wrong", host: str = "10.0.0.66", client_id: str = "c") -> MemoryClient:
+def attempt(
+    hub: BrokerState, password: bytes = b"wrong", host: str = "10.0.0.66", client_id: str = "c"
+) -> MemoryClient:
     client = MemoryClient(hub)
     client.link.address = f"{host}:5000"
     client.send(Connect(client_id, username="u", password=password))
@@ -30,18 +32,18 @@ def answer(client: MemoryClient) -> ReasonCode | None:
     return answers[0] if answers else None
 
 
-def pass_time(hub: Hub, clock: ManualClock, seconds: float) -> None:
+def pass_time(hub: BrokerState, clock: ManualClock, seconds: float) -> None:
     for _ in range(round(seconds * 10)):
         clock.advance(0.1)
         hub.deadlines.run(clock.monotonic())
 
 
-def test_who_mistypes_thrice_is_answered_at_once_and_let_in(hub: Hub) -> None:
+def test_who_mistypes_thrice_is_answered_at_once_and_let_in(hub: BrokerState) -> None:
     assert [answer(attempt(hub)) for _ in range(3)] == [BAD] * 3
     assert answer(attempt(hub, b"right")) is ReasonCode.SUCCESS
 
 
-def test_passwords_are_tried_ever_more_slowly(hub: Hub, clock: ManualClock) -> None:
+def test_passwords_are_tried_ever_more_slowly(hub: BrokerState, clock: ManualClock) -> None:
     """An hour of attempts, ten a second: some five hundred are looked at."""
     began = clock.monotonic()
     while clock.monotonic() < began + 3600:
@@ -52,7 +54,7 @@ def test_passwords_are_tried_ever_more_slowly(hub: Hub, clock: ManualClock) -> N
     assert len(hub.waiting_logins) <= 110
 
 
-def test_many_connections_at_once_are_no_faster(hub: Hub, clock: ManualClock) -> None:
+def test_many_connections_at_once_are_no_faster(hub: BrokerState, clock: ManualClock) -> None:
     for _ in range(200):
         attempt(hub)
     pass_time(hub, clock, 60)
@@ -60,7 +62,9 @@ def test_many_connections_at_once_are_no_faster(hub: Hub, clock: ManualClock) ->
     assert len(hub.waiting_logins) == 0
 
 
-def test_an_attempt_that_had_to_wait_is_answered_and_what_came_with_it_is_done(hub: Hub, clock: ManualClock) -> None:
+def test_an_attempt_that_had_to_wait_is_answered_and_what_came_with_it_is_done(
+    hub: BrokerState, clock: ManualClock
+) -> None:
     for _ in range(5):
         attempt(hub)
         pass_time(hub, clock, 0.6)
@@ -75,7 +79,7 @@ def test_an_attempt_that_had_to_wait_is_answered_and_what_came_with_it_is_done(h
     assert honest.take() == [Pingresp()]
 
 
-def test_an_attempt_that_waited_too_long_is_told_so(hub: Hub, clock: ManualClock) -> None:
+def test_an_attempt_that_waited_too_long_is_told_so(hub: BrokerState, clock: ManualClock) -> None:
     for _ in range(30):
         attempt(hub)
     last = attempt(hub)
@@ -84,13 +88,15 @@ def test_an_attempt_that_waited_too_long_is_told_so(hub: Hub, clock: ManualClock
     assert last.link.closed
 
 
-def test_other_hosts_do_not_wait(hub: Hub) -> None:
+def test_other_hosts_do_not_wait(hub: BrokerState) -> None:
     for _ in range(30):
         attempt(hub)
     assert answer(attempt(hub, b"right", "10.0.0.7")) is ReasonCode.SUCCESS
 
 
-def test_a_client_that_was_in_before_does_not_wait_until_it_is_wrong_itself(hub: Hub, clock: ManualClock) -> None:
+def test_a_client_that_was_in_before_does_not_wait_until_it_is_wrong_itself(
+    hub: BrokerState, clock: ManualClock
+) -> None:
     assert answer(attempt(hub, b"right", client_id="lamp")) is ReasonCode.SUCCESS
     for _ in range(30):
         attempt(hub)
@@ -99,7 +105,7 @@ def test_a_client_that_was_in_before_does_not_wait_until_it_is_wrong_itself(hub:
     assert answer(attempt(hub, b"right", client_id="lamp")) is None
 
 
-def test_a_waiting_attempt_whose_client_goes_is_forgotten(hub: Hub, clock: ManualClock) -> None:
+def test_a_waiting_attempt_whose_client_goes_is_forgotten(hub: BrokerState, clock: ManualClock) -> None:
     for _ in range(5):
         attempt(hub)
     client = attempt(hub, b"right")
@@ -129,7 +135,7 @@ def test_wrong_passwords_are_forgotten_in_time_and_the_memory_for_them_is_bounde
 
 
 @pytest.mark.parametrize("version", [ProtocolVersion.V31, ProtocolVersion.V311])
-def test_older_clients_wait_as_well(hub: Hub, clock: ManualClock, version: ProtocolVersion) -> None:
+def test_older_clients_wait_as_well(hub: BrokerState, clock: ManualClock, version: ProtocolVersion) -> None:
     for _ in range(6):
         attempt(hub)
         pass_time(hub, clock, 1.1)

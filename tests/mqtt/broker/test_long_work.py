@@ -14,7 +14,7 @@ import pytest
 from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker import Hub
+from homebot.mqtt.broker import BrokerState
 from homebot.mqtt.packets import (
     Disconnect,
     FilterRequest,
@@ -51,7 +51,7 @@ def calls_of(act: Callable[[], None]) -> int:
     return count
 
 
-def retain(hub: Hub, join: Join, topics: list[str]) -> None:
+def retain(hub: BrokerState, join: Join, topics: list[str]) -> None:
     keeper = join("keeper", at=hub)
     for topic in topics:
         keeper.publish(topic, b"x", retain=True)
@@ -90,7 +90,7 @@ WILD = [f"{'+/' * depth}{level}/#" for depth in range(20) for level in ("a", "b"
     ],
 )
 def test_no_subscribe_takes_long_at_once_and_all_retained_messages_come(
-    hub: Hub, join: Join, clock: ManualClock, topics: list[str], filters: list[str]
+    hub: BrokerState, join: Join, clock: ManualClock, topics: list[str], filters: list[str]
 ) -> None:
     retain(hub, join, topics)
     client = join("client")
@@ -120,7 +120,7 @@ def matches(name: str, topic: str) -> bool:
 
 
 def test_others_are_served_between_the_slices_and_the_client_itself_in_its_order(
-    hub: Hub, join: Join, clock: ManualClock
+    hub: BrokerState, join: Join, clock: ManualClock
 ) -> None:
     retain(hub, join, [f"a/{number}" for number in range(5000)])
     client, other = join("client"), join("other")
@@ -134,7 +134,7 @@ def test_others_are_served_between_the_slices_and_the_client_itself_in_its_order
     assert isinstance(message, Publish)
 
 
-def test_what_comes_during_a_replay_comes_behind_it(hub: Hub, join: Join, clock: ManualClock) -> None:
+def test_what_comes_during_a_replay_comes_behind_it(hub: BrokerState, join: Join, clock: ManualClock) -> None:
     """Also what is not retained: an old state must not come after a new one."""
     retain(hub, join, [f"a/{number}" for number in range(5000)])
     client, other = join("client"), join("other")
@@ -147,7 +147,7 @@ def test_what_comes_during_a_replay_comes_behind_it(hub: Hub, join: Join, clock:
     assert payloads[:-2] == [b"x"] * 5000
 
 
-def test_a_message_that_replaces_a_retained_one_comes_once(hub: Hub, join: Join, clock: ManualClock) -> None:
+def test_a_message_that_replaces_a_retained_one_comes_once(hub: BrokerState, join: Join, clock: ManualClock) -> None:
     retain(hub, join, [f"a/{number}" for number in range(5000)])
     client, other = join("client"), join("other")
     client.subscribe("#", qos=1)
@@ -158,7 +158,7 @@ def test_a_message_that_replaces_a_retained_one_comes_once(hub: Hub, join: Join,
     assert last == [("a/4996", b"x"), ("a/4997", b"x"), ("a/4999", b"new"), ("a/4998", b"")]
 
 
-def test_a_subscription_that_was_taken_back_is_owed_nothing(hub: Hub, join: Join, clock: ManualClock) -> None:
+def test_a_subscription_that_was_taken_back_is_owed_nothing(hub: BrokerState, join: Join, clock: ManualClock) -> None:
     retain(hub, join, [f"a/{number}" for number in range(5000)])
     client = join("client")
     client.subscribe("#")
@@ -169,7 +169,7 @@ def test_a_subscription_that_was_taken_back_is_owed_nothing(hub: Hub, join: Join
     assert hub.stats.queued_messages == 0
 
 
-def test_a_replay_goes_on_when_its_client_comes_back(hub: Hub, join: Join, clock: ManualClock) -> None:
+def test_a_replay_goes_on_when_its_client_comes_back(hub: BrokerState, join: Join, clock: ManualClock) -> None:
     """At QoS 1, as all that waits for an absent client."""
     keeper = join("keeper")
     for number in range(3000):
@@ -186,7 +186,7 @@ def test_a_replay_goes_on_when_its_client_comes_back(hub: Hub, join: Join, clock
 
 
 def test_a_client_that_goes_in_the_middle_of_its_subscribe_leaves_nothing(
-    hub: Hub, join: Join, clock: ManualClock
+    hub: BrokerState, join: Join, clock: ManualClock
 ) -> None:
     client = join("client")
     client.send(Subscribe(1, tuple(FilterRequest(f"x/{number}") for number in range(5000))), Publish("t"))
@@ -203,7 +203,7 @@ def test_a_slow_reader_of_many_retained_messages_costs_no_memory_for_them(
     hub = new_hub()
     retain(hub, join, [f"a/{number}" for number in range(5000)])
     client = join("client", at=hub)
-    client.link.choked = True
+    client.link.write_blocked = True
     for number in range(100):
         client.send(Subscribe(number + 1, tuple(FilterRequest(f"{'+/' * deep}#") for deep in range(20))))
     served(client, clock)
@@ -235,7 +235,7 @@ def test_a_packet_with_too_many_properties_ends_its_connection_soon(join: Join, 
     assert client.link.closed
 
 
-def test_five_thousand_filters_are_unsubscribed_in_slices(hub: Hub, join: Join, clock: ManualClock) -> None:
+def test_five_thousand_filters_are_unsubscribed_in_slices(hub: BrokerState, join: Join, clock: ManualClock) -> None:
     client = join("client")
     names = tuple("/".join(str(number).zfill(4)) + "/x" * 15 for number in range(5000))
     client.send(Subscribe(1, tuple(FilterRequest(name) for name in names)))
@@ -251,7 +251,7 @@ def test_five_thousand_filters_are_unsubscribed_in_slices(hub: Hub, join: Join, 
     assert hub.exchange.subscriptions.levels == 0
 
 
-def test_a_topic_that_meets_every_wildcard_is_published_soon(hub: Hub, join: Join, clock: ManualClock) -> None:
+def test_a_topic_that_meets_every_wildcard_is_published_soon(hub: BrokerState, join: Join, clock: ManualClock) -> None:
     """Every way to put a plus into 12 levels, and as many levels as the tree may have."""
     clients = [join(f"c{number}") for number in range(10)]
     for number, client in enumerate(clients):
@@ -278,7 +278,7 @@ def test_a_store_that_is_full_of_retained_messages_refuses_one_more_at_once(
     assert hub.stats.retained_refused == 1
 
 
-def test_a_publisher_to_many_lets_others_have_their_turn(hub: Hub, join: Join, clock: ManualClock) -> None:
+def test_a_publisher_to_many_lets_others_have_their_turn(hub: BrokerState, join: Join, clock: ManualClock) -> None:
     """Some thousand small messages fit into one read; each goes to a hundred."""
     subscribers = [join(f"s{number}") for number in range(100)]
     for subscriber in subscribers:
@@ -294,7 +294,9 @@ def test_a_publisher_to_many_lets_others_have_their_turn(hub: Hub, join: Join, c
     assert len(subscribers[99].messages()) == 2000
 
 
-def test_copies_of_a_large_message_are_made_one_after_the_other(hub: Hub, join: Join, clock: ManualClock) -> None:
+def test_copies_of_a_large_message_are_made_one_after_the_other(
+    hub: BrokerState, join: Join, clock: ManualClock
+) -> None:
     subscribers = [join(f"s{number}", receive_maximum=10) for number in range(40)]
     for number, subscriber in enumerate(subscribers):
         subscriber.subscribe("t", qos=number % 2)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.mqtt.broker.message import BULKY, Message
+from homebot.mqtt.broker.message import BULKY, BrokerMessage
 from homebot.mqtt.packets import NO_PROPERTIES, PacketReader, Properties, ProtocolVersion, Publish
 
 
@@ -31,7 +31,7 @@ RECEIVERS = st.builds(
 PROPERTIES = st.sampled_from([NO_PROPERTIES, Properties(content_type="text")])
 
 
-def received(message: Message, receiver: Receiver) -> Publish:
+def received(message: BrokerMessage, receiver: Receiver) -> Publish:
     head, tail = message.parts(*receiver)
     packet_id = b"\0\7" if receiver.qos else b""
     (packet,) = PacketReader(receiver.version).feed(head + packet_id + tail)
@@ -44,7 +44,7 @@ def test_each_receiver_gets_its_own_form_whoever_was_served_before(
     receivers: list[Receiver], properties: Properties, expires_at: float | None
 ) -> None:
     """Version, QoS, retain flag, subscription identifiers and what is left of the expiry interval."""
-    message = Message("t", b"content", 2, True, properties, "p", expires_at)
+    message = BrokerMessage("t", b"content", 2, True, properties, "p", expires_at)
     for receiver in receivers:
         version, qos, retain, identifiers, now = receiver
         expected = NO_PROPERTIES
@@ -61,7 +61,7 @@ def test_each_receiver_gets_its_own_form_whoever_was_served_before(
 
 @pytest.mark.parametrize("version", ProtocolVersion)
 def test_the_bytes_are_made_once_for_receivers_alike(version: ProtocolVersion) -> None:
-    message = Message("t", b"content", 1)
+    message = BrokerMessage("t", b"content", 1)
     first = message.parts(version, 1, False)
     assert message.parts(version, 1, False) is first
     message.forget_encoded()
@@ -69,7 +69,7 @@ def test_the_bytes_are_made_once_for_receivers_alike(version: ProtocolVersion) -
 
 
 def test_a_large_message_that_waits_is_not_kept_encoded() -> None:
-    message = Message("t", bytes(BULKY), 1)
+    message = BrokerMessage("t", bytes(BULKY), 1)
     message.holders = 1
     message.parts(ProtocolVersion.V5, 1, False)
     assert message.kind == -1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.mqtt.broker.conftest import owed
 
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import RetainedMessages
 from homebot.mqtt.topics import topic_matches
 
@@ -19,7 +19,7 @@ def test_a_filter_finds_the_topics_that_it_matches(topic_filter: str, others: in
     retained = RetainedMessages(1000, 1_000_000)
     topics = [*TOPICS, *(f"z/{number}" for number in range(others))]
     for topic in topics:
-        assert retained.keep(Message(topic, b"x"), now=0.0)
+        assert retained.keep(BrokerMessage(topic, b"x"), now=0.0)
 
     found = [message.topic for message, _ in owed(retained, topic_filter)]
 

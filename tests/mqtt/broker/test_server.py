@@ -16,7 +16,7 @@ from tests.mqtt.broker.conftest import PATIENCE
 from homebot.clock import ManualClock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker import Broker, BrokerLimits, PortTakenError
-from homebot.mqtt.broker.connection import Connection
+from homebot.mqtt.broker.connection import BrokerConnection
 from homebot.mqtt.packets import (
     Connect,
     Disconnect,
@@ -135,7 +135,7 @@ async def test_nagle_is_off(dial: Dial) -> None:
     async with Broker() as broker:
         await dial(broker)
         (connection,) = broker._sockets
-        assert isinstance(connection, Connection)
+        assert isinstance(connection, BrokerConnection)
         assert connection._transport is not None
         sock = connection._transport.get_extra_info("socket")
         assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)

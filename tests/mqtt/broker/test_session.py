@@ -191,11 +191,11 @@ def test_the_queue_of_an_absent_client_is_bounded_in_bytes(new_hub: NewHub, join
 def test_qos_0_for_a_full_socket_is_dropped_and_counted_and_qos_1_waits(join: Join) -> None:
     client, other = join("s"), join("p")
     client.subscribe("t")
-    client.link.choked = True
+    client.link.write_blocked = True
     other.publish("t", b"lost", 0)
     other.publish("t", b"kept", 1, packet_id=1)
     assert client.messages() == []
-    client.link.choked = False
+    client.link.write_blocked = False
     client.peer.writable()
     assert payloads(client) == [b"kept"]
     assert client.hub.stats.dropped_qos0 == 1
@@ -205,10 +205,10 @@ def test_retained_messages_wait_for_a_full_socket_even_at_qos_0(join: Join) -> N
     client, other = join("s"), join("p")
     for number in range(3):
         other.publish(f"t/{number}", b"old", 0, retain=True)
-    client.link.choked = True
+    client.link.write_blocked = True
     client.subscribe("t/#")
     other.publish("t/0", b"new", 0)
-    client.link.choked = False
+    client.link.write_blocked = False
     client.peer.writable()
     assert payloads(client) == [b"old", b"old", b"old", b"new"]
 
@@ -227,7 +227,7 @@ def test_qos_0_messages_that_waited_are_dropped_when_the_client_goes(join: Join)
     client, other = join("s", session_expiry_interval=FOREVER), join("p")
     other.publish("t/0", b"0", 0, retain=True)
     other.publish("t/1", b"1", 1, 1, retain=True)
-    client.link.choked = True
+    client.link.write_blocked = True
     client.subscribe("t/#")
     client.lose()
     assert payloads(join("s", clean=False, present=True)) == [b"1"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker import Broker, BrokerLimits, Hub
+from homebot.mqtt.broker import Broker, BrokerLimits, BrokerState
 from homebot.mqtt.packets import FilterRequest, ProtocolVersion, Puback, Publish, ReasonCode, Subscribe
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def drain(client: MemoryClient) -> list[int]:
 
 
 @pytest.mark.parametrize("version", [V5, V311])
-def test_all_are_taken_at_once_and_wait(hub: Hub, join: Join, version: ProtocolVersion) -> None:
+def test_all_are_taken_at_once_and_wait(hub: BrokerState, join: Join, version: ProtocolVersion) -> None:
     stalled, publisher = join("s", version=version), join("p", version=V311)
     stalled.subscribe("t")
     pour(publisher)

@@ -8,11 +8,11 @@ from tests.mqtt.broker.conftest import owed
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker.limits import BrokerLimits
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import RetainedMessages
-from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.subscription import SessionSubscription
 from homebot.mqtt.broker.subscriptions import SubscriptionTree
 from homebot.mqtt.topics import topic_matches
 
@@ -25,8 +25,8 @@ FILTER = (
 )
 
 
-def new_session() -> Session:
-    return Session("c", ManualClock(), BrokerLimits(), Counters())
+def new_session() -> BrokerSession:
+    return BrokerSession("c", ManualClock(), BrokerLimits(), Counters())
 
 
 @given(st.lists(FILTER, max_size=8, unique=True), st.lists(FILTER, max_size=4), TOPIC)
@@ -34,9 +34,9 @@ def test_the_tree_finds_exactly_the_filters_that_match(filters: list[str], remov
     tree = SubscriptionTree()
     sessions = {name: new_session() for name in filters}
     for name, session in sessions.items():
-        tree.add(session, Subscription(name, name, 0))
+        tree.add(session, SessionSubscription(name, name, 0))
     for name in set(removed) & set(filters):
-        tree.remove(sessions[name], Subscription(name, name, 0))
+        tree.remove(sessions[name], SessionSubscription(name, name, 0))
     kept = set(filters) - set(removed)
     found = {target.session for target in tree.route(topic).targets}
     assert found == {sessions[name] for name in kept if topic_matches(name, topic)}
@@ -46,9 +46,9 @@ def test_the_tree_finds_exactly_the_filters_that_match(filters: list[str], remov
 def test_an_emptied_tree_keeps_nothing() -> None:
     tree, session = SubscriptionTree(), new_session()
     for name in ("a/b/c", "a/+/c", "#"):
-        tree.add(session, Subscription(name, name, 0))
+        tree.add(session, SessionSubscription(name, name, 0))
     for name in ("a/b/c", "a/+/c", "#"):
-        tree.remove(session, Subscription(name, name, 0))
+        tree.remove(session, SessionSubscription(name, name, 0))
     assert tree.levels == 0
     assert tree.text == 0
 
@@ -57,6 +57,6 @@ def test_an_emptied_tree_keeps_nothing() -> None:
 def test_retained_messages_are_found_by_the_same_rule(topics: list[str], name: str) -> None:
     retained = RetainedMessages(100, 10_000)
     for topic in topics:
-        retained.keep(Message(topic, b"x"), 0.0)
+        retained.keep(BrokerMessage(topic, b"x"), 0.0)
     found = {message.topic for message, _ in owed(retained, name)}
     assert found == {topic for topic in topics if topic_matches(name, topic)}

@@ -7,7 +7,7 @@ import tracemalloc
 import pytest
 from tests.mqtt.broker.conftest import Join, NewHub, Stranger
 
-from homebot.mqtt.broker import Hub
+from homebot.mqtt.broker import BrokerState
 from homebot.mqtt.broker.words import host_of
 from homebot.mqtt.packets import (
     Connack,
@@ -137,7 +137,9 @@ def test_a_flood_from_one_host_keeps_nobody_else_out(new_hub: NewHub, stranger: 
     assert len(hub.waiting_logins) == 49
 
 
-def test_those_who_logged_in_or_went_take_no_place_of_the_waiting(hub: Hub, join: Join, stranger: Stranger) -> None:
+def test_those_who_logged_in_or_went_take_no_place_of_the_waiting(
+    hub: BrokerState, join: Join, stranger: Stranger
+) -> None:
     join("a")
     stranger().lose()
     wrong = stranger()

@@ -17,11 +17,17 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from homebot.devices.identity import identifiers
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Described, DescribedPart, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.description import (
+    AnnouncementEvent,
+    DescribedPart,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+    Publication,
+)
 from homebot.gateways.mqtt.part_table import BytesPart
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 from homebot.gateways.mqtt.table_codec import raw_bytes
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number
+from homebot.gateways.mqtt.wanted import require_bool, require_number
 
 __all__ = ["Acme", "AcmeSettings"]
 
@@ -56,7 +62,7 @@ class Acme:
         """Return nothing: announcements are retained."""
         return ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Return the lamp that *payload* announces, or that it is gone.
 
         Raises:
@@ -65,14 +71,14 @@ class Acme:
         del retained  # it says the same at any time
         serial = topic.split("/")[1]
         if not payload:
-            return (Withdrawn(serial, "its info was removed"),)
+            return (DeviceWithdrawn(serial, "its info was removed"),)
         try:
             info = _Info.model_validate_json(payload)
         except ValidationError as error:
             self.rejected += 1
             first = error.errors()[0]
             raise WireError(f"{topic}: {'.'.join(map(str, first['loc']))} {first['msg']}", payload) from error
-        lamp = Described(
+        lamp = DeviceAnnounced(
             key=serial,
             convention=self.name,
             identifiers=identifiers([f"acme-{serial}"]),
@@ -95,13 +101,13 @@ _STATE = re.compile(rb"(on|off)(?: (\d{1,3}))?")
 def _lamp(base: str, info: _Info) -> DescribedPart:
     lamp = _Lamp(f"{base}/set")
     part = BytesPart(raw_bytes, "light", "light")
-    part.reads(f"{base}/state", lamp.read)
-    part.listens(lamp.topic)
-    part.asks(Publication(f"{base}/get", b""))
-    part.offers("on_off", writer=lamp.switch)
+    part.read_from(f"{base}/state", lamp.read)
+    part.add_command_topics(lamp.topic)
+    part.add_state_request(Publication(f"{base}/get", b""))
+    part.add_capability("on_off", writer=lamp.switch)
     if info.dimmable:
-        part.offers("level", writer=lamp.dim)
-    return part.described()
+        part.add_capability("level", writer=lamp.dim)
+    return part.build()
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +124,7 @@ class _Lamp:
         """Return what a report says; nothing where it is not one."""
         match = _STATE.fullmatch(payload)
         if match is None:
-            return NOTHING
+            return NO_READINGS
         on, level = match.groups()
         readings: dict[str, PlainValue] = {"on_off": on == b"on"}
         if level is not None and int(level) <= 100:
@@ -128,10 +134,10 @@ class _Lamp:
     def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         """Return the command that turns the lamp on or off; it knows no transitions."""
         del transition
-        return (Publication(self.topic, b"on" if wanted_flag("on_off", value) else b"off"),)
+        return (Publication(self.topic, b"on" if require_bool("on_off", value) else b"off"),)
 
     def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         """Return the command that sets the brightness in percent; 0 turns the lamp off."""
         del transition
-        percent = round(wanted_number("level", value, 0, 100, "%"))
+        percent = round(require_number("level", value, 0, 100, "%"))
         return (Publication(self.topic, b"on %d" % percent if percent else b"off"),)

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from homebot import App, HandleChange, Light
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described, DescribedPart, Publication, Withdrawn
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.testing import TestHouse
 
@@ -24,9 +24,9 @@ def test_the_package_is_the_installed_one() -> None:
     assert Path(homebot_acme.__file__).parent != Path(__file__).parent
 
 
-def announce(payload: bytes) -> Described:
+def announce(payload: bytes) -> DeviceAnnounced:
     (lamp,) = Acme(AcmeSettings()).take("acme/4711/info", payload, retained=True)
-    assert isinstance(lamp, Described)
+    assert isinstance(lamp, DeviceAnnounced)
     return lamp
 
 
@@ -43,7 +43,7 @@ def test_an_announcement_is_a_light() -> None:
 
 def test_an_empty_announcement_takes_the_lamp_away() -> None:
     (gone,) = Acme(AcmeSettings()).take("acme/4711/info", b"", retained=False)
-    assert isinstance(gone, Withdrawn)
+    assert isinstance(gone, DeviceWithdrawn)
 
 
 @pytest.mark.parametrize("payload", [b"\xff", b"[]", b"{}", b'{"name": 7}'])

@@ -20,7 +20,7 @@ from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicRe
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, UsageError
 from homebot.gateways import Gateway
-from homebot.gateways.listeners import Listeners
+from homebot.gateways.listeners import RawDelivery
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.messages import Time
 
@@ -54,7 +54,7 @@ class FolderGateway(Gateway):
         self._lamps: dict[str, bytes] = {}
         qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._reports = node.create_publisher(Report, self.names.readings, qos)
-        self._listeners = Listeners(node, self.names, inboxes=True)
+        self._listeners = RawDelivery(node, self.names, inboxes=True)
         node.create_subscription(RawCommand, self.names.out, self._send)
         node.create_service(SendCommand, self.names.send_command, self._command)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
@@ -96,7 +96,7 @@ class FolderGateway(Gateway):
             received_at=self._now,
         )
         for listener in tuple(self._listeners.of(message.address)):
-            await self._listeners.deliver(listener, message, patient=True)
+            await self._listeners.deliver(listener, message, wait_if_full=True)
         if payload in WORDS:
             reading = Reading(part="", capability="on_off", value=Value.of(WORDS[payload]))
             self._reports.publish(

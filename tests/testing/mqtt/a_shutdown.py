@@ -19,7 +19,7 @@ from anyio.abc import TaskGroup
 
 from homebot.errors import ClosedError
 from homebot.house.description import parse_world
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.testing import VirtualHouse, VirtualTimeLoop, virtual_house_of
@@ -45,7 +45,7 @@ async def watch(house: VirtualHouse, lines: list[str]) -> None:
 
     async with connection, anyio.create_task_group() as tasks:
         tasks.start_soon(read_graph)
-        await connection.subscribe(Subscription("#"))
+        await connection.subscribe(MqttSubscription("#"))
         while True:
             try:
                 messages = await connection.receive()

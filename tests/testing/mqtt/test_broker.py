@@ -20,7 +20,7 @@ from homebot.mqtt.packets import (
     Subscribe,
     Will,
 )
-from homebot.testing.mqtt import BlockingTestBroker, ClientView, SeenMessage, TestBroker
+from homebot.testing.mqtt import BlockingTestBroker, ClientView, RecordedMessage, TestBroker
 
 if TYPE_CHECKING:
     from tests.testing.mqtt.conftest import Join
@@ -60,7 +60,7 @@ async def test_expect_returns_what_came_before_and_what_comes_later(mqtt_broker:
     lamp = await join("lamp")
     await lamp.send(Publish("lamp/state", b"1", retain=True))
     await mqtt_broker.settle()
-    assert await mqtt_broker.expect("lamp/+") == SeenMessage("lamp/state", b"1", retain=True, client_id="lamp")
+    assert await mqtt_broker.expect("lamp/+") == RecordedMessage("lamp/state", b"1", retain=True, client_id="lamp")
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(mqtt_broker.expect, "lamp/state", "2", 5.0)
         await mqtt_broker.settle()

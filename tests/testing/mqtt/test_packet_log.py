@@ -24,7 +24,7 @@ from homebot.mqtt.packets import (
     Will,
 )
 from homebot.testing.mqtt import PacketLog
-from homebot.testing.mqtt.words import packet_words
+from homebot.testing.mqtt.words import packet_text
 
 
 def test_beyond_a_thousand_the_oldest_packet_is_forgotten_and_counted() -> None:
@@ -61,4 +61,4 @@ def test_beyond_a_thousand_the_oldest_packet_is_forgotten_and_counted() -> None:
     ],
 )
 def test_a_packet_has_words_without_secrets(packet: Packet, words: str) -> None:
-    assert packet_words(packet) == words
+    assert packet_text(packet) == words

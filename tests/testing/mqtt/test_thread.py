@@ -11,7 +11,7 @@ import anyio
 import pytest
 
 from homebot.testing.mqtt import BrokerThread, TestBroker, broker_thread
-from homebot.testing.mqtt.seen import SeenMessage
+from homebot.testing.mqtt.seen import RecordedMessage
 
 
 @pytest.fixture
@@ -90,7 +90,7 @@ async def test_a_predicate_that_fails_the_test_fails_it_at_once(mqtt_broker: Tes
     writer.write(bytes.fromhex("100d00044d5154540402003c000161") + bytes.fromhex("30050001743637"))
     await reader.readexactly(4)
 
-    def wrong(message: SeenMessage) -> bool:
+    def wrong(message: RecordedMessage) -> bool:
         pytest.fail(f"{message.topic} is wrong")
 
     with pytest.raises(pytest.fail.Exception, match="t is wrong"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.complaints import Complaints
+from homebot.bridges.rosbridge.complaints import ClientErrorLog
 from homebot.bridges.rosbridge.counters import DoorCounters
 from homebot.bridges.rosbridge.expected_topics import ExpectedTopics
 from homebot.bridges.rosbridge.settings import DoorSettings
@@ -35,7 +35,7 @@ class Common:
     backlog: DoorBacklog
     expected: ExpectedTopics
     counters: DoorCounters
-    complaints: Complaints
+    complaints: ClientErrorLog
 
     def held_by_all(self) -> int:
         """Return how many entities all clients together hold on the graph."""

@@ -7,7 +7,7 @@ from typing import Literal
 from homebot.graph import Node
 from homebot.log import LogLimit
 
-__all__ = ["Complaints", "deed"]
+__all__ = ["ClientErrorLog", "operation_text"]
 
 _LINES = 20  # of one kind in ten seconds
 _LONGEST = 300  # a client may send a text of a megabyte
@@ -26,7 +26,7 @@ _DEEDS = {
 }
 
 
-class Complaints:
+class ClientErrorLog:
     """Logs what clients do wrong.
 
     Args:
@@ -37,7 +37,7 @@ class Complaints:
         self._log = node.log
         self._limit = LogLimit(node.graph.clock, burst=_LINES)
 
-    def say(
+    def log(
         self,
         kind: str,
         event: str,
@@ -67,7 +67,7 @@ class Complaints:
         write(event, message=f"{_short(message)}{more}", held_back=held_back, **known)
 
 
-def deed(op: str, name: str) -> str:
+def operation_text(op: str, name: str) -> str:
     """Return an operation in words, such as ``publishing on /t``; an operation without a name stays as it is."""
     return f"{_DEEDS.get(op, op)} {_short(name, _LONGEST_NAME)}" if name else op
 

@@ -14,7 +14,7 @@ from websockets.asyncio.server import ServerConnection
 
 from homebot.bridges.rosbridge.turns import Turns
 
-__all__ = ["Connection"]
+__all__ = ["DoorConnection"]
 
 _READ = 2048
 """Bytes read at once: of the smallest frames 340, which take the library about 5 ms."""
@@ -23,7 +23,7 @@ _MOST_ARRIVING = 64
 """Connections that have not said yet what they want; one more ends the oldest, which had the most time to say it."""
 
 
-class Connection(ServerConnection):
+class DoorConnection(ServerConnection):
     """A connection that does not hold up the event loop.
 
     Args:
@@ -32,7 +32,7 @@ class Connection(ServerConnection):
         arguments: As the library makes connections.
     """
 
-    def __init__(self, turns: Turns, arriving: dict[Connection, None], *arguments: Any, **settings: Any) -> None:
+    def __init__(self, turns: Turns, arriving: dict[DoorConnection, None], *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
         self._turns = turns
         self._arriving = arriving

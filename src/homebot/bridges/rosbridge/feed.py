@@ -10,7 +10,7 @@ import asyncio
 
 from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import Identifier, Subscribe, publish_frame
+from homebot.bridges.rosbridge.protocol import Identifier, SubscribeOperation, publish_frame
 from homebot.graph import DurabilityPolicy, EntityKind, Graph, Node, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import key_of
 from homebot.messages.json import JsonObject, message_to_json
@@ -37,7 +37,7 @@ class Feed:
     def __init__(
         self, node: Node, topic: str, message_type: type[Message], depth: int, backlog: Backlog, outbox: Outbox
     ) -> None:
-        self.requests: dict[Identifier, Subscribe] = {}
+        self.requests: dict[Identifier, SubscribeOperation] = {}
         self._node = node
         self._topic = topic
         self._message_type = message_type
@@ -55,7 +55,7 @@ class Feed:
         """Messages dropped because the client was too slow."""
         return self._queue.lost
 
-    def add(self, op: Subscribe) -> None:
+    def add(self, op: SubscribeOperation) -> None:
         """Take one more request of the client; it gets what the publishers keep for late joiners."""
         is_first = not self.requests
         self.requests[op.id] = op

@@ -16,12 +16,12 @@ from homebot.bridges.rosbridge.protocol import encode_frame
 from homebot.bridges.rosbridge.turns import Turns
 from homebot.messages.json import JsonObject
 
-__all__ = ["Outbox", "Source"]
+__all__ = ["MessageSource", "Outbox"]
 
 _PATIENCE = 4
 
 
-class Source(Protocol):
+class MessageSource(Protocol):
     """A topic that has messages for the client."""
 
     def take(self) -> JsonObject | None:
@@ -50,7 +50,7 @@ class Outbox:
         self._limit = limit
         self._answers: deque[str] = deque()
         self._waiting = 0
-        self._sources: dict[Source, None] = {}
+        self._sources: dict[MessageSource, None] = {}
         self._arrival: asyncio.Future[None] | None = None
         self._rooms: deque[asyncio.Future[None]] = deque()
 
@@ -69,7 +69,7 @@ class Outbox:
         self._waiting += len(text)
         self._wake()
 
-    def ready(self, source: Source) -> None:
+    def ready(self, source: MessageSource) -> None:
         """Note that *source* has something to send."""
         if source not in self._sources:
             self._sources[source] = None
@@ -99,7 +99,7 @@ class Outbox:
                 del self._sources[source]
                 await self._send_message(source)
 
-    async def _send_message(self, source: Source) -> None:
+    async def _send_message(self, source: MessageSource) -> None:
         frame = source.take()
         if frame is not None:
             await self._send(encode_frame(frame))

@@ -22,20 +22,20 @@ __all__ = [
     "ActionOperation",
     "Advertise",
     "AdvertiseService",
-    "Auth",
+    "AuthOperation",
     "CallService",
     "FrameError",
     "Identifier",
     "Level",
     "Operation",
-    "Publish",
+    "PublishOperation",
     "ServiceResponse",
     "SetLevel",
     "Status",
-    "Subscribe",
+    "SubscribeOperation",
     "Unadvertise",
     "UnadvertiseService",
-    "Unsubscribe",
+    "UnsubscribeOperation",
     "action_refusal",
     "encode_frame",
     "parse_frame",
@@ -119,7 +119,7 @@ class Unadvertise(Operation):
     topic: Name
 
 
-class Publish(Operation):
+class PublishOperation(Operation):
     """A message for a topic."""
 
     ops = ("publish",)
@@ -129,7 +129,7 @@ class Publish(Operation):
     latch: bool = False
 
 
-class Subscribe(Operation):
+class SubscribeOperation(Operation):
     """The client wants the messages of ``topic``.
 
     Attributes:
@@ -149,7 +149,7 @@ class Subscribe(Operation):
     fragment_size: int | None = None
 
 
-class Unsubscribe(Operation):
+class UnsubscribeOperation(Operation):
     """The client wants no more; without an id: under none of its ids."""
 
     ops = ("unsubscribe",)
@@ -202,7 +202,7 @@ class SetLevel(Operation):
     level: Level
 
 
-class Auth(Operation):
+class AuthOperation(Operation):
     """The login of rosauth; clients log in when they connect instead, so there is nothing to do."""
 
     ops = ("auth",)
@@ -237,15 +237,15 @@ _CLASSES: dict[str, type[Operation]] = {
     for cls in (
         Advertise,
         Unadvertise,
-        Publish,
-        Subscribe,
-        Unsubscribe,
+        PublishOperation,
+        SubscribeOperation,
+        UnsubscribeOperation,
         CallService,
         ServiceResponse,
         AdvertiseService,
         UnadvertiseService,
         SetLevel,
-        Auth,
+        AuthOperation,
         Status,
         ActionOperation,
     )

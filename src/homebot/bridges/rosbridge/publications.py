@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from homebot.bridges.rosbridge.protocol import Advertise, Identifier, Publish, Unadvertise
+from homebot.bridges.rosbridge.protocol import Advertise, Identifier, PublishOperation, Unadvertise
 from homebot.bridges.rosbridge.types import message_type_of_topic
 from homebot.bridges.rosbridge.values import message_from_client
 from homebot.errors import PeerError
@@ -70,7 +70,7 @@ class Publications:
         if op.id is None or not publication.ids:
             self._close(op.topic)
 
-    def publish(self, op: Publish) -> None:
+    def publish(self, op: PublishOperation) -> None:
         """Publish a message; a topic that exists need not be advertised.
 
         Raises:

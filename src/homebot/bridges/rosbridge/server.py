@@ -23,11 +23,11 @@ from websockets.http11 import Request, Response
 from homebot.bridges.rosbridge.admission import is_loopback, is_token, refusal, token_of
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.common import Common
-from homebot.bridges.rosbridge.complaints import Complaints
-from homebot.bridges.rosbridge.connection import Connection
+from homebot.bridges.rosbridge.complaints import ClientErrorLog
+from homebot.bridges.rosbridge.connection import DoorConnection
 from homebot.bridges.rosbridge.counters import DoorCounters
 from homebot.bridges.rosbridge.expected_topics import ExpectedTopics
-from homebot.bridges.rosbridge.session import Session
+from homebot.bridges.rosbridge.session import ClientSession
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.token_guard import TokenGuard
 from homebot.bridges.rosbridge.turns import Turns
@@ -66,7 +66,7 @@ class Door:
             )
         self._node = node
         self._settings = settings
-        self._complaints = Complaints(node)
+        self._complaints = ClientErrorLog(node)
         self._counters = DoorCounters()
         self._backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
         self._turns = Turns()
@@ -75,8 +75,8 @@ class Door:
         self._common = Common(
             node, settings, self._turns, self._backlog, self._expected, self._counters, self._complaints
         )
-        self._sessions: dict[ServerConnection, Session] = {}
-        self._arriving: dict[Connection, None] = {}
+        self._sessions: dict[ServerConnection, ClientSession] = {}
+        self._arriving: dict[DoorConnection, None] = {}
         self._port = settings.port
 
     @property
@@ -140,7 +140,7 @@ class Door:
                 open_timeout=_OPEN_TIMEOUT,
                 close_timeout=_CLOSE_TIMEOUT,
                 max_queue=1,  # frames; a frame may be large
-                create_connection=cast("type[ServerConnection]", partial(Connection, self._turns, self._arriving)),
+                create_connection=cast("type[ServerConnection]", partial(DoorConnection, self._turns, self._arriving)),
                 logger=log,
             )
         except OSError as exc:
@@ -183,7 +183,7 @@ class Door:
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)
         self._counters.turned_away += 1
-        self._complaints.say(
+        self._complaints.log(
             f"turned away {client.rpartition(':')[0]}",
             "door.turned_away",
             f"{client} was turned away: {problem}",
@@ -212,9 +212,9 @@ class Door:
             connection.transport.abort()
 
         self._counters.clients += 1
-        if isinstance(connection, Connection):
+        if isinstance(connection, DoorConnection):
             connection.has_arrived()
-        session = Session(self._common, _address_of(connection), send, cut)
+        session = ClientSession(self._common, _address_of(connection), send, cut)
         self._sessions[connection] = session
         try:
             await session.run(_texts(connection))
@@ -225,20 +225,20 @@ class Door:
 class _LibraryLog(logging.Handler):
     """Brings what the WebSocket library has to say into our log, limited."""
 
-    def __init__(self, complaints: Complaints) -> None:
+    def __init__(self, complaints: ClientErrorLog) -> None:
         super().__init__()
         self._complaints = complaints
 
     def emit(self, record: logging.LogRecord) -> None:
         error = record.exc_info[1] if record.exc_info else None
         if record.msg == "connection handler failed":
-            self._complaints.say(
+            self._complaints.log(
                 record.msg, "door.session_crashed", "a client's session crashed", level="error", error=error
             )
         else:
             problem = str(error or record.msg)
             message = f"somebody came to the door who speaks no WebSocket: {problem}"
-            self._complaints.say(record.msg, "door.handshake_failed", message, problem=problem)
+            self._complaints.log(record.msg, "door.handshake_failed", message, problem=problem)
 
 
 async def _texts(connection: ServerConnection) -> AsyncIterator[str]:

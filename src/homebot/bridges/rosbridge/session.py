@@ -16,7 +16,7 @@ from anyio.abc import TaskGroup
 from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.calls import call_service
 from homebot.bridges.rosbridge.common import Common
-from homebot.bridges.rosbridge.complaints import deed
+from homebot.bridges.rosbridge.complaints import operation_text
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
     ActionOperation,
@@ -27,13 +27,13 @@ from homebot.bridges.rosbridge.protocol import (
     Identifier,
     Level,
     Operation,
-    Publish,
+    PublishOperation,
     ServiceResponse,
     SetLevel,
-    Subscribe,
+    SubscribeOperation,
     Unadvertise,
     UnadvertiseService,
-    Unsubscribe,
+    UnsubscribeOperation,
     action_refusal,
     parse_frame,
     service_failure,
@@ -47,7 +47,7 @@ from homebot.bridges.rosbridge.turns import Turns
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.log import LogLimit
 
-__all__ = ["Session"]
+__all__ = ["ClientSession"]
 
 _SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 _NO_ACTIONS = "this homebot offers no actions"
@@ -55,7 +55,7 @@ _ANSWERS = 1_048_576
 """Bytes of answers that may wait for a client before it is listened to no more."""
 
 
-class Session:
+class ClientSession:
     """What one client does through the door.
 
     Args:
@@ -138,7 +138,7 @@ class Session:
 
     def _do(self, op: Operation, holdings: _Holdings) -> None:
         match op:
-            case Publish():
+            case PublishOperation():
                 if op.topic not in holdings.publications:
                     self._check_room(holdings)
                 holdings.publications.publish(op)
@@ -162,10 +162,10 @@ class Session:
                 holdings.publications.advertise(op)
             case Unadvertise():
                 holdings.publications.unadvertise(op)
-            case Subscribe():
+            case SubscribeOperation():
                 self._check_room(holdings)
                 self._subscribe(op, holdings)
-            case Unsubscribe():
+            case UnsubscribeOperation():
                 holdings.subscriptions.unsubscribe(op)
             case AdvertiseService():
                 self._check_room(holdings)
@@ -173,7 +173,7 @@ class Session:
             case UnadvertiseService():
                 holdings.services.unadvertise(op)
 
-    def _subscribe(self, op: Subscribe, holdings: _Holdings) -> None:
+    def _subscribe(self, op: SubscribeOperation, holdings: _Holdings) -> None:
         if (remark := holdings.subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
         if op.compression != "none":
@@ -207,14 +207,14 @@ class Session:
         if self._slowness.allows("") is not None:
             limit = f"more than {self._settings.max_frames_per_second} frames a second"
             self._remark("warning", f"{limit} came from this client: it is read no faster than that", None)
-            self._common.complaints.say(
+            self._common.complaints.log(
                 f"slowed down {self._client.rpartition(':')[0]}",
                 "door.slowed_down",
                 f"{self._client} sends {limit}: it is read no faster than that",
                 client=self._client,
             )
 
-    def _say_unfit(self, op: Subscribe, problem: str) -> None:
+    def _say_unfit(self, op: SubscribeOperation, problem: str) -> None:
         """Tell that a topic came which the client waited for, and that it is another than expected."""
         said = f": {_refusal(op.op, op.name, problem)}, now that it is there"
         self._complain(said, op.op, problem, event="door.late_topic_unfit")
@@ -223,7 +223,7 @@ class Session:
     def _complain(self, said: str, op: str, problem: str, *, event: str = "door.refused") -> None:
         self.refused += 1
         self._common.counters.requests_refused += 1
-        self._common.complaints.say(
+        self._common.complaints.log(
             f"refused {self._client.rpartition(':')[0]}",
             event,
             f"{self._client}{said}",
@@ -267,4 +267,4 @@ class _Holdings:
 
 
 def _refusal(op: str, name: str, problem: str) -> str:
-    return f"{deed(op, name)} was refused: {problem}"
+    return f"{operation_text(op, name)} was refused: {problem}"

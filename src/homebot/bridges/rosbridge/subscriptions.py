@@ -9,7 +9,7 @@ from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.expected_topics import ExpectedTopics
 from homebot.bridges.rosbridge.feed import Feed
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import Identifier, Subscribe, Unsubscribe
+from homebot.bridges.rosbridge.protocol import Identifier, SubscribeOperation, UnsubscribeOperation
 from homebot.bridges.rosbridge.types import message_type_of_topic
 from homebot.errors import HomebotError, PeerError
 from homebot.graph import Node
@@ -38,7 +38,7 @@ class Subscriptions:
         backlog: Backlog,
         outbox: Outbox,
         expected: ExpectedTopics,
-        on_unfit: Callable[[Subscribe, str], None],
+        on_unfit: Callable[[SubscribeOperation, str], None],
     ) -> None:
         self._node = node
         self._depth = depth
@@ -47,7 +47,7 @@ class Subscriptions:
         self._expected = expected
         self._on_unfit = on_unfit
         self._feeds: dict[str, Feed] = {}
-        self._early: dict[str, dict[Identifier, Subscribe]] = {}
+        self._early: dict[str, dict[Identifier, SubscribeOperation]] = {}
         self._spellings: dict[str, dict[str, None]] = {}
         self._requests = 0
 
@@ -60,7 +60,7 @@ class Subscriptions:
         """Messages dropped because the client was too slow, on the topics it reads now."""
         return sum(feed.lost for feed in self._feeds.values())
 
-    def subscribe(self, op: Subscribe) -> tuple[Literal["warning", "error"], str] | None:
+    def subscribe(self, op: SubscribeOperation) -> tuple[Literal["warning", "error"], str] | None:
         """Begin to send a topic; where its type cannot be told yet, return how bad that is and why.
 
         It is an error that the type is unknown, and a warning that it was not given; either way messages come once
@@ -85,7 +85,7 @@ class Subscriptions:
             return "error" if op.type else "warning", f"{exc}; messages will come once somebody uses {full_name}"
         return None
 
-    def unsubscribe(self, op: Unsubscribe) -> None:
+    def unsubscribe(self, op: UnsubscribeOperation) -> None:
         """Stop sending a topic.
 
         Raises:
@@ -113,7 +113,7 @@ class Subscriptions:
             return True
         return False
 
-    def _serve(self, op: Subscribe) -> None:
+    def _serve(self, op: SubscribeOperation) -> None:
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), op.type)
         feed = self._feeds.get(op.topic)
         if feed is None:

@@ -7,7 +7,7 @@ import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from homebot.cli.until_told import on_an_event_loop, until_told
+from homebot.cli.until_told import on_an_event_loop, serve
 from homebot.config import read_secret
 from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging
@@ -32,7 +32,7 @@ def broker(options: argparse.Namespace) -> int:
     made = make_broker(options)
     with queued_output():
         configure_logging(options.log_format)
-        on_an_event_loop(until_told(_running(made), options.seconds))
+        on_an_event_loop(serve(_running(made), options.seconds))
     return 0
 
 

@@ -12,13 +12,13 @@ from homebot.cli.inventory import all_devices, house_time
 from homebot.cli.moments import ago
 from homebot.cli.terminal import print_table
 from homebot.cli.thing_files import write_things
-from homebot.cli.through_door import through_door
-from homebot.cli.values import life, main_parts, says, types
+from homebot.cli.through_door import with_client
+from homebot.cli.values import life, main_parts, state_text, types
 from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query import type_is
 from homebot.devices.query.vocabulary import TYPE_WORDS
-from homebot.devices.words import read_words_address
+from homebot.devices.words import read_text_address
 from homebot.similar import did_you_mean
 
 __all__ = ["list_devices"]
@@ -49,7 +49,7 @@ def list_devices(options: argparse.Namespace) -> int:
             print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("GATEWAY", "LISTENS ON"))
         return 0
 
-    code = through_door(options, run)
+    code = with_client(options, run)
     for file in write_things(found, options.td, options.broker) if options.td else ():
         print(file)
     return code
@@ -61,7 +61,7 @@ def _row(device: Device, now: float) -> tuple[str, ...]:
         device.id,
         types(device),
         device.area,
-        says(device),
+        state_text(device),
         first.gateway if first else "",
         _listens_on(device),
         life(device),
@@ -85,6 +85,6 @@ def _listens_on(device: Device) -> str:
     Words have an address of their own, which says nothing to people.
     """
     for one in device.endpoints:
-        if one.command_address and read_words_address(one.command_address) is None:
+        if one.command_address and read_text_address(one.command_address) is None:
             return one.command_address
     return next((topic for part in main_parts(device) for topic in part.part.writes), "")

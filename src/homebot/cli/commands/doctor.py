@@ -12,7 +12,7 @@ from homebot.cli.moments import ago
 from homebot.cli.outbox import gateway_state
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
-from homebot.cli.through_door import through_door
+from homebot.cli.through_door import with_client
 from homebot.devices import Device, GatewayState
 from homebot.devices.quarantine import Count, GetHealth, HealthResponse, PartFailure, Quarantine
 from homebot.messages.json import message_from_json
@@ -56,7 +56,7 @@ def doctor(options: argparse.Namespace) -> int:
         print_line("all is well" if is_well else "not all is well", "bold green" if is_well else "bold red")
         return 0 if is_well else 1
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 async def _gateways(door: DoorClient) -> dict[str, GatewayState | None]:

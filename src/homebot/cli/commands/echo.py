@@ -9,9 +9,9 @@ import sys
 import anyio
 
 from homebot.cli.directory import WAITING, no_such_topic, topic_type
-from homebot.cli.door_client import Delivery, DoorClient
+from homebot.cli.door_client import DoorClient, ReceivedMessage
 from homebot.cli.schema import Schema, message_schema
-from homebot.cli.through_door import through_door
+from homebot.cli.through_door import with_client
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
 
@@ -36,7 +36,7 @@ def echo(options: argparse.Namespace) -> int:
             if options.once:
                 return 0
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 async def _schema(door: DoorClient, topic: str) -> Schema | None:
@@ -48,7 +48,7 @@ async def _schema(door: DoorClient, topic: str) -> Schema | None:
     return None
 
 
-def _show(delivery: Delivery, schema: Schema | None, options: argparse.Namespace) -> None:
+def _show(delivery: ReceivedMessage, schema: Schema | None, options: argparse.Namespace) -> None:
     if delivery.lost:
         print(f"homebot: {delivery.lost} messages were lost before this one: too many, too fast", file=sys.stderr)
     message = delivery.message if options.json or schema is None else schema.readable(delivery.message)

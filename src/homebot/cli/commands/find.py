@@ -10,8 +10,8 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import find_devices
 from homebot.cli.table import to_table, without_empty
 from homebot.cli.terminal import is_terminal, print_table
-from homebot.cli.through_door import through_door
-from homebot.cli.values import life, says, types
+from homebot.cli.through_door import with_client
+from homebot.cli.values import life, state_text, types
 from homebot.devices.services import QueryDevicesResponse
 
 __all__ = ["find"]
@@ -37,12 +37,12 @@ def find(options: argparse.Namespace) -> int:
             _show(found, why=options.why)
         return 0 if found.results else 1
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 def _show(found: QueryDevicesResponse, *, why: bool) -> None:
     rows: list[tuple[str, ...]] = [
-        (one.device.id, one.device.name, types(one.device), one.device.area, says(one.device), life(one.device))
+        (one.device.id, one.device.name, types(one.device), one.device.area, state_text(one.device), life(one.device))
         for one in found.results
     ]
     reasons = [one.reasons for one in found.results]

@@ -6,9 +6,9 @@ import argparse
 
 from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import named_device
-from homebot.cli.outbox import Outbox
+from homebot.cli.outbox import GatewayPublisher
 from homebot.cli.table import printable
-from homebot.cli.through_door import through_door
+from homebot.cli.through_door import with_client
 from homebot.devices.names import FORGET_DEVICE
 from homebot.devices.services import ForgetDeviceResponse
 from homebot.errors import PeerError
@@ -22,7 +22,7 @@ def forget(options: argparse.Namespace) -> int:
 
     async def run(door: DoorClient) -> int:
         device = await named_device(door, options.device)
-        outbox = Outbox(door)
+        outbox = GatewayPublisher(door)
         if options.purge:  # before anything is done, so that nothing is done by halves
             for gateway in sorted({one.gateway for one in device.endpoints}):
                 await outbox.check(gateway)
@@ -38,4 +38,4 @@ def forget(options: argparse.Namespace) -> int:
                 print(f"it was announced on {printable(one.topic)}; --purge deletes what the broker keeps there")
         return 0
 
-    return through_door(options, run)
+    return with_client(options, run)

@@ -12,7 +12,7 @@ import anyio
 
 from homebot.cli.directory import WAITING, no_such_topic, topic_type
 from homebot.cli.door_client import DoorClient
-from homebot.cli.through_door import through_door
+from homebot.cli.through_door import with_client
 
 __all__ = ["hz", "rate_text"]
 
@@ -37,7 +37,7 @@ def hz(options: argparse.Namespace) -> int:
             is_new = (len(times), times[-1] if times else 0.0) != seen
             print(rate_text(times) if is_new and len(times) > 1 else "no new messages", flush=True)
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 def rate_text(times: Sequence[float]) -> str:

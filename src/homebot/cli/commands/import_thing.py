@@ -11,9 +11,9 @@ import anyio
 
 from homebot.cli.door_client import DoorClient
 from homebot.cli.inventory import all_devices
-from homebot.cli.outbox import Outbox
+from homebot.cli.outbox import GatewayPublisher
 from homebot.cli.table import printable
-from homebot.cli.through_door import through_door
+from homebot.cli.through_door import with_client
 from homebot.devices import DEVICE_CHANGES, Device, DeviceChange
 from homebot.devices.thing import Thing, read_thing
 from homebot.errors import ConfigError, UsageError, WireError
@@ -30,7 +30,7 @@ def import_thing(options: argparse.Namespace) -> int:
     topic = f"{options.prefix}/{name}/td"
 
     async def run(door: DoorClient) -> int:
-        outbox = Outbox(door)
+        outbox = GatewayPublisher(door)
         await outbox.check(options.gateway)
         await door.subscribe(DEVICE_CHANGES)
         await outbox.publish(options.gateway, topic, text, retain=True)
@@ -44,7 +44,7 @@ def import_thing(options: argparse.Namespace) -> int:
         )
         return 1
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 def topic_level(text: str) -> str:

@@ -7,7 +7,7 @@ import argparse
 from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
 from homebot.cli.similar import not_found
-from homebot.cli.through_door import through_door
+from homebot.cli.through_door import with_client
 from homebot.errors import PeerError
 
 __all__ = ["info", "list_nodes"]
@@ -29,7 +29,7 @@ def list_nodes(options: argparse.Namespace) -> int:
                 print(one.name)
         return 0
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 def info(options: argparse.Namespace) -> int:
@@ -48,4 +48,4 @@ def info(options: argparse.Namespace) -> int:
                 print(line)
         return 0
 
-    return through_door(options, run)
+    return with_client(options, run)

@@ -10,8 +10,8 @@ import anyio
 
 from homebot.cli.directory import no_such_topic, topic_type
 from homebot.cli.door_client import DoorClient
-from homebot.cli.outbox import Outbox
-from homebot.cli.through_door import through_door
+from homebot.cli.outbox import GatewayPublisher
+from homebot.cli.through_door import with_client
 
 __all__ = ["pub"]
 
@@ -26,7 +26,7 @@ def pub(options: argparse.Namespace) -> int:
         if not ros_type:
             raise await no_such_topic(door, options.topic)
         gateway = _gateway_of(options.topic)
-        outbox = Outbox(door) if gateway else None
+        outbox = GatewayPublisher(door) if gateway else None
         if outbox is not None:
             await outbox.check(gateway)
         await door.advertise(options.topic, ros_type)
@@ -47,7 +47,7 @@ def pub(options: argparse.Namespace) -> int:
             due = max(due + 1 / options.rate, anyio.current_time())
             await anyio.sleep_until(due)
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 def _gateway_of(topic: str) -> str:

@@ -13,7 +13,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from homebot.cli.until_told import on_an_event_loop, until_told
+from homebot.cli.until_told import on_an_event_loop, serve
 from homebot.config import Config, load_config, parse_config
 from homebot.discovery.store import take_over
 from homebot.log import configure_logging
@@ -139,7 +139,7 @@ async def _run(
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
     runtime = Runtime(config, house=house, index_file=index_file, loop_watch=watch, lost_lines=lost_lines)
-    await until_told(_settled(runtime), seconds, runtime.cut_start_short)
+    await serve(_settled(runtime), seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0
 
 

@@ -12,7 +12,7 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.schema import response_schema
 from homebot.cli.similar import not_found
 from homebot.cli.table import printable
-from homebot.cli.through_door import through_door
+from homebot.cli.through_door import with_client
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
 
@@ -28,7 +28,7 @@ def list_services(options: argparse.Namespace) -> int:
                 print(f"{one.name} [{one.type}]" if options.show_types else one.name)
         return 0
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 def call(options: argparse.Namespace) -> int:
@@ -46,7 +46,7 @@ def call(options: argparse.Namespace) -> int:
             print(to_yaml((await response_schema(door, ros_type)).readable(response)), end="")
         return _told(options.service, response)
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 def _told(service: str, response: Mapping[str, object]) -> int:

@@ -13,12 +13,12 @@ from homebot.cli.moments import ago
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.thing_files import thing_text
-from homebot.cli.through_door import through_door
+from homebot.cli.through_door import with_client
 from homebot.cli.values import in_words, life, span
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Capability
-from homebot.devices.words import read_words_address
+from homebot.devices.words import read_text_address
 
 __all__ = ["show"]
 
@@ -39,7 +39,7 @@ def show(options: argparse.Namespace) -> int:
             _describe(device, reasons, await house_time(door))
         return 0
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 def _describe(device: Device, reasons: tuple[str, ...], now: float) -> None:
@@ -131,4 +131,4 @@ def _by(gateway: str, convention: str, key: str) -> str:
 
 
 def _is_topic(address: str) -> bool:
-    return bool(address) and read_words_address(address) is None
+    return bool(address) and read_text_address(address) is None

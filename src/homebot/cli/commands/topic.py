@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from homebot.cli.directory import Entity, entities, no_such_topic, topic_type
+from homebot.cli.directory import GraphEntity, entities, no_such_topic, topic_type
 from homebot.cli.door_client import DoorClient
-from homebot.cli.through_door import through_door
+from homebot.cli.through_door import with_client
 
 __all__ = ["info", "list_topics"]
 
@@ -26,7 +26,7 @@ def list_topics(options: argparse.Namespace) -> int:
             print(f"{name} [{ros_type}]" if options.show_types else name)
         return 0
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
 def info(options: argparse.Namespace) -> int:
@@ -46,10 +46,10 @@ def info(options: argparse.Namespace) -> int:
                 print("".join(f"\n{_details(one, title)}" for one in users), end="\n" if users else "")
         return 0
 
-    return through_door(options, run)
+    return with_client(options, run)
 
 
-def _details(end: Entity, title: str) -> str:
+def _details(end: GraphEntity, title: str) -> str:
     return (
         f"Node: {end.node}\n"
         f"Topic type: {end.type}\n"

@@ -19,12 +19,13 @@ from homebot.devices.handles.measuring import (
 from homebot.devices.handles.opening import Closure, WaterValve, WindowCovering
 from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
 from homebot.devices.handles.switchable import Plug, Siren, Switch
-from homebot.devices.handles.wanted import Kind, Place, Wanted
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery, HandleType
 
 __all__ = [
     "AirConditioner",
     "AlarmPanel",
     "Closure",
+    "CommonFilters",
     "ContactSensor",
     "DoorLock",
     "ElectricalMeter",
@@ -32,14 +33,14 @@ __all__ = [
     "FollowHandles",
     "Handle",
     "HandleChange",
+    "HandleQuery",
+    "HandleType",
     "Handles",
     "HumiditySensor",
-    "Kind",
     "LawnMower",
     "Light",
     "LightSensor",
     "OccupancySensor",
-    "Place",
     "Plug",
     "PressureSensor",
     "RoboticVacuumCleaner",
@@ -48,7 +49,6 @@ __all__ = [
     "Switch",
     "TemperatureSensor",
     "Thermostat",
-    "Wanted",
     "WaterLeakDetector",
     "WaterValve",
     "WindowCovering",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.wanted import Place, Wanted
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery
 
 __all__ = ["AlarmPanel"]
 
@@ -16,7 +16,7 @@ class AlarmPanel(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"x_alarm_panel"})
 
     @classmethod
-    def wanted(cls, *, state: str | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, state: str | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:

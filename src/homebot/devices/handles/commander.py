@@ -9,10 +9,10 @@ from homebot.devices.value import PlainValue, Value
 from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError
 from homebot.graph import Client, Node
 
-__all__ = ["Commander"]
+__all__ = ["CommandSender"]
 
 
-class Commander:
+class CommandSender:
     """Sends commands by the best way that is there.
 
     Args:

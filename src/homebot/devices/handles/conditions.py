@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.wanted import Place, Wanted
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery
 
 __all__ = ["ContactSensor", "OccupancySensor", "SmokeAlarm", "WaterLeakDetector"]
 
@@ -16,7 +16,7 @@ class ContactSensor(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"contact_sensor"})
 
     @classmethod
-    def wanted(cls, *, is_open: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, is_open: bool | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
@@ -37,7 +37,7 @@ class OccupancySensor(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"occupancy_sensor"})
 
     @classmethod
-    def wanted(cls, *, occupied: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, occupied: bool | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
@@ -58,7 +58,7 @@ class WaterLeakDetector(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"water_leak_detector"})
 
     @classmethod
-    def wanted(cls, *, wet: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, wet: bool | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
@@ -79,7 +79,7 @@ class SmokeAlarm(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"smoke_co_alarm"})
 
     @classmethod
-    def wanted(cls, *, smoke: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, smoke: bool | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:

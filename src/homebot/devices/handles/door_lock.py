@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.wanted import Place, Wanted
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery
 from homebot.devices.query import StateIs
 
 __all__ = ["DoorLock"]
@@ -17,7 +17,7 @@ class DoorLock(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"door_lock"})
 
     @classmethod
-    def wanted(cls, *, locked: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, locked: bool | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:

@@ -15,8 +15,8 @@ from homebot.devices.device import State, StateChange
 from homebot.devices.follow import Follow
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handles import Handles
-from homebot.devices.handles.known import KnownDevice
-from homebot.devices.handles.wanted import Wanted
+from homebot.devices.handles.known import TrackedDevice
+from homebot.devices.handles.wanted import HandleQuery
 from homebot.graph import Node
 
 __all__ = ["FollowHandles", "HandleChange"]
@@ -68,12 +68,12 @@ class FollowHandles(Generic[HandleT]):
         events_lost: Number of events dropped because 1,000 were waiting for the reader.
     """
 
-    def __init__(self, node: Node, handles: Handles, wanted: Wanted[HandleT]) -> None:
+    def __init__(self, node: Node, handles: Handles, wanted: HandleQuery[HandleT]) -> None:
         self._node = node
         self._handles = handles
         self._wanted = wanted
         self._devices: Follow | None = None
-        self._known: dict[str, KnownDevice] = {}
+        self._known: dict[str, TrackedDevice] = {}
         self._given: dict[str, dict[str, HandleT]] = {}
         self._touched: dict[str, None] = {}
         self._ready: deque[HandleChange[HandleT]] = deque()

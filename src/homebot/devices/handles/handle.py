@@ -8,9 +8,9 @@ from typing import ClassVar, Literal, Self, Unpack
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
 from homebot.devices.device import Device, Freshness
-from homebot.devices.handles.commander import Commander
-from homebot.devices.handles.known import KnownDevice
-from homebot.devices.handles.wanted import Place, Term, Wanted
+from homebot.devices.handles.commander import CommandSender
+from homebot.devices.handles.known import TrackedDevice
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery, Term
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
 from homebot.devices.query.folding import fold
@@ -34,14 +34,14 @@ class Handle:
 
     service_types: ClassVar[frozenset[str]] = frozenset()
 
-    def __init__(self, known: KnownDevice, part_id: str, commander: Commander) -> None:
+    def __init__(self, known: TrackedDevice, part_id: str, commander: CommandSender) -> None:
         """Not for use by hand: see :meth:`homebot.devices.Devices.find`."""
         self._known = known
         self._part_id = part_id
         self._commander = commander
 
     @classmethod
-    def wanted(cls, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
@@ -49,7 +49,7 @@ class Handle:
                 ``fresh``: whether it reported lately; ``category``: ``config`` for settings or ``diagnostic`` for
                 self-observations, which are left out otherwise.
         """
-        return Wanted(cls, place)
+        return HandleQuery(cls, place)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Handle) and (self.id, type(self)) == (other.id, type(other))
@@ -189,8 +189,8 @@ class Handle:
         return value if isinstance(value, str) else None
 
     @classmethod
-    def _asked(cls, place: Place, *terms: Term | None) -> Wanted[Self]:
-        return Wanted(cls, place, tuple(one for one in terms if one is not None))
+    def _asked(cls, place: CommonFilters, *terms: Term | None) -> HandleQuery[Self]:
+        return HandleQuery(cls, place, tuple(one for one in terms if one is not None))
 
     @staticmethod
     def _is(capability: str, value: PlainValue, operator: Literal["=", "!=", "<", ">"] = "=") -> StateIs | None:

@@ -8,10 +8,10 @@ from weakref import WeakValueDictionary
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import Device, DeviceChange, StateChange
-from homebot.devices.handles.commander import Commander
+from homebot.devices.handles.commander import CommandSender
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.known import KnownDevice
-from homebot.devices.handles.wanted import Wanted
+from homebot.devices.handles.known import TrackedDevice
+from homebot.devices.handles.wanted import HandleQuery
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.graph import Node
@@ -31,14 +31,14 @@ class Handles:
     """
 
     def __init__(self, node: Node) -> None:
-        self._commander = Commander(node)
+        self._commander = CommandSender(node)
         self._find = node.create_client(FindDevices, FIND_DEVICES)
-        self._known: WeakValueDictionary[str, KnownDevice] = WeakValueDictionary()
+        self._known: WeakValueDictionary[str, TrackedDevice] = WeakValueDictionary()
         self._watchers: list[Watcher] = []
         node.create_subscription(DeviceChange, DEVICE_CHANGES, self._on_change, 1, from_node=DIRECTORY_NODE)
         node.create_subscription(StateChange, DEVICE_STATES, self._on_state, 1, from_node=DIRECTORY_NODE)
 
-    async def find(self, wanted: Wanted[HandleT]) -> tuple[HandleT, ...]:
+    async def find(self, wanted: HandleQuery[HandleT]) -> tuple[HandleT, ...]:
         """Return the handles that are *wanted*, sorted by id.
 
         Raises:
@@ -51,15 +51,15 @@ class Handles:
             for part in wanted.parts(device)
         )
 
-    def handle(self, wanted: Wanted[HandleT], known: KnownDevice, part: str) -> HandleT:
+    def handle(self, wanted: HandleQuery[HandleT], known: TrackedDevice, part: str) -> HandleT:
         """Return the handle of a part."""
         return wanted.kind(known, part, self._commander)
 
-    def known(self, device: Device, sequence: int, *, is_gone: bool = False) -> KnownDevice:
+    def known(self, device: Device, sequence: int, *, is_gone: bool = False) -> TrackedDevice:
         """Return what all handles of *device* share, after it has taken this description of it."""
         known = self._known.get(device.id)
         if known is None:
-            known = self._known[device.id] = KnownDevice(device, sequence, is_gone=is_gone)
+            known = self._known[device.id] = TrackedDevice(device, sequence, is_gone=is_gone)
         else:
             known.take(device, sequence, is_gone=is_gone)
         return known

@@ -6,10 +6,10 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import Device, DevicePart, State, StateChange
 from homebot.devices.value import PlainValue
 
-__all__ = ["KnownDevice"]
+__all__ = ["TrackedDevice"]
 
 
-class KnownDevice:
+class TrackedDevice:
     """What is known of one device, shared by all handles of its parts.
 
     Args:

@@ -6,7 +6,7 @@ import math
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle, plain_value
-from homebot.devices.handles.wanted import Place, Wanted
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery
 from homebot.errors import RefusedError
 
 __all__ = ["Light"]
@@ -28,8 +28,8 @@ class Light(Handle):
         dimmable: bool | None = None,
         tunable: bool | None = None,
         colored: bool | None = None,
-        **place: Unpack[Place],
-    ) -> Wanted[Self]:
+        **place: Unpack[CommonFilters],
+    ) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.wanted import Place, Wanted
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery
 
 __all__ = ["ElectricalMeter", "HumiditySensor", "LightSensor", "PressureSensor", "TemperatureSensor"]
 
@@ -20,7 +20,9 @@ class _Measuring(Handle):
     measures: ClassVar[str]
 
     @classmethod
-    def wanted(cls, *, above: float | None = None, below: float | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(
+        cls, *, above: float | None = None, below: float | None = None, **place: Unpack[CommonFilters]
+    ) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.wanted import Place, Wanted
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery
 from homebot.devices.query import StateIs
 
 __all__ = ["Closure", "WaterValve", "WindowCovering"]
@@ -15,7 +15,7 @@ class _Opening(Handle):
     moves_by: ClassVar[str] = "movement"
 
     @classmethod
-    def wanted(cls, *, closed: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, closed: bool | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:

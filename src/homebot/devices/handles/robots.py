@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.wanted import Place, Wanted
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery
 
 __all__ = ["LawnMower", "RoboticVacuumCleaner"]
 
@@ -16,7 +16,7 @@ class RoboticVacuumCleaner(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"robotic_vacuum_cleaner"})
 
     @classmethod
-    def wanted(cls, *, state: str | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, state: str | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
@@ -78,7 +78,7 @@ class LawnMower(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"x_lawn_mower"})
 
     @classmethod
-    def wanted(cls, *, state: str | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, state: str | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:

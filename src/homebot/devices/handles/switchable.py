@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.wanted import Place, Wanted
+from homebot.devices.handles.wanted import CommonFilters, HandleQuery
 
 __all__ = ["Plug", "Siren", "Switch"]
 
 
 class _Switchable(Handle):
     @classmethod
-    def wanted(cls, *, on: bool | None = None, **place: Unpack[Place]) -> Wanted[Self]:
+    def wanted(cls, *, on: bool | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:

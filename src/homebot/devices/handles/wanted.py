@@ -18,7 +18,7 @@ from homebot.devices.value import PlainValue
 if TYPE_CHECKING:
     from homebot.devices.handles.handle import Handle
 
-__all__ = ["Kind", "Place", "Term", "Wanted"]
+__all__ = ["CommonFilters", "HandleQuery", "HandleType", "Term"]
 
 HandleT = TypeVar("HandleT", bound="Handle")
 P = ParamSpec("P")
@@ -29,7 +29,7 @@ Term: TypeAlias = CanDo | Not | StateIs
 _PLAIN_NUMBER = re.compile(r"-?\d{1,15}\.\d{1,15}")
 
 
-class Place(TypedDict, total=False):
+class CommonFilters(TypedDict, total=False):
     """What can be asked of every kind.
 
     Attributes:
@@ -49,7 +49,7 @@ class Place(TypedDict, total=False):
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted(Generic[HandleT]):
+class HandleQuery(Generic[HandleT]):
     """The handles of a kind, of which something must be true.
 
     Attributes:
@@ -63,7 +63,7 @@ class Wanted(Generic[HandleT]):
     """
 
     kind: type[HandleT]
-    place: Place
+    place: CommonFilters
     terms: tuple[Term, ...] = ()
 
     def __post_init__(self) -> None:
@@ -117,10 +117,10 @@ class Wanted(Generic[HandleT]):
         return wanted in {fold(one) for one in (device.id, device.name, *device.names, *((part,) if part else ()))}
 
 
-class Kind(Protocol[P, HandleT]):
+class HandleType(Protocol[P, HandleT]):
     """A class of handles, as ``find`` and ``follow`` take it: its ``wanted`` says what can be asked of it."""
 
-    def wanted(self, *args: P.args, **kwargs: P.kwargs) -> Wanted[HandleT]:
+    def wanted(self, *args: P.args, **kwargs: P.kwargs) -> HandleQuery[HandleT]:
         """Return what is asked for."""
         ...
 

@@ -15,7 +15,7 @@ from homebot.devices.device import Device, DevicePart, Endpoint
 from homebot.devices.part import Capability
 from homebot.devices.thing.reading import CONTEXT
 from homebot.devices.thing.vocabulary import CAPABILITY_TYPES, DEVICE_TYPE_NAMES, WEBTHINGS
-from homebot.devices.words import read_words_address
+from homebot.devices.words import read_text_address
 
 __all__ = ["MQTT_VOCABULARY", "PLAIN_WORDS", "own_content_type", "to_thing"]
 
@@ -132,9 +132,9 @@ def _plain_property(endpoint: Endpoint, forms: list[dict[str, object]]) -> dict[
 
 def _plain_forms(endpoint: Endpoint, brokers: Mapping[str, str]) -> Iterator[dict[str, object]]:
     broker = brokers.get(endpoint.gateway, "mqtt://localhost:1883")
-    if endpoint.address and read_words_address(endpoint.address) is None:
+    if endpoint.address and read_text_address(endpoint.address) is None:
         yield _form(broker, PLAIN_WORDS, heard=endpoint.address)
-    if endpoint.command_address and read_words_address(endpoint.command_address) is None:
+    if endpoint.command_address and read_text_address(endpoint.command_address) is None:
         yield _form(broker, PLAIN_WORDS, told=endpoint.command_address)
 
 

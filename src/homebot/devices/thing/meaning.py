@@ -14,7 +14,7 @@ from homebot.devices.thing.thing import Affordance, DataSchema, Form, Thing
 from homebot.devices.thing.units import unit_of
 from homebot.devices.thing.vocabulary import CAPABILITY_TYPES, LONE_TYPES, NAMES, OWNED, THING_TYPES
 
-__all__ = ["Meant", "hears", "parts_of", "tells"]
+__all__ = ["ClassifiedPart", "observe_form", "parts_of", "write_form"]
 
 _HEARS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
 _TELLS = frozenset({"writeproperty", "invokeaction"})
@@ -25,7 +25,7 @@ _WORD = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
 
 
 @dataclass(frozen=True, slots=True)
-class Meant:
+class ClassifiedPart:
     """A part of a thing, and which affordance each of its capabilities is."""
 
     part: Part
@@ -43,7 +43,7 @@ class _One:
     part_id: str = ""
 
 
-def parts_of(thing: Thing) -> tuple[Meant, ...]:
+def parts_of(thing: Thing) -> tuple[ClassifiedPart, ...]:
     """Return the parts of *thing*.
 
     What homebot itself wrote into the description counts first, then the semantic types, then names; an affordance of
@@ -61,12 +61,12 @@ def parts_of(thing: Thing) -> tuple[Meant, ...]:
     return tuple(_part(thing, name, members, main, main_is_guess=main_is_guess) for name, members in groups.items())
 
 
-def hears(affordance: Affordance) -> Form | None:
+def observe_form(affordance: Affordance) -> Form | None:
     """Return the form by which it is heard over MQTT, if there is one."""
     return next((one for one in affordance.forms if _is_heard(one)), None)
 
 
-def tells(affordance: Affordance) -> Form | None:
+def write_form(affordance: Affordance) -> Form | None:
     """Return the form by which it is told over MQTT, if there is one."""
     return next((one for one in affordance.forms if _is_told(one)), None)
 
@@ -96,7 +96,7 @@ def _meaning(one: Affordance, main: str) -> _One:
     capability = _in_context(NAMES.get(spelt, spelt), main)
     if capability in CAPABILITIES and _suits(capability, one.schema):
         return _One(one, capability, guessed=True)
-    can_be_told = tells(one) is not None and not one.read_only
+    can_be_told = write_form(one) is not None and not one.read_only
     general = {
         "bool": "on_off" if can_be_told else "state",
         "number": "number" if can_be_told else "measurement",
@@ -151,7 +151,7 @@ def _group(one: _One, main: str, groups: dict[str, list[_One]]) -> str:
     return name
 
 
-def _part(thing: Thing, part_id: str, members: list[_One], main: str, *, main_is_guess: bool) -> Meant:
+def _part(thing: Thing, part_id: str, members: list[_One], main: str, *, main_is_guess: bool) -> ClassifiedPart:
     first = members[0]
     if first.service_type:
         service_type, guessed = first.service_type, first.affordance.extension.get("guessed") == "true"
@@ -174,7 +174,7 @@ def _part(thing: Thing, part_id: str, members: list[_One], main: str, *, main_is
         reads=tuple(dict.fromkeys(form.filter for one in listed for form in one.forms if _is_heard(form))),
         writes=tuple(dict.fromkeys(form.topic for one in listed for form in one.forms if _is_told(form))),
     )
-    return Meant(part, found)
+    return ClassifiedPart(part, found)
 
 
 def _advertised(thing: Thing, part_id: str, first: _One) -> str:
@@ -183,14 +183,14 @@ def _advertised(thing: Thing, part_id: str, first: _One) -> str:
 
 
 def _lone(one: _One) -> str:
-    settable = tells(one.affordance) is not None and not one.affordance.read_only
+    settable = write_form(one.affordance) is not None and not one.affordance.read_only
     return LONE_TYPES.get(one.capability, "x_setting" if settable else "x_sensor")
 
 
 def _capability(one: _One) -> Capability:
     known, schema = CAPABILITIES[one.capability], one.affordance.schema
-    readable = hears(one.affordance) is not None and not one.affordance.write_only
-    settable = tells(one.affordance) is not None and not one.affordance.read_only
+    readable = observe_form(one.affordance) is not None and not one.affordance.write_only
+    settable = write_form(one.affordance) is not None and not one.affordance.read_only
     unit = unit_of(schema) if known.kind == "number" and not known.unit else ""
     options: tuple[str, ...] = ()
     if known.kind == "text" and (one.service_type or one.capability != "lock"):

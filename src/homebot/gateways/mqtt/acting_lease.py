@@ -18,7 +18,7 @@ from homebot.devices.gateway_state import ONLY_OBSERVES
 from homebot.errors import HomebotError
 from homebot.gateways.base import Gateway
 from homebot.log import LogLimit
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import OFFLINE, ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 
@@ -123,7 +123,7 @@ class ActingLease:
         if self._connection.status_topic is not None:
             topics.append(self._connection.status_topic)
         try:
-            await self._connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in topics))
+            await self._connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in topics))
         except HomebotError as exc:
             self._warn_once(exc)
         async with anyio.create_task_group() as tasks:

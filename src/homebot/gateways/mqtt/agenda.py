@@ -6,15 +6,15 @@ import heapq
 from collections.abc import Callable, Hashable
 from typing import TypeAlias
 
-__all__ = ["Agenda", "Deed"]
+__all__ = ["Callback", "TimerQueue"]
 
-Deed: TypeAlias = Callable[[], None]
+Callback: TypeAlias = Callable[[], None]
 
 _SLACK = 64
 """Outdated entries that may lie in the heap beside the valid ones before it is built anew."""
 
 
-class Agenda:
+class TimerQueue:
     """Deeds by name, each at a time; the earliest comes first, of equal times the one planned first.
 
     Args:
@@ -24,10 +24,10 @@ class Agenda:
     def __init__(self, max_deeds: int = 100_000) -> None:
         self._max_deeds = max_deeds
         self._heap: list[tuple[float, int, Hashable]] = []
-        self._planned: dict[Hashable, tuple[int, Deed]] = {}
+        self._planned: dict[Hashable, tuple[int, Callback]] = {}
         self._number = 0
 
-    def plan(self, name: Hashable, at: float, deed: Deed) -> bool:
+    def plan(self, name: Hashable, at: float, deed: Callback) -> bool:
         """Plan *deed* for *at*, in place of what was planned under *name*; False when there is no room for another."""
         if name not in self._planned and len(self._planned) >= self._max_deeds:
             return False
@@ -49,7 +49,7 @@ class Agenda:
             heapq.heappop(self._heap)
         return self._heap[0][0] if self._heap else None
 
-    def pop(self, now: float) -> Deed | None:
+    def pop(self, now: float) -> Callback | None:
         """Return the next deed that is due at *now*, and plan it no more; None when there is none."""
         at = self.next()
         if at is None or at > now:

@@ -10,20 +10,20 @@ import anyio.lowlevel
 
 from homebot.clock import Clock
 from homebot.errors import WireError
-from homebot.gateways.mqtt.board import Board
-from homebot.gateways.mqtt.claim import Claim
-from homebot.gateways.mqtt.claims import Change, Claims
+from homebot.gateways.mqtt.board import DeviceReporter
+from homebot.gateways.mqtt.claim import StoredAnnouncement
+from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryChange
 from homebot.gateways.mqtt.convention import Convention, SlicedConvention
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.deferred import DeferredMessages
-from homebot.gateways.mqtt.description import Described, Heard, Question, Withdrawn
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
 from homebot.gateways.mqtt.payload import noting_duplicates
 from homebot.gateways.mqtt.reserved import ReservedTopics
-from homebot.gateways.mqtt.timekeeper import Timekeeper
-from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.gateways.mqtt.timekeeper import Scheduler
+from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.mqtt.message import MqttMessage
 
-__all__ = ["Announcements"]
+__all__ = ["AnnouncementHandler"]
 
 REJECTED = "gateway.announcement_rejected"
 NOT_READ = "gateway.state_topic_refused"
@@ -46,7 +46,7 @@ MOST_HEARD = 100_000
 _END = object()
 
 
-def _steps(convention: Convention, message: MqttMessage) -> Iterator[Heard | None]:
+def _steps(convention: Convention, message: MqttMessage) -> Iterator[AnnouncementEvent | None]:
     """A generator, so that what a convention raises at once is raised at the first step as well."""
     if _is_sliced(convention):
         yield from convention.take_slices(message.topic, message.payload, retained=message.retain)
@@ -54,7 +54,7 @@ def _steps(convention: Convention, message: MqttMessage) -> Iterator[Heard | Non
         yield from convention.take(message.topic, message.payload, retained=message.retain)
 
 
-class Announcements:
+class AnnouncementHandler:
     """The way from announcements to sightings.
 
     Args:
@@ -76,15 +76,15 @@ class Announcements:
     def __init__(
         self,
         clock: Clock,
-        claims: Claims,
+        claims: AnnouncementRegistry,
         reserved: ReservedTopics,
-        board: Board,
-        timekeeper: Timekeeper,
-        tribunal: Tribunal,
+        board: DeviceReporter,
+        timekeeper: Scheduler,
+        tribunal: PeerQuarantine,
         counters: GatewayCounters,
-        on_change: Callable[[Change], None],
+        on_change: Callable[[RegistryChange], None],
         on_removal: Callable[[], None],
-        on_question: Callable[[Question], None],
+        on_question: Callable[[DeviceRequest], None],
     ) -> None:
         self.deferred = DeferredMessages()
         self._clock = clock
@@ -125,7 +125,7 @@ class Announcements:
         if repeated:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
-            self._tribunal.warn(
+            self._tribunal.log_limited(
                 AMBIGUOUS, f"{message.topic} says {keys} twice; what it says last counts", topic=message.topic
             )
 
@@ -146,17 +146,17 @@ class Announcements:
             is_valid = not self._offended
             self._tribunal.offenders.accept(message.topic, message.payload, self._board.now, is_valid=is_valid)
 
-    def _step(self, steps: Iterator[Heard | None], convention: Convention, message: MqttMessage) -> bool:
+    def _step(self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage) -> bool:
         """Handle the next of what a message tells; return whether more may come."""
         try:
             match next(steps, _END):
-                case Described() as described:
+                case DeviceAnnounced() as described:
                     # Of a list of devices nobody knows here which bytes are whose.
                     length = 0 if _is_sliced(convention) else len(message.payload)
                     self._describe(described, message, length)
-                case Withdrawn() as withdrawn:
+                case DeviceWithdrawn() as withdrawn:
                     self._withdraw(convention, withdrawn)
-                case Question() as question:
+                case DeviceRequest() as question:
                     self._on_question(question)
                 case end:
                     return end is not _END
@@ -165,22 +165,22 @@ class Announcements:
             self._accuse(message, f"no announcement to {convention.name}: {exc}")
             return False
         except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-            self._tribunal.failed(message.topic, convention.name, exc)
+            self._tribunal.record_plugin_failure(message.topic, convention.name, exc)
             self._accuse(message, f"the convention {convention.name} failed")
             return False
         return True
 
     def _accuse(self, message: MqttMessage, why: str) -> None:
         self._offended = True
-        self._tribunal.accuse(message, REJECTED, why)
+        self._tribunal.record_offence(message, REJECTED, why)
 
-    def _describe(self, described: Described, message: MqttMessage, length: int) -> None:
+    def _describe(self, described: DeviceAnnounced, message: MqttMessage, length: int) -> None:
         described, reserved = self._reserved.without(described)
         for told in reserved:
             self._counters.topics_reserved += 1
-            self._tribunal.warn(RESERVED, f"{described.key} is told nothing on {told}", topic=message.topic)
+            self._tribunal.log_limited(RESERVED, f"{described.key} is told nothing on {told}", topic=message.topic)
         try:
-            change = self._claims.describe(described, length)
+            change = self._claims.put(described, length)
         except WireError:
             self._counters.devices_refused += 1
             raise
@@ -189,15 +189,15 @@ class Announcements:
         self._timekeeper.drop(("gone", claim.key))
         for problem in change.refused:
             self._counters.topics_refused += 1
-            self._tribunal.warn(NOT_READ, f"{claim.key} is not heard in full: {problem}", topic=message.topic)
-        is_live = described.is_sighting and not message.retain
+            self._tribunal.log_limited(NOT_READ, f"{claim.key} is not heard in full: {problem}", topic=message.topic)
+        is_live = described.implies_alive and not message.retain
         if before is None:
             why = f"the broker keeps its announcement on {message.topic}" if message.retain else "it was announced"
-            self._board.sight(claim, "appeared", why, confirmed=is_live)
-        elif not claim.has_same_face(before):
-            self._board.sight(claim, "updated", "it is described anew", confirmed=is_live)
+            self._board.publish_sighting(claim, "appeared", why, confirmed=is_live)
+        elif not claim.publishes_the_same(before):
+            self._board.publish_sighting(claim, "updated", "it is described anew", confirmed=is_live)
         elif not message.retain and self._board.now >= claim.refresh_at:
-            self._board.sight(claim, "updated", "it was announced again", confirmed=is_live)
+            self._board.publish_sighting(claim, "updated", "it was announced again", confirmed=is_live)
         if before is not None:
             for part in before.reachable.keys() - claim.reachability.keys():
                 self._board.report_reachable(claim, part, "", reachable=None, retained=False)
@@ -205,7 +205,7 @@ class Announcements:
         if before is not None:
             before.let_go()
 
-    def _withdraw(self, convention: Convention, withdrawn: Withdrawn) -> None:
+    def _withdraw(self, convention: Convention, withdrawn: DeviceWithdrawn) -> None:
         claim = self._claims.get(f"{convention.name}:{withdrawn.key}")
         if claim is None:
             return
@@ -217,15 +217,15 @@ class Announcements:
     def _remove_in_time(self, key: str, why: str) -> None:
         claim = self._claims.get(key)
         if claim is not None:
-            self._board.tick()
+            self._board.refresh_time()
             self._remove(claim, why)
 
-    def _remove(self, claim: Claim, why: str) -> None:
+    def _remove(self, claim: StoredAnnouncement, why: str) -> None:
         self._timekeeper.drop(("gone", claim.key))
-        self._claims.withdraw(claim.key)
+        self._claims.remove(claim.key)
         self._tribunal.offenders.leave(claim.described.topic)
-        self._board.sight(claim, "removed", why, confirmed=True)
-        self._board.clear(claim)
+        self._board.publish_sighting(claim, "removed", why, confirmed=True)
+        self._board.dispose_all(claim)
         claim.let_go()
         self._on_removal()
 

@@ -6,11 +6,11 @@ from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.devices.services import NEVER
 from homebot.devices.value import Value
 from homebot.gateways.base import Gateway
-from homebot.gateways.mqtt.claim import Claim, SightingKind
+from homebot.gateways.mqtt.claim import SightingKind, StoredAnnouncement
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.messages import Time
 
-__all__ = ["REFRESH", "Board", "stamps"]
+__all__ = ["REFRESH", "DeviceReporter", "stamps"]
 
 REFRESH = 1.0
 """Seconds between two sightings of a device that keeps talking: `last_seen` is exact to this much."""
@@ -31,7 +31,7 @@ def stamps(seconds: float, stale_after: float) -> tuple[Time, Time]:
     return Time.from_seconds(at), Time.from_seconds(min(at + stale_after, last))
 
 
-class Board:
+class DeviceReporter:
     """Publishes sightings and reports of one gateway, all with the time of the last :meth:`tick`.
 
     Args:
@@ -49,15 +49,15 @@ class Board:
         self._stale_after = stale_after
         self._events = 0
         self._reports = gateway.node.create_publisher(Report, gateway.names.readings, _READINGS_QOS)
-        self.tick()
+        self.refresh_time()
 
-    def tick(self) -> None:
+    def refresh_time(self) -> None:
         """Let time have passed."""
         seconds = self._clock.now()
         self.now = self._clock.monotonic()
         self.stamp, self._until = stamps(seconds, self._stale_after)
 
-    def sight(self, claim: Claim, kind: SightingKind, why: str, *, confirmed: bool) -> None:
+    def publish_sighting(self, claim: StoredAnnouncement, kind: SightingKind, why: str, *, confirmed: bool) -> None:
         """Tell that a device is there, still there, or gone."""
         claim.refresh_at = self.now + REFRESH
         claim.is_confirmed = confirmed
@@ -65,7 +65,9 @@ class Board:
             claim.sighting(kind, why, at=self.stamp, until=self._until, heard_at=self.now, confirmed=confirmed)
         )
 
-    def report(self, key: str, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool) -> None:
+    def publish_report(
+        self, key: str, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool
+    ) -> None:
         """Tell what the device *key* said of itself."""
         self._reports.publish(
             Report(
@@ -81,26 +83,26 @@ class Board:
         )
 
     def report_reachable(
-        self, claim: Claim, part: str, address: str, *, reachable: bool | None, retained: bool
+        self, claim: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool
     ) -> None:
         """Tell whether a device, or one of its parts, can be reached, as was said on *address*; empty for no more."""
         reading = Reading(part=part, capability=REACHABLE, value=Value.of(reachable))
-        stream = claim.stream(f"{REACHABLE} {part}" if part else REACHABLE)
-        self.report(claim.key, (reading,), address, stream, retained=retained)
+        stream = claim.report_stream(f"{REACHABLE} {part}" if part else REACHABLE)
+        self.publish_report(claim.key, (reading,), address, stream, retained=retained)
 
     def report_events(self, key: str, readings: tuple[Reading, ...], address: str) -> None:
         """Tell what happened to the device *key*: nothing takes its place, and no late joiner hears it."""
         self._events = (self._events + 1) % _EVENTS
         stream = f"event {self._events}"
-        self.report(key, readings, address, stream, retained=False)
+        self.publish_report(key, readings, address, stream, retained=False)
         self._reports.dispose(stream)
 
-    def clear(self, claim: Claim) -> None:
+    def dispose_all(self, claim: StoredAnnouncement) -> None:
         """Keep no report of a device for late joiners any more."""
-        for stream in claim.streams:
-            self.drop(stream)
-        claim.streams.clear()
+        for stream in claim.report_streams:
+            self.dispose(stream)
+        claim.report_streams.clear()
 
-    def drop(self, stream: str) -> None:
+    def dispose(self, stream: str) -> None:
         """Keep no report of *stream* for late joiners any more."""
         self._reports.dispose(stream)

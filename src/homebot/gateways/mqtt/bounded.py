@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-__all__ = ["Bounded"]
+__all__ = ["BoundedDict"]
 
 T = TypeVar("T")
 
 
-class Bounded(Generic[T]):
+class BoundedDict(Generic[T]):
     """Values by name. A new one for which there is no room takes the place of the oldest that is not kept for good.
 
     Args:

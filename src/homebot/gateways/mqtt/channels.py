@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 from homebot.clock import Clock
 from homebot.devices import RawMessage
-from homebot.devices.ear import Ear, ear_for
+from homebot.devices.ear import TextDecoder, decoder_for
 from homebot.errors import WireError
-from homebot.gateways.mqtt.convention import Announcement, TopicLayout
+from homebot.gateways.mqtt.convention import TopicDevice, TopicLayout
 from homebot.graph import Publisher
 from homebot.messages import Time
 
@@ -30,18 +30,18 @@ class Channel:
         device: What the topic says of the device.
         listeners: Who gets its raw messages.
         refresh_at: Reading of the monotonic clock from which on the next message is worth a sighting.
-        is_ghost: Whether only a message that the broker had kept speaks for the device.
-        ear: Understands its words; None where nobody knows what it is.
-        said: The payload that was last looked at for what it tells.
+        retained_only: Whether only a message that the broker had kept speaks for the device.
+        decoder: Understands its words; None where nobody knows what it is.
+        last_payload: The payload that was last looked at for what it tells.
         kept: The last 10 messages of at most 4 KiB and when each came, for a listener that comes a moment later.
     """
 
-    device: Announcement
+    device: TopicDevice
     listeners: list[Publisher[RawMessage]]
     refresh_at: float = 0.0
-    is_ghost: bool = False
-    ear: Ear | None = None
-    said: bytes = b""
+    retained_only: bool = False
+    decoder: TextDecoder | None = None
+    last_payload: bytes = b""
     kept: deque[tuple[float, RawMessage]] = field(default_factory=lambda: deque(maxlen=KEPT))
 
     def keep(self, message: RawMessage, now: float) -> None:
@@ -95,7 +95,7 @@ class Channels:
         """Return the channel of the device that the gateway calls *key*, when it has spoken."""
         return self._by_key.get(key)
 
-    def announced(self, topic: str) -> Announcement | None:
+    def announced(self, topic: str) -> TopicDevice | None:
         """Return the device that speaks on *topic* by one of the conventions, or None.
 
         Raises:
@@ -106,7 +106,7 @@ class Channels:
                 return device
         return None
 
-    def open(self, topic: str, device: Announcement, listeners: list[Publisher[RawMessage]]) -> Channel:
+    def open(self, topic: str, device: TopicDevice, listeners: list[Publisher[RawMessage]]) -> Channel:
         """Remember *topic* as one of *device*.
 
         Raises:
@@ -115,7 +115,7 @@ class Channels:
         if len(self._channels) >= MAX_CHANNELS:
             raise WireError(f"topic {topic!r} is one too many: {MAX_CHANNELS} are in use")
         channel = self._channels[topic] = self._by_key[device.key] = Channel(
-            device, listeners, ear=None if device.part is None else ear_for(device.part.capabilities)
+            device, listeners, decoder=None if device.part is None else decoder_for(device.part.capabilities)
         )
         return channel
 

@@ -7,13 +7,13 @@ from functools import lru_cache
 from typing import Literal, TypeAlias
 
 from homebot.devices import KeyValue, RawMessage, Sighting
-from homebot.devices.words import main_part, takes_words, words_address
+from homebot.devices.words import accepts_text, main_part, text_address
 from homebot.gateways.mqtt.channels import missed
-from homebot.gateways.mqtt.description import Described, DescribedPart
-from homebot.gateways.mqtt.reachability import Reachability
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
+from homebot.gateways.mqtt.reachability import ReachabilityReader
 from homebot.messages import Time
 
-__all__ = ["Claim", "SightingKind", "Voice", "Witness"]
+__all__ = ["AnnouncedPart", "AvailabilityReader", "SightingKind", "StoredAnnouncement"]
 
 SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
 
@@ -26,7 +26,7 @@ _NEVER = Time(sec=0, nanosec=0)
 
 
 @dataclass(slots=True, eq=False)
-class Voice:
+class AnnouncedPart:
     """One part of a described device, as it speaks.
 
     Attributes:
@@ -37,7 +37,7 @@ class Voice:
         events: Likewise of words that tell what happened; they are good for a moment only.
     """
 
-    claim: Claim
+    claim: StoredAnnouncement
     described: DescribedPart
     address: str
     kept: tuple[tuple[float, RawMessage], ...] = ()
@@ -64,7 +64,7 @@ class Voice:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Witness:
+class AvailabilityReader:
     """One topic that tells whether a described device, or one of its parts, can be reached.
 
     Attributes:
@@ -73,79 +73,79 @@ class Witness:
         index: Which of its sources.
     """
 
-    claim: Claim
+    claim: StoredAnnouncement
     part: str
     index: int
 
 
 @dataclass(slots=True, eq=False)
-class Claim:
+class StoredAnnouncement:
     """One announcement that stands.
 
     Attributes:
         gateway: The gateway that heard it.
         key: What that gateway calls it: the convention's name and key.
         described: What it says.
-        voices: Its parts by id.
+        parts: Its parts by id.
         reachability: What is known of whether the device (``""``) and its parts can be reached, as far as they tell.
         reachable: What of that the graph was told last, likewise.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
         excess: Bytes by which it is longer than what it offers explains.
-        streams: The streams of reports that late joiners get.
-        enlisted: The filters that it is read on, each with who reads.
+        report_streams: The streams of reports that late joiners get.
+        subscriptions: The filters that it is read on, each with who reads.
     """
 
     gateway: str
     key: str
-    described: Described
+    described: DeviceAnnounced
     excess: int = 0
-    voices: dict[str, Voice] = field(init=False)
-    reachability: dict[str, Reachability] = field(init=False)
+    parts: dict[str, AnnouncedPart] = field(init=False)
+    reachability: dict[str, ReachabilityReader] = field(init=False)
     reachable: dict[str, bool | None] = field(default_factory=dict)
     is_confirmed: bool = False
     refresh_at: float = 0.0
-    streams: set[str] = field(default_factory=set)
-    enlisted: list[tuple[str, Voice | Witness]] = field(default_factory=list)
-    _face: Sighting = field(init=False)
+    report_streams: set[str] = field(default_factory=set)
+    subscriptions: list[tuple[str, AnnouncedPart | AvailabilityReader]] = field(default_factory=list)
+    _sighting_template: Sighting = field(init=False)
 
     def __post_init__(self) -> None:
-        self.voices = {
-            one.part.id: Voice(self, one, words_address(self.key, one.part.id)) for one in self.described.parts
+        self.parts = {
+            one.part.id: AnnouncedPart(self, one, text_address(self.key, one.part.id)) for one in self.described.parts
         }
         told = [("", self.described.availability), *((one.part.id, one.availability) for one in self.described.parts)]
-        self.reachability = {part: Reachability(one) for part, one in told if one is not None and one.sources}
-        self._face = self._looks()
+        self.reachability = {part: ReachabilityReader(one) for part, one in told if one is not None and one.sources}
+        self._sighting_template = self._looks()
 
-    def has_same_face(self, other: Claim) -> bool:
+    def publishes_the_same(self, other: StoredAnnouncement) -> bool:
         """Whether the graph sees no difference between the two."""
-        return self._face == other._face
+        return self._sighting_template == other._sighting_template
 
-    def inherit(self, before: Claim) -> None:
+    def take_over_state(self, before: StoredAnnouncement) -> None:
         """Take over what is known of the device from the announcement *before* this one."""
         self.is_confirmed = before.is_confirmed
         self.refresh_at = before.refresh_at
-        self.streams = before.streams
+        self.report_streams = before.report_streams
         self.reachable = {part: told for part, told in before.reachable.items() if part in self.reachability}
         for part, reachability in self.reachability.items():
             old_one = before.reachability.get(part)
             if old_one is not None and old_one.availability == reachability.availability:
                 self.reachability[part] = old_one
-        for part_id, voice in self.voices.items():
-            if (old := before.voices.get(part_id)) is not None:
+        for part_id, voice in self.parts.items():
+            if (old := before.parts.get(part_id)) is not None:
                 voice.kept = old.kept
 
     def let_go(self) -> None:
         """Forget its parts, which know it: what stands no more must not wait for the collector of circular garbage."""
-        self.voices, self.reachability, self.enlisted = {}, {}, []
+        self.parts, self.reachability, self.subscriptions = {}, {}, []
 
-    def stream(self, address: str) -> str:
+    def report_stream(self, address: str) -> str:
         """Return the name of the stream of what is said on *address*; of a device with hundreds, they share one."""
         name = f"{self.key} {address}"
-        if name not in self.streams:
-            if len(self.streams) >= _MAX_STREAMS:
+        if name not in self.report_streams:
+            if len(self.report_streams) >= _MAX_STREAMS:
                 name = f"{self.key} *"
-            self.streams.add(name)
+            self.report_streams.add(name)
         return name
 
     def sighting(
@@ -153,14 +153,16 @@ class Claim:
     ) -> Sighting:
         """Return what to tell the graph of it."""
         times = {"seen_at": at, "expires_at": until, "heard_at": heard_at}
-        return Sighting.of_checked(**{**self._face.__dict__, "kind": kind, "why": why, "confirmed": confirmed, **times})
+        return Sighting.of_checked(
+            **{**self._sighting_template.__dict__, "kind": kind, "why": why, "confirmed": confirmed, **times}
+        )
 
     def _looks(self) -> Sighting:
         """What all sightings of it have in common; made here, so that what cannot be told is found at once."""
         described = self.described
         parts = tuple(one.part for one in described.parts)
         main = main_part(parts)
-        address = "" if main is None else self.voices[main.id].address
+        address = "" if main is None else self.parts[main.id].address
         face = Sighting(
             gateway=self.gateway,
             key=self.key,
@@ -169,7 +171,7 @@ class Claim:
             name=described.name,
             service_type="" if main is None else main.service_type,
             address=address,
-            command_address=address if main is not None and takes_words(main) else "",
+            command_address=address if main is not None and accepts_text(main) else "",
             metadata=tuple(_fact(key, value) for key, value in described.facts.items()),
             convention=described.convention,
             identifiers=described.identifiers,

@@ -7,23 +7,23 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.claim import Claim, Voice, Witness
+from homebot.gateways.mqtt.claim import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, Excess, excess_of
-from homebot.gateways.mqtt.filter_tree import FilterTree, has_wildcard
+from homebot.gateways.mqtt.filter_tree import ReaderTree, has_wildcard
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
 from homebot.gateways.mqtt.state_topics import StateTopics
 
-__all__ = ["Bounds", "Change", "Claims", "Route"]
+__all__ = ["AnnouncementRegistry", "RegistryChange", "RegistryLimits", "TopicReaders"]
 
 _MAX_ROUTES = 50_000
 
-_Readers: TypeAlias = tuple[tuple[str, Voice | Witness], ...]
+_Readers: TypeAlias = tuple[tuple[str, AnnouncedPart | AvailabilityReader], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Bounds:
+class RegistryLimits:
     """How much may stand at once.
 
     Attributes:
@@ -45,11 +45,11 @@ class Bounds:
     memory: int = MAX_MEMORY
 
 
-_BOUNDS = Bounds()
+_BOUNDS = RegistryLimits()
 
 
 @dataclass(frozen=True, slots=True)
-class Route:
+class TopicReaders:
     """Everybody who reads one topic.
 
     Attributes:
@@ -60,13 +60,13 @@ class Route:
     """
 
     conventions: tuple[Convention, ...]
-    witnesses: tuple[Witness, ...]
-    voices: tuple[Voice, ...]
+    witnesses: tuple[AvailabilityReader, ...]
+    voices: tuple[AnnouncedPart, ...]
     is_shared: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class RegistryChange:
     """What a new description changed.
 
     Attributes:
@@ -76,13 +76,13 @@ class Change:
         readers: Who reads which topic now that is read by others already, and may have missed what was said there.
     """
 
-    claim: Claim
-    before: Claim | None
+    claim: StoredAnnouncement
+    before: StoredAnnouncement | None
     refused: tuple[WireError, ...]
     readers: _Readers
 
 
-class Claims:
+class AnnouncementRegistry:
     """The announcements of all conventions of one gateway.
 
     Args:
@@ -98,24 +98,24 @@ class Claims:
         gateway: str,
         conventions: tuple[Convention, ...],
         topics: StateTopics,
-        others: FilterTree[str],
-        bounds: Bounds = _BOUNDS,
+        others: ReaderTree[str],
+        bounds: RegistryLimits = _BOUNDS,
     ) -> None:
         self._gateway = gateway
         self._topics = topics
         self._others = others
         self._bounds = bounds
-        self._claims: dict[str, Claim] = {}
+        self._announcements_by_key: dict[str, StoredAnnouncement] = {}
         self._parts = 0
         self._excess = Excess(bounds.excess, bounds.excess_each)
         self._memory = MemoryAccount(bounds.memory)
-        self._announcements: FilterTree[Convention] = FilterTree()
+        self._announcements: ReaderTree[Convention] = ReaderTree()
         for convention in conventions:
             for topic_filter in convention.filters():
                 self._announcements.add(topic_filter, convention)
-        self._readers: FilterTree[Voice | Witness] = FilterTree()
+        self._readers: ReaderTree[AnnouncedPart | AvailabilityReader] = ReaderTree()
         self._reader_counts: dict[str, int] = {}
-        self._routes: dict[str, Route | None] = {}
+        self._routes: dict[str, TopicReaders | None] = {}
 
     @property
     def excess(self) -> int:
@@ -127,27 +127,27 @@ class Claims:
         """Bytes that all that stand take, about."""
         return self._memory.total
 
-    def get(self, key: str) -> Claim | None:
+    def get(self, key: str) -> StoredAnnouncement | None:
         """Return what stands under *key*."""
-        return self._claims.get(key)
+        return self._announcements_by_key.get(key)
 
-    def voice(self, key: str, part_id: str) -> Voice | None:
+    def voice(self, key: str, part_id: str) -> AnnouncedPart | None:
         """Return the part *part_id* of what stands under *key*."""
-        claim = self._claims.get(key)
-        return None if claim is None else claim.voices.get(part_id)
+        claim = self._announcements_by_key.get(key)
+        return None if claim is None else claim.parts.get(part_id)
 
-    def all(self) -> tuple[Claim, ...]:
+    def all(self) -> tuple[StoredAnnouncement, ...]:
         """Return all that stand, in the order of their coming."""
-        return tuple(self._claims.values())
+        return tuple(self._announcements_by_key.values())
 
-    def route(self, topic: str) -> Route | None:
+    def route(self, topic: str) -> TopicReaders | None:
         """Return who reads *topic*; None for nobody."""
         try:
             return self._routes[topic]
         except KeyError:
             return self._find(topic)
 
-    def describe(self, described: Described, length: int = 0) -> Change:
+    def put(self, described: DeviceAnnounced, length: int = 0) -> RegistryChange:
         """Let *described* stand, in place of an earlier one of the same key.
 
         Args:
@@ -159,48 +159,48 @@ class Claims:
                 memory for it. What stood before stays.
         """
         key = f"{described.convention}:{described.key}"
-        before = self._claims.get(key)
+        before = self._announcements_by_key.get(key)
         self._check_room(described, before)
         excess = excess_of(described, length)
         self._excess.check(described.key, excess, 0 if before is None else before.excess)
-        claim = Claim(self._gateway, key, described, excess)
-        refused, readers = self._enlist(claim)
+        claim = StoredAnnouncement(self._gateway, key, described, excess)
+        refused, readers = self._register_readers(claim)
         if before is not None:
-            claim.inherit(before)
-            self._strike(before)
+            claim.take_over_state(before)
+            self._unregister_readers(before)
             readers = _who_missed_something(claim, before, readers)
-        self._claims[key] = claim
+        self._announcements_by_key[key] = claim
         self._parts += len(described.parts)
         self._excess.total += excess
         self._memory.put(described)
-        return Change(claim, before, refused, readers)
+        return RegistryChange(claim, before, refused, readers)
 
-    def withdraw(self, key: str) -> Claim | None:
+    def remove(self, key: str) -> StoredAnnouncement | None:
         """Let what stands under *key* stand no more, and return it."""
-        claim = self._claims.pop(key, None)
+        claim = self._announcements_by_key.pop(key, None)
         if claim is not None:
-            self._strike(claim)
+            self._unregister_readers(claim)
         return claim
 
     def __len__(self) -> int:
-        return len(self._claims)
+        return len(self._announcements_by_key)
 
-    def _check_room(self, described: Described, before: Claim | None) -> None:
+    def _check_room(self, described: DeviceAnnounced, before: StoredAnnouncement | None) -> None:
         count = len(described.parts)
         if count > self._bounds.parts_each:
             raise WireError(f"{described.key!r} has {count} parts, more than {self._bounds.parts_each:,}")
-        if before is None and len(self._claims) >= self._bounds.claims:
+        if before is None and len(self._announcements_by_key) >= self._bounds.claims:
             raise WireError(f"{described.key!r} is one too many: {self._bounds.claims:,} announcements stand")
         if self._parts + count - (0 if before is None else len(before.described.parts)) > self._bounds.parts:
             raise WireError(f"{described.key!r} has parts too many: {self._bounds.parts:,} are described")
         self._memory.check(described, None if before is None else before.described)
 
-    def _enlist(self, claim: Claim) -> tuple[tuple[WireError, ...], _Readers]:
+    def _register_readers(self, claim: StoredAnnouncement) -> tuple[tuple[WireError, ...], _Readers]:
         refused: list[WireError] = []
-        readers: list[tuple[str, Voice | Witness]] = []
+        readers: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
         for topic_filter, reader in tuple(_readings(claim)):  # first all, because a plug-in may fail on the way
             count = self._reader_counts.get(topic_filter, 0)
-            if count >= self._bounds.readers and isinstance(reader, Voice):
+            if count >= self._bounds.readers and isinstance(reader, AnnouncedPart):
                 refused.append(WireError(f"topic {topic_filter!r} is read by {self._bounds.readers:,} parts already"))
                 continue
             try:
@@ -209,18 +209,18 @@ class Claims:
                 refused.append(exc)
                 continue
             self._reader_counts[topic_filter] = count + 1
-            claim.enlisted.append((topic_filter, reader))
+            claim.subscriptions.append((topic_filter, reader))
             self._readers.add(topic_filter, reader)
             self._forget_routes(topic_filter)
             if count and not has_wildcard(topic_filter):
                 readers.append((topic_filter, reader))
         return tuple(refused), tuple(readers)
 
-    def _strike(self, claim: Claim) -> None:
+    def _unregister_readers(self, claim: StoredAnnouncement) -> None:
         self._parts -= len(claim.described.parts)
         self._excess.total -= claim.excess
         self._memory.drop(claim.described)
-        for topic_filter, reader in claim.enlisted:
+        for topic_filter, reader in claim.subscriptions:
             self._topics.leave(topic_filter)
             self._readers.remove(topic_filter, reader)
             self._forget_routes(topic_filter)
@@ -235,7 +235,7 @@ class Claims:
         else:
             self._routes.pop(topic_filter, None)
 
-    def _find(self, topic: str) -> Route | None:
+    def _find(self, topic: str) -> TopicReaders | None:
         conventions = self._announcements.match(topic)
         readers = self._readers.match(topic)
         if not conventions and not readers:
@@ -243,11 +243,11 @@ class Claims:
         else:
             is_shared = bool(self._others.match(topic))
             if not readers:  # announcements are many, and few of them come again
-                return Route(conventions, (), (), is_shared)
-            route = Route(
+                return TopicReaders(conventions, (), (), is_shared)
+            route = TopicReaders(
                 conventions,
-                tuple(one for one in readers if isinstance(one, Witness)),
-                tuple(one for one in readers if isinstance(one, Voice)),
+                tuple(one for one in readers if isinstance(one, AvailabilityReader)),
+                tuple(one for one in readers if isinstance(one, AnnouncedPart)),
                 is_shared,
             )
         if len(self._routes) >= _MAX_ROUTES:
@@ -256,23 +256,27 @@ class Claims:
         return route
 
 
-def _who_missed_something(claim: Claim, before: Claim, readers: _Readers) -> _Readers:
-    if claim.has_same_face(before):
+def _who_missed_something(claim: StoredAnnouncement, before: StoredAnnouncement, readers: _Readers) -> _Readers:
+    if claim.publishes_the_same(before):
         return tuple(
-            (topic, reader) for topic, reader in readers if isinstance(reader, Voice) and reader.described.remembers
+            (topic, reader)
+            for topic, reader in readers
+            if isinstance(reader, AnnouncedPart) and reader.described.remembers
         )
-    return tuple((topic, reader) for topic, reader in readers if isinstance(reader, Voice) or _is_new(reader, before))
+    return tuple(
+        (topic, reader) for topic, reader in readers if isinstance(reader, AnnouncedPart) or _is_new(reader, before)
+    )
 
 
-def _is_new(witness: Witness, before: Claim) -> bool:
+def _is_new(witness: AvailabilityReader, before: StoredAnnouncement) -> bool:
     return witness.claim.reachability[witness.part] is not before.reachability.get(witness.part)
 
 
-def _readings(claim: Claim) -> Iterator[tuple[str, Voice | Witness]]:
+def _readings(claim: StoredAnnouncement) -> Iterator[tuple[str, AnnouncedPart | AvailabilityReader]]:
     """Each filter that something of *claim* is read on, with what is."""
-    for voice in claim.voices.values():
+    for voice in claim.parts.values():
         for topic_filter in dict.fromkeys(voice.described.codec.topics()):
             yield topic_filter, voice
     for part, reachability in claim.reachability.items():
         for index, source in enumerate(reachability.availability.sources):
-            yield source.topic, Witness(claim, part, index)
+            yield source.topic, AvailabilityReader(claim, part, index)

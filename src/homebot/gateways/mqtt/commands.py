@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from homebot.devices.command import Command, SendCommandResponse
 from homebot.devices.value import PlainValue
-from homebot.devices.words import meaning, told
+from homebot.devices.words import decode_command, encode_command
 from homebot.errors import HomebotError, LinkError, RefusedError, WrongCodeError
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.channels import Channel, Channels
-from homebot.gateways.mqtt.claim import Voice
-from homebot.gateways.mqtt.claims import Claims
+from homebot.gateways.mqtt.claim import AnnouncedPart
+from homebot.gateways.mqtt.claims import AnnouncementRegistry
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.description import Publication, TakesCode
-from homebot.gateways.mqtt.plain_voices import PlainVoices
+from homebot.gateways.mqtt.plain_voices import TextStateReader
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
-from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.topics import validate_topic
 
-__all__ = ["Commands"]
+__all__ = ["CommandServer"]
 
 
-class Commands:
+class CommandServer:
     """The way from commands to publications.
 
     Args:
@@ -39,11 +39,11 @@ class Commands:
 
     def __init__(
         self,
-        claims: Claims,
+        claims: AnnouncementRegistry,
         channels: Channels,
-        plain: PlainVoices,
+        plain: TextStateReader,
         connection: MqttConnection,
-        tribunal: Tribunal,
+        tribunal: PeerQuarantine,
         counters: GatewayCounters,
         reserved: ReservedTopics,
         secrets: SentSecrets,
@@ -93,7 +93,7 @@ class Commands:
         """
         self._permit(key)
         voice = self._voice(key, part_id)
-        await self._publish(self._written(voice, *meaning(said, voice.described.part), 0.0))
+        await self._publish(self._written(voice, *decode_command(said, voice.described.part), 0.0))
 
     def _permit(self, key: str) -> None:
         if not self._gateway.acts:
@@ -116,19 +116,19 @@ class Commands:
             raise RefusedError(f"a command to {device.key[:100]}", f"it has no part {part_id[:100]!r}")
         if not device.command_address:
             raise RefusedError(f"a command to {device.key[:100]}", "it takes none")
-        said = told(capability, value, device.part)
+        said = encode_command(capability, value, device.part)
         validate_topic(device.command_address)
         self._plain.told(device.command_address, said)
         return Publication(device.command_address, said.encode(errors="replace"), qos=1)
 
-    def _voice(self, key: str, part_id: str) -> Voice:
+    def _voice(self, key: str, part_id: str) -> AnnouncedPart:
         what = f"a command to {key[:100]}"
         claim = self._claims.get(key)
         if claim is None:
             raise RefusedError(what, "no device is announced by that key")
-        voice = claim.voices.get(part_id)
+        voice = claim.parts.get(part_id)
         if voice is None:
-            known = ", ".join(repr(one) for one in sorted(claim.voices)[:10])
+            known = ", ".join(repr(one) for one in sorted(claim.parts)[:10])
             raise RefusedError(what, f"it has no part {part_id[:100]!r}; it has {known}")
         return voice
 
@@ -137,7 +137,7 @@ class Commands:
             await self._connection.publish(one.topic, one.payload, qos=one.qos, retain=one.retain)
 
     def _written(
-        self, voice: Voice, capability: str, value: PlainValue, transition: float, code: str = ""
+        self, voice: AnnouncedPart, capability: str, value: PlainValue, transition: float, code: str = ""
     ) -> tuple[Publication, ...]:
         codec = voice.described.codec
         if code and not isinstance(codec, TakesCode):
@@ -150,13 +150,13 @@ class Commands:
         except RefusedError:
             raise
         except BaseException as exc:  # told by the tribunal; a plug-in's fault must not be everybody's
-            self._tribunal.failed(voice.claim.described.topic, voice.claim.described.convention, exc)
+            self._tribunal.record_plugin_failure(voice.claim.described.topic, voice.claim.described.convention, exc)
             raise RefusedError(f"{capability} of {voice.claim.key[:100]}", "its convention failed") from exc
         for one in publications:
             self._check_topic(voice, one.topic)
         return publications
 
-    def _check_topic(self, voice: Voice, topic: str) -> None:
+    def _check_topic(self, voice: AnnouncedPart, topic: str) -> None:
         """Refuse what the announcement did not name, because that alone was held against other devices."""
         validate_topic(topic)
         if topic not in voice.described.part.writes:

@@ -10,25 +10,25 @@ from pydantic import BaseModel
 
 from homebot.devices import KeyValue
 from homebot.devices.command import Command
-from homebot.devices.offer import Offer
+from homebot.devices.offer import ExposedDevice
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.description import Heard, Publication
+from homebot.gateways.mqtt.description import AnnouncementEvent, Publication
 
 __all__ = [
-    "Announcement",
     "Convention",
-    "Publisher",
+    "OfferPublisher",
     "PublishingConvention",
     "ReservingConvention",
     "SlicedConvention",
+    "TopicDevice",
     "TopicLayout",
     "TroubledConvention",
 ]
 
 
 @dataclass(frozen=True, slots=True)
-class Announcement:
+class TopicDevice:
     """What a topic tells about the device that uses it.
 
     Attributes:
@@ -57,7 +57,7 @@ class TopicLayout(Protocol):
         """Return the topic filters to subscribe to; no command topic of the convention may match them."""
         ...
 
-    def announced(self, topic: str) -> Announcement | None:
+    def announced(self, topic: str) -> TopicDevice | None:
         """Return the device that speaks on *topic*, or None when the topic is none of this convention's.
 
         Raises:
@@ -87,11 +87,11 @@ class Convention(Protocol):
         """Return the filters of its announcements, to be subscribed to one after the other, each awaited, at QoS 0."""
         ...
 
-    def births(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> tuple[Publication, ...]:
         """Return what to publish, once subscribed and at every reconnect, so that devices announce themselves."""
         ...
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a message that matches one of the filters, and return what it tells of devices; often nothing.
 
         A convention whose devices tell who they are only when asked also returns what to ask them.
@@ -103,23 +103,23 @@ class Convention(Protocol):
         ...
 
 
-class Publisher(Protocol):
+class OfferPublisher(Protocol):
     """The other direction of a convention: shows others what homebot offers. It knows what it published."""
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of the commands that others send."""
         ...
 
-    def owns(self, topic: str) -> bool:
+    def is_own_topic(self, topic: str) -> bool:
         """Whether *topic* is one on which it announces; what comes there is no device."""
         ...
 
-    def publications(self, offer: Offer) -> tuple[Publication, ...]:
+    def publications(self, offer: ExposedDevice) -> tuple[Publication, ...]:
         """Return what makes *offer* be there, or be gone where it is withdrawn."""
         ...
 
     def states(
-        self, offer: Offer, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
+        self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
     ) -> tuple[Publication, ...]:
         """Return what tells what is *known* of *offer* now that *changed* are news, by part and capability."""
         ...
@@ -142,7 +142,7 @@ class ReservingConvention(Protocol):
 class SlicedConvention(Protocol):
     """A convention of which one message may tell of many devices, so that it is better taken with pauses."""
 
-    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[Heard | None]:
+    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:
         """Do what :meth:`Convention.take` does, in steps of a few milliseconds: None where others may have a turn.
 
         Raises:
@@ -155,7 +155,7 @@ class SlicedConvention(Protocol):
 class TroubledConvention(Protocol):
     """A convention that may notice that something it should hear does not come."""
 
-    def troubles(self) -> tuple[str, ...]:
+    def problems(self) -> tuple[str, ...]:
         """Return what is wrong now, in words for people; empty where nothing is."""
         ...
 
@@ -164,7 +164,7 @@ class TroubledConvention(Protocol):
 class PublishingConvention(Protocol):
     """A convention that can also publish."""
 
-    def publisher(self, owner: str, status_topic: str) -> Publisher | None:
+    def publisher(self, owner: str, status_topic: str) -> OfferPublisher | None:
         """Return what publishes the offers of the homebot *owner*; None where the settings do not want it.
 
         Args:

@@ -13,7 +13,7 @@ from homebot.errors import PluginError
 from homebot.gateways.mqtt.convention import Convention, TopicLayout
 from homebot.plugins import load_plugin, plugin_names
 
-__all__ = ["GROUP", "Understood", "announce", "check_tables", "default_conventions", "find_conventions"]
+__all__ = ["GROUP", "LoadedConventions", "any_announcing", "check_tables", "default_conventions", "find_conventions"]
 
 GROUP = "homebot.mqtt_conventions"
 
@@ -21,7 +21,7 @@ _ALL = ("thesis", "homeassistant", "zigbee2mqtt", "tasmota", "shelly", "homie", 
 
 
 @dataclass(frozen=True, slots=True)
-class Understood:
+class LoadedConventions:
     """What a gateway understands.
 
     Attributes:
@@ -39,12 +39,12 @@ def default_conventions() -> tuple[str, ...]:
     return tuple(name for name in _ALL if name in installed)
 
 
-def announce(names: Iterable[str]) -> bool:
+def any_announcing(names: Iterable[str]) -> bool:
     """Whether devices announce themselves in one of the conventions *names*, as far as those can be loaded."""
     return any(_has_settings(kind) for _, kind in _loadable(names))
 
 
-def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: str) -> Understood:
+def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: str) -> LoadedConventions:
     """Load and make the conventions *names*.
 
     Args:
@@ -64,7 +64,7 @@ def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: s
             conventions.append(kind(_checked(kind.Settings, tables.get(_table_name(name, kind), {}))))
         else:
             layouts.append(kind(root))
-    return Understood(tuple(layouts), tuple(conventions))
+    return LoadedConventions(tuple(layouts), tuple(conventions))
 
 
 def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[InitErrorDetails]:

@@ -1,6 +1,6 @@
 """The devices that conventions describe: what they announce, what they say, what they are told.
 
-All of it is handled in the order of the broker, by the task that receives. The tasks of :meth:`DescribedDevices.serve`
+All of it is handled in the order of the broker, by the task that receives. The tasks of :meth:`AnnouncedDevices.serve`
 do what takes time or must wait: subscribing, asking, and ending what ends by itself.
 """
 
@@ -16,42 +16,42 @@ import anyio.lowlevel
 from homebot.devices import RawMessage
 from homebot.devices.command import SendCommand
 from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.words import read_words_address
+from homebot.devices.words import read_text_address
 from homebot.gateways.base import Gateway
-from homebot.gateways.listeners import Listeners
+from homebot.gateways.listeners import RawDelivery
 from homebot.gateways.mqtt.acting_lease import ActingLease
-from homebot.gateways.mqtt.announcements import Announcements
-from homebot.gateways.mqtt.board import Board
+from homebot.gateways.mqtt.announcements import AnnouncementHandler
+from homebot.gateways.mqtt.board import DeviceReporter
 from homebot.gateways.mqtt.channels import Channels
-from homebot.gateways.mqtt.claim import Voice, Witness
-from homebot.gateways.mqtt.claims import Bounds, Change, Claims, Route
-from homebot.gateways.mqtt.commands import Commands
+from homebot.gateways.mqtt.claim import AnnouncedPart, AvailabilityReader
+from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryChange, RegistryLimits, TopicReaders
+from homebot.gateways.mqtt.commands import CommandServer
 from homebot.gateways.mqtt.convention import (
     Convention,
-    Publisher,
+    OfferPublisher,
     PublishingConvention,
     TopicLayout,
     TroubledConvention,
 )
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.filter_tree import FilterTree
-from homebot.gateways.mqtt.last_words import LastWord, LastWords
+from homebot.gateways.mqtt.filter_tree import ReaderTree
+from homebot.gateways.mqtt.last_words import CachedMessage, LastMessageCache
 from homebot.gateways.mqtt.offers import Offers
 from homebot.gateways.mqtt.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
-from homebot.gateways.mqtt.plain_voices import PlainVoices
+from homebot.gateways.mqtt.plain_voices import TextStateReader
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.gateways.mqtt.spare_memory import LONG, SpareMemory
 from homebot.gateways.mqtt.state_topics import StateTopics
-from homebot.gateways.mqtt.states import States
+from homebot.gateways.mqtt.states import StateReader
 from homebot.gateways.mqtt.subscriber import Subscriber
-from homebot.gateways.mqtt.timekeeper import Timekeeper
-from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.gateways.mqtt.timekeeper import Scheduler
+from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.isolation import run_as
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 
-__all__ = ["DescribedDevices"]
+__all__ = ["AnnouncedDevices"]
 
 REFILL_EVERY = 0.1
 """Seconds between two looks at whether what waits need not wait any more."""
@@ -59,7 +59,7 @@ REFILL_EVERY = 0.1
 T = TypeVar("T")
 
 
-class DescribedDevices:
+class AnnouncedDevices:
     """What one gateway does with its conventions.
 
     Args:
@@ -91,7 +91,7 @@ class DescribedDevices:
         layouts: tuple[TopicLayout, ...],
         other_filters: tuple[str, ...],
         channels: Channels,
-        listeners: Listeners,
+        listeners: RawDelivery,
         connection: MqttConnection,
         counters: GatewayCounters,
         stale_after: float,
@@ -104,23 +104,23 @@ class DescribedDevices:
         self._connection = connection
         self._counters = counters
         self._listeners = listeners
-        self._board = Board(gateway, stale_after)
-        self.plain = PlainVoices(self._board, counters)
-        self._timekeeper = Timekeeper(gateway.node.graph.clock)
-        self.tribunal = Tribunal(gateway, self._board, self._timekeeper, counters, self.filters())
+        self._board = DeviceReporter(gateway, stale_after)
+        self.plain = TextStateReader(self._board, counters)
+        self._timekeeper = Scheduler(gateway.node.graph.clock)
+        self.tribunal = PeerQuarantine(gateway, self._board, self._timekeeper, counters, self.filters())
         self._spare_memory = SpareMemory(self._timekeeper)
         self._topics = StateTopics(self.filters(), other_filters)
-        self._claims = Claims(
-            gateway.node.name, conventions, self._topics, _tree(other_filters), Bounds(memory=max_memory)
+        self._claims = AnnouncementRegistry(
+            gateway.node.name, conventions, self._topics, _tree(other_filters), RegistryLimits(memory=max_memory)
         )
-        self._last_words = LastWords()
+        self._last_words = LastMessageCache()
         self._taking = anyio.Lock(fast_acquire=True)  # else each announcement is subscribed to by itself
         self._deferred_some = anyio.Event()
-        self._missed: list[tuple[str, Voice | Witness]] = []
-        self._states = States(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
+        self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
+        self._states = StateReader(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
         self._subscriber = Subscriber(self._topics, self._claims, conventions, self.tribunal, counters)
         reserved = ReservedTopics(conventions, layouts)
-        self._announcements = Announcements(
+        self._announcements = AnnouncementHandler(
             gateway.node.graph.clock,
             self._claims,
             reserved,
@@ -133,7 +133,7 @@ class DescribedDevices:
             on_question=self._subscriber.question,
         )
         self.secrets = SentSecrets()
-        self.commands = Commands(
+        self.commands = CommandServer(
             self._claims,
             channels,
             self.plain,
@@ -165,13 +165,13 @@ class DescribedDevices:
 
     def tick(self) -> None:
         """Let time have passed; once before each batch of messages."""
-        self._board.tick()
+        self._board.refresh_time()
 
-    def route(self, topic: str) -> Route | None:
+    def route(self, topic: str) -> TopicReaders | None:
         """Return who reads *topic*; None for nobody."""
         return self._claims.route(topic)
 
-    async def hear(self, message: MqttMessage, route: Route, *, raw: bool) -> None:
+    async def hear(self, message: MqttMessage, route: TopicReaders, *, raw: bool) -> None:
         """Take a message on a topic that *route* leads from; whom it makes known reads it as well.
 
         Args:
@@ -186,21 +186,21 @@ class DescribedDevices:
             return
         if raw:
             self._counters.received += 1
-        word = LastWord(message.payload, message.retain, self._board.stamp, self._board.now)
+        word = CachedMessage(message.payload, message.retain, self._board.stamp, self._board.now)
         self._last_words.keep(message.topic, word)
         if route.witnesses:
-            await self._states.witness(message, route.witnesses)
+            await self._states.read_availability_message(message, route.witnesses)
         if route.voices:
             longest = MAX_LONG_STATE_BYTES if route.conventions else MAX_STATE_BYTES
             await self._states.read(message, route.voices, longest)
             if raw and (listeners := self._listeners.now(message.topic)):
                 raw_word = self._raw(route.voices[0], message.topic, message.payload, retained=message.retain)
                 for listener in listeners:
-                    await self._listeners.deliver(listener, raw_word, patient=message.qos > 0)
+                    await self._listeners.deliver(listener, raw_word, wait_if_full=message.qos > 0)
 
-    async def take(self, message: MqttMessage, route: Route) -> None:
+    async def take(self, message: MqttMessage, route: TopicReaders) -> None:
         """Take a message as nothing but an announcement; what homebot itself offers is none."""
-        if self.offers.owns(message.topic):
+        if self.offers.is_own_topic(message.topic):
             return
         async with self._taking:  # one that we published ourselves waits until a long one is taken
             if self._announcements.must_wait(message):
@@ -223,7 +223,7 @@ class DescribedDevices:
 
         A words address may be listened to before its device is announced. None for an address of nobody.
         """
-        if (part := read_words_address(address)) is not None:
+        if (part := read_text_address(address)) is not None:
             voice = self._claims.voice(*part)
             return part[0], part[0] if voice is None else voice.claim.described.name
         route = self._claims.route(address)
@@ -234,7 +234,7 @@ class DescribedDevices:
 
     def missed_by(self, topic: str, since: float) -> tuple[RawMessage, ...]:
         """Return what a new listener wants of what was said on *topic* from *since* on, on the monotonic clock."""
-        if (part := read_words_address(topic)) is not None:
+        if (part := read_text_address(topic)) is not None:
             voice = self._claims.voice(*part)
             return voice.missed_by(since, self._board.now) if voice is not None else ()
         route, word = self._claims.route(topic), self._last_words.get(topic)
@@ -243,7 +243,9 @@ class DescribedDevices:
         message = self._raw(route.voices[0], topic, word.payload, retained=word.retained)
         return (message.model_copy(update={"received_at": word.at}),)
 
-    async def _take_now(self, message: MqttMessage, route: Route) -> list[tuple[str, Voice | Witness]]:
+    async def _take_now(
+        self, message: MqttMessage, route: TopicReaders
+    ) -> list[tuple[str, AnnouncedPart | AvailabilityReader]]:
         """Take *message*, and return who may have missed something on which topic."""
         await self._announcements.take(message, route.conventions)
         if len(message.payload) >= LONG:
@@ -272,7 +274,7 @@ class DescribedDevices:
             if message is None:
                 return False
             route = self.route(message.topic)
-            if route is None or not route.conventions or self.offers.owns(message.topic):
+            if route is None or not route.conventions or self.offers.is_own_topic(message.topic):
                 return True
             missed = await self._take_now(message, route)
         for topic, reader in missed:
@@ -282,33 +284,33 @@ class DescribedDevices:
         if after is not None:  # whoever it made known reads it as one that was kept
             kept = MqttMessage(message.topic, message.payload, retain=True)
             if witnesses := _new(after.witnesses, route.witnesses):
-                await self._states.witness(kept, witnesses)
+                await self._states.read_availability_message(kept, witnesses)
             if voices := _new(after.voices, route.voices):
                 await self._states.read(kept, voices, MAX_LONG_STATE_BYTES)
         return True
 
-    def _changed(self, change: Change) -> None:
+    def _changed(self, change: RegistryChange) -> None:
         self._missed += change.readers
         self._subscriber.wake()
-        if change.before is None or not change.claim.has_same_face(change.before):
+        if change.before is None or not change.claim.publishes_the_same(change.before):
             self._subscriber.ask(change.claim)
 
     def _removed(self) -> None:
         self._subscriber.wake()
         self._spare_memory.freed()
 
-    async def _make_up_for(self, topic: str, reader: Voice | Witness) -> None:
+    async def _make_up_for(self, topic: str, reader: AnnouncedPart | AvailabilityReader) -> None:
         """A topic that is subscribed to already does not tell its kept message again."""
         word = self._last_words.get(topic)
         if word is None:
             return
         message = MqttMessage(topic, word.payload, retain=True)
-        if isinstance(reader, Witness):
-            await self._states.witness(message, (reader,))
+        if isinstance(reader, AvailabilityReader):
+            await self._states.read_availability_message(message, (reader,))
         else:
             await self._states.read(message, (reader,))
 
-    def _raw(self, voice: Voice, topic: str, payload: bytes, *, retained: bool) -> RawMessage:
+    def _raw(self, voice: AnnouncedPart, topic: str, payload: bytes, *, retained: bool) -> RawMessage:
         return RawMessage(
             gateway=voice.claim.gateway,
             key=voice.claim.key,
@@ -332,12 +334,14 @@ class DescribedDevices:
             Count(name="dropped_malformed", count=lost.dropped_malformed),
         )
         troubled = (one for one in self.conventions if isinstance(one, TroubledConvention))
-        troubles = tuple(trouble for one in troubled for trouble in one.troubles())
+        troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self.lease.trouble,) if self.lease.trouble else ()
-        return HealthResponse(counts=counts, quarantined=self.tribunal.confined(), troubles=(*rivals, *troubles))
+        return HealthResponse(counts=counts, quarantined=self.tribunal.quarantined(), troubles=(*rivals, *troubles))
 
 
-def _publishers(conventions: tuple[Convention, ...], gateway: str, connection: MqttConnection) -> tuple[Publisher, ...]:
+def _publishers(
+    conventions: tuple[Convention, ...], gateway: str, connection: MqttConnection
+) -> tuple[OfferPublisher, ...]:
     status_topic = connection.status_topic or ""
     owner = status_topic.removeprefix("homebot/").removesuffix("/status") or gateway
     made = (one.publisher(owner, status_topic) for one in conventions if isinstance(one, PublishingConvention))
@@ -349,8 +353,8 @@ def _new(after: tuple[T, ...], before: tuple[T, ...]) -> tuple[T, ...]:
     return tuple(one for one in after if id(one) not in known)
 
 
-def _tree(filters: tuple[str, ...]) -> FilterTree[str]:
-    tree: FilterTree[str] = FilterTree()
+def _tree(filters: tuple[str, ...]) -> ReaderTree[str]:
+    tree: ReaderTree[str] = ReaderTree()
     for one in filters:
         tree.add(one, one)
     return tree

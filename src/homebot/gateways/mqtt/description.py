@@ -10,18 +10,18 @@ from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 
 __all__ = [
+    "AnnouncementEvent",
+    "AutoExpiry",
     "Availability",
     "AvailabilityMode",
     "AvailabilitySource",
     "Codec",
-    "Described",
     "DescribedPart",
-    "Fade",
-    "Heard",
+    "DeviceAnnounced",
+    "DeviceRequest",
+    "DeviceWithdrawn",
     "Publication",
-    "Question",
     "TakesCode",
-    "Withdrawn",
 ]
 
 AvailabilityMode: TypeAlias = Literal["all", "any", "latest"]
@@ -82,7 +82,7 @@ class TakesCode(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Fade:
+class AutoExpiry:
     """A value that ends by itself.
 
     Attributes:
@@ -105,8 +105,8 @@ class DescribedPart:
     Attributes:
         part: What it is.
         codec: How it speaks and listens.
-        asks: What to publish to be told its state.
-        fades: Values that end by themselves.
+        state_requests: What to publish to be told its state.
+        expiries: Values that end by themselves.
         remembers: Whether the codec makes commands or readings out of what the part said before. One that takes its
             place, because the device is described anew, is given the last messages again.
         availability: How it tells by itself whether it can be reached; None where it does not, or as the device does.
@@ -114,8 +114,8 @@ class DescribedPart:
 
     part: Part
     codec: Codec
-    asks: tuple[Publication, ...] = ()
-    fades: tuple[Fade, ...] = ()
+    state_requests: tuple[Publication, ...] = ()
+    expiries: tuple[AutoExpiry, ...] = ()
     remembers: bool = False
     availability: Availability | None = None
 
@@ -147,7 +147,7 @@ class Availability:
 
 
 @dataclass(frozen=True, slots=True)
-class Described:
+class DeviceAnnounced:
     """A device as one announcement describes it. A later one with the same key takes its place.
 
     Attributes:
@@ -163,7 +163,7 @@ class Described:
         availability: How it tells whether it can be reached, as a whole; None when it does not.
         owns: Topics that the device has for itself with all that is below them, because it was announced there or the
             bridge that speaks for it names its devices so; never because the announcement says so.
-        is_sighting: Whether the announcement is a sign of life of the device itself when it comes live.
+        implies_alive: Whether the announcement is a sign of life of the device itself when it comes live.
     """
 
     key: str
@@ -176,15 +176,15 @@ class Described:
     facts: Mapping[str, str] = field(default_factory=dict)
     availability: Availability | None = None
     owns: tuple[str, ...] = ()
-    is_sighting: bool = False
+    implies_alive: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class Withdrawn:
+class DeviceWithdrawn:
     """An announcement was taken back.
 
     Attributes:
-        key: Which; see :class:`Described`.
+        key: Which; see :class:`DeviceAnnounced`.
         why: The reason, in words.
         is_final: Whether the device is known to be gone. Otherwise its new announcement may follow in a moment.
     """
@@ -195,7 +195,7 @@ class Withdrawn:
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class DeviceRequest:
     """A convention has heard of a device that tells who it is only when it is asked.
 
     The convention asks again at the device's next sign of life as long as no answer came, so a question may be dropped.
@@ -210,4 +210,4 @@ class Question:
     publications: tuple[Publication, ...]
 
 
-Heard: TypeAlias = Described | Withdrawn | Question
+AnnouncementEvent: TypeAlias = DeviceAnnounced | DeviceWithdrawn | DeviceRequest

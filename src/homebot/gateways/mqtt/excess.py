@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from homebot.devices.text_size import size_of_parts, size_of_texts
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 
 __all__ = ["MAX_EXCESS", "MAX_EXCESS_EACH", "Excess", "excess_of"]
 
@@ -24,7 +24,7 @@ _FREE_PART = 1024
 real devices, one part each, the longest has 2.3 kB, and devices with a hundred parts have about 1 kB for each."""
 
 
-def excess_of(described: Described, length: int) -> int:
+def excess_of(described: DeviceAnnounced, length: int) -> int:
     """Return by how many bytes *described* is longer than what its number of parts explains.
 
     Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-__all__ = ["FilterTree", "has_wildcard"]
+__all__ = ["ReaderTree", "has_wildcard"]
 
 T = TypeVar("T")
 
@@ -16,12 +16,12 @@ def has_wildcard(topic_filter: str) -> bool:
 
 
 @dataclass(slots=True)
-class _Node(Generic[T]):
-    children: dict[str, _Node[T]] = field(default_factory=dict)
+class _ReaderNode(Generic[T]):
+    children: dict[str, _ReaderNode[T]] = field(default_factory=dict)
     items: dict[T, None] = field(default_factory=dict)
 
 
-class FilterTree(Generic[T]):
+class ReaderTree(Generic[T]):
     """Items by valid topic filters; a topic finds them in the order of adding, those of exact filters first.
 
     Source: MQTT Version 5.0, section 4.7.
@@ -29,7 +29,7 @@ class FilterTree(Generic[T]):
 
     def __init__(self) -> None:
         self._exact: dict[str, dict[T, None]] = {}
-        self._root: _Node[T] = _Node()
+        self._root: _ReaderNode[T] = _ReaderNode()
 
     def add(self, topic_filter: str, item: T) -> None:
         """Have *item* found by every topic that *topic_filter* matches; twice is once."""
@@ -38,7 +38,7 @@ class FilterTree(Generic[T]):
             return
         node = self._root
         for level in topic_filter.split("/"):
-            node = node.children.setdefault(level, _Node())
+            node = node.children.setdefault(level, _ReaderNode())
         node.items[item] = None
 
     def remove(self, topic_filter: str, item: T) -> None:
@@ -70,7 +70,7 @@ class FilterTree(Generic[T]):
             return tuple(found)
         nodes, is_wild = [self._root], not topic.startswith("$")
         for level in levels:
-            below: list[_Node[T]] = []
+            below: list[_ReaderNode[T]] = []
             for node in nodes:
                 children = node.children
                 if is_wild:

@@ -20,18 +20,18 @@ from pydantic import BaseModel
 
 from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.devices.words import read_words_address
+from homebot.devices.words import read_text_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.base import Gateway
-from homebot.gateways.listeners import Listeners
+from homebot.gateways.listeners import RawDelivery
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.board import REFRESH, stamps
 from homebot.gateways.mqtt.channels import Channel, Channels, begin_of
-from homebot.gateways.mqtt.claims import Route
-from homebot.gateways.mqtt.convention import Announcement
+from homebot.gateways.mqtt.claims import TopicReaders
+from homebot.gateways.mqtt.convention import TopicDevice
 from homebot.gateways.mqtt.conventions import find_conventions
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.described_devices import DescribedDevices
+from homebot.gateways.mqtt.described_devices import AnnouncedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.payload import MAX_LONG_STATE_BYTES
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
@@ -39,7 +39,7 @@ from homebot.graph import EntityKind, Node
 from homebot.isolation import run_as
 from homebot.messages import Time
 from homebot.mqtt.aiomqtt_client import AiomqttClient
-from homebot.mqtt.client import MqttClient, Subscription
+from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
@@ -104,7 +104,7 @@ class MqttGateway(Gateway):
         self._layouts = understood.layouts
         self._filters = self._layout_filters()
         self._channels = Channels(self._layouts)
-        self._listeners = Listeners(node, self.names, inboxes=settings.delivery == "inbox")
+        self._listeners = RawDelivery(node, self.names, inboxes=settings.delivery == "inbox")
         # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
         status_topic = f"homebot/{_topic_level(computer or platform.node())}/{node.name}/status"
         self._connection = MqttConnection(
@@ -113,7 +113,7 @@ class MqttGateway(Gateway):
         self._lease = ActingLease(
             self, self._connection, settings.root, f"{node.name} on {computer or platform.node()}", random
         )
-        self._described = DescribedDevices(
+        self._described = AnnouncedDevices(
             self,
             understood.conventions,
             understood.layouts,
@@ -127,7 +127,7 @@ class MqttGateway(Gateway):
             settings.max_memory,
         )
         self._plain = self._described.plain
-        self._warn = self._described.tribunal.warn
+        self._warn = self._described.tribunal.log_limited
         node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
         if node.name == "mqtt":
@@ -150,8 +150,10 @@ class MqttGateway(Gateway):
         """Keep the link and handle what comes until cancelled; ready when the first try to connect has ended."""
         layouts, announcements = self._layout_filters(), self._described.filters()
         async with self._connection as connection, anyio.create_task_group() as tasks:
-            await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in layouts))
-            await connection.subscribe(*(Subscription(one, no_local=True) for one in announcements), every_link=True)
+            await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in layouts))
+            await connection.subscribe(
+                *(MqttSubscription(one, no_local=True) for one in announcements), every_link=True
+            )
             report = LinkReport(self, connection, self._listening_to(), (*layouts, *announcements))
             receive = partial(self._receive, connection)
             for work in (report.watch, self._described.serve, self._lease.serve, self._watch_nodes, receive):
@@ -215,10 +217,10 @@ class MqttGateway(Gateway):
                 self._forget(channel, stamp)
                 continue
             self.counters.received += 1
-            if now >= channel.refresh_at or (channel.is_ghost and not message.retain):
+            if now >= channel.refresh_at or (channel.retained_only and not message.retain):
                 self._sight(channel, message, stamp)
                 channel.refresh_at = now + REFRESH
-            if message.payload != channel.said and channel.ear is not None:
+            if message.payload != channel.last_payload and channel.decoder is not None:
                 self._plain.hear(channel, message)
             raw = RawMessage(
                 gateway=self.node.name,
@@ -230,9 +232,9 @@ class MqttGateway(Gateway):
             )
             channel.keep(raw, now)
             for listener in tuple(channel.listeners):  # one may come or go while another is waited for
-                await self._listeners.deliver(listener, raw, patient=message.qos > 0)
+                await self._listeners.deliver(listener, raw, wait_if_full=message.qos > 0)
 
-    async def _hear(self, message: MqttMessage, route: Route | None, channel: Channel | None) -> Channel | None:
+    async def _hear(self, message: MqttMessage, route: TopicReaders | None, channel: Channel | None) -> Channel | None:
         """Let all hear *message* that understand more than topics; return its channel, which may be new."""
         if channel is None and (route is None or route.is_shared):
             if self._described.offers.take(message):
@@ -242,7 +244,7 @@ class MqttGateway(Gateway):
             await self._described.hear(message, route, raw=channel is None)
         return channel
 
-    async def _take_long(self, message: MqttMessage, route: Route | None) -> int:
+    async def _take_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
         """Only what comes where devices are announced may be longer than the rest; return how much work it was."""
         work = 0
         if route is not None and route.conventions:
@@ -268,7 +270,7 @@ class MqttGateway(Gateway):
             self._warn(REJECTED, f"not a device's message: {exc}", topic=message.topic)
             return None
         except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-            self._described.tribunal.failed(message.topic, "of the topic's layout", exc)
+            self._described.tribunal.record_plugin_failure(message.topic, "of the topic's layout", exc)
             return None
 
     def _is_layouts(self, topic: str) -> bool:
@@ -277,9 +279,9 @@ class MqttGateway(Gateway):
 
     def _sight(self, channel: Channel, message: MqttMessage, stamp: Time) -> None:
         is_new = channel.refresh_at == 0.0
-        if channel.is_ghost and not message.retain:
-            channel.said = b""  # the same word is worth more now
-        channel.is_ghost = message.retain and (is_new or channel.is_ghost)
+        if channel.retained_only and not message.retain:
+            channel.last_payload = b""  # the same word is worth more now
+        channel.retained_only = message.retain and (is_new or channel.retained_only)
         if is_new and message.retain:
             self._warn(
                 GHOST,
@@ -307,7 +309,7 @@ class MqttGateway(Gateway):
         self,
         kind: Literal["appeared", "updated", "removed"],
         why: str,
-        device: Announcement,
+        device: TopicDevice,
         stamp: Time,
         *,
         confirmed: bool,
@@ -357,7 +359,7 @@ class MqttGateway(Gateway):
 
     async def _send(self, command: RawCommand) -> None:
         try:
-            if (part := read_words_address(command.address)) is not None:
+            if (part := read_text_address(command.address)) is not None:
                 await self._described.commands.tell(*part, command.payload)
             else:
                 await self._publish(command)
@@ -379,7 +381,7 @@ class MqttGateway(Gateway):
         await self._described.overhear(MqttMessage(command.address, payload, command.qos, retain=False))
 
 
-def _own_topics(device: Announcement) -> tuple[str, ...]:
+def _own_topics(device: TopicDevice) -> tuple[str, ...]:
     """In a layout the topic alone says whose it is, and so are those beside it."""
     place = device.address.rpartition("/")[0]
     if place and device.command_address.rpartition("/")[0] == place:

@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 from homebot.messages import Time
 
-__all__ = ["LastWord", "LastWords"]
+__all__ = ["CachedMessage", "LastMessageCache"]
 
 MAX_TOTAL = 32 * 1024 * 1024
 MAX_EACH = 64 * 1024
 
 
-class LastWord(NamedTuple):
+class CachedMessage(NamedTuple):
     """The last message on a topic.
 
     Attributes:
@@ -29,7 +29,7 @@ class LastWord(NamedTuple):
     heard_at: float
 
 
-class LastWords:
+class LastMessageCache:
     """Messages by topic, 32 MiB at most; the one that was replaced the longest ago goes first.
 
     A longer payload than 64 KiB is not kept.
@@ -38,10 +38,10 @@ class LastWords:
     def __init__(self, max_total: int = MAX_TOTAL, max_each: int = MAX_EACH) -> None:
         self._max_total = max_total
         self._max_each = max_each
-        self._kept: OrderedDict[str, LastWord] = OrderedDict()
+        self._kept: OrderedDict[str, CachedMessage] = OrderedDict()
         self._total = 0
 
-    def keep(self, topic: str, word: LastWord) -> None:
+    def keep(self, topic: str, word: CachedMessage) -> None:
         """Remember *word* as the last one on *topic*."""
         self.forget(topic)
         if len(word.payload) > self._max_each:
@@ -52,7 +52,7 @@ class LastWords:
             oldest, lost = self._kept.popitem(last=False)
             self._total -= len(lost.payload) + len(oldest)
 
-    def get(self, topic: str) -> LastWord | None:
+    def get(self, topic: str) -> CachedMessage | None:
         """Return the last word on *topic*, or None."""
         return self._kept.get(topic)
 

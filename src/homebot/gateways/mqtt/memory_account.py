@@ -8,7 +8,7 @@ an announcement 3 kB. What announcements are longer than that explains is the ac
 from __future__ import annotations
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 
 __all__ = ["MAX_MEMORY", "MemoryAccount"]
 
@@ -35,7 +35,7 @@ class MemoryAccount:
         self._most = most
         self._devices: dict[tuple[str, ...], int] = {}
 
-    def check(self, described: Described, before: Described | None) -> None:
+    def check(self, described: DeviceAnnounced, before: DeviceAnnounced | None) -> None:
         """Let *described* stand in place of *before*; one that takes no more than that always may.
 
         Raises:
@@ -50,14 +50,14 @@ class MemoryAccount:
                 f"{self._most:,} is the limit; take some of it back, or set max_memory of the gateway higher"
             )
 
-    def put(self, described: Described) -> None:
+    def put(self, described: DeviceAnnounced) -> None:
         """Count what stands from now on."""
         who = _who(described)
         count = self._devices.get(who, 0)
         self._devices[who] = count + 1
         self.total += _size(described) + (0 if count else _DEVICE)
 
-    def drop(self, described: Described) -> None:
+    def drop(self, described: DeviceAnnounced) -> None:
         """Count no more what was put before."""
         who = _who(described)
         self._devices[who] -= 1
@@ -67,10 +67,10 @@ class MemoryAccount:
             self.total -= _DEVICE
 
 
-def _who(described: Described) -> tuple[str, ...]:
+def _who(described: DeviceAnnounced) -> tuple[str, ...]:
     """Announcements with the same identifiers are one device; one without any is a device by itself."""
     return described.identifiers or (described.convention, described.key)
 
 
-def _size(described: Described) -> int:
+def _size(described: DeviceAnnounced) -> int:
     return _ANNOUNCEMENT + _PART * len(described.parts)

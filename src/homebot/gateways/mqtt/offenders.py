@@ -12,7 +12,7 @@ from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-__all__ = ["MESSAGE_WORK", "Offender", "Offenders"]
+__all__ = ["MESSAGE_WORK", "WorkBudget", "WorkBudgets"]
 
 MESSAGE_WORK = 4096
 """Work that a message is, beside its length in bytes."""
@@ -39,13 +39,13 @@ CALM = 10.0
 CLEAR_EVERY = 1.0
 """Seconds between two valid announcements that each clear what a topic is charged: one may be a copy of the last."""
 
-MAX_OFFENDERS = 1000
+MAX_BUDGETS = 1000
 MAX_ACCEPTED = 50_000
 _HEAD = 32
 
 
 @dataclass(slots=True)
-class Offender:
+class WorkBudget:
     """A topic, or all topics of a prefix, on which somebody broke a rule, and the budget for that.
 
     Attributes:
@@ -58,7 +58,7 @@ class Offender:
         at: When that was so.
         offended_at: When a rule was broken last.
         cleared_at: When a valid announcement cleared the charge last.
-        is_confined: Whether what comes there waits.
+        is_quarantined: Whether what comes there waits.
         since: When that began.
         deferred_at: When something was last made to wait.
         spent_at: When the budget was last used up.
@@ -73,7 +73,7 @@ class Offender:
     offences: int = 0
     offended_at: float = 0.0
     cleared_at: float = float("-inf")
-    is_confined: bool = False
+    is_quarantined: bool = False
     since: float = 0.0
     deferred_at: float = 0.0
     spent_at: float = 0.0
@@ -97,7 +97,7 @@ class Offender:
             self.spent_at = now
 
 
-class Offenders:
+class WorkBudgets:
     """The budgets of one gateway: of 1,000 topics with devices at most, and one of each prefix.
 
     Args:
@@ -109,15 +109,15 @@ class Offenders:
         work: Work that was charged, in all.
     """
 
-    def __init__(self, filters: Iterable[str], max_offenders: int = MAX_OFFENDERS) -> None:
+    def __init__(self, filters: Iterable[str], max_offenders: int = MAX_BUDGETS) -> None:
         self.forgotten = 0
         self.work = 0
         self._levels = frozenset(one.partition("/")[0] for one in filters) - {"+", "#"}
         self._max_offenders = max_offenders
         self._accepted: OrderedDict[str, tuple[bytes, bytes]] = OrderedDict()
-        self._own: OrderedDict[str, Offender] = OrderedDict()
-        self._shared: dict[str, Offender] = {}
-        self._total = Offender("", TOTAL_RATE, TOTAL_BURST, TOTAL_BURST, 0.0)
+        self._own: OrderedDict[str, WorkBudget] = OrderedDict()
+        self._shared: dict[str, WorkBudget] = {}
+        self._total = WorkBudget("", TOTAL_RATE, TOTAL_BURST, TOTAL_BURST, 0.0)
         self._all_clean_at = 0.0
 
     def payer(self, topic: str) -> str:
@@ -152,7 +152,7 @@ class Offenders:
                 self.forgotten += 1
                 return
         offender = self._budget(payer, now, is_own=is_own)
-        if now - offender.offended_at > CALM and not offender.is_confined:
+        if now - offender.offended_at > CALM and not offender.is_quarantined:
             offender.offences = 0
         offender.why, offender.offended_at = why, now
         offender.offences += 1
@@ -177,15 +177,15 @@ class Offenders:
         known = self._accepted.get(topic)
         return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
 
-    def defer(self, payer: str, now: float) -> Offender | None:
+    def defer(self, payer: str, now: float) -> WorkBudget | None:
         """Book that something waits for the budget of *payer*; return it if nothing did before."""
         offender = self._own.get(payer) or self._shared.get(payer)
         if offender is None:
             return None
         offender.deferred_at = now
-        if offender.is_confined:
+        if offender.is_quarantined:
             return None
-        offender.is_confined, offender.since = True, now
+        offender.is_quarantined, offender.since = True, now
         return offender
 
     def quiet_in(self, payer: str, now: float) -> float:
@@ -193,30 +193,30 @@ class Offenders:
         offender = self._own.get(payer) or self._shared.get(payer)
         return 0.0 if offender is None else offender.quiet_at - now
 
-    def release(self, payer: str) -> Offender | None:
+    def release(self, payer: str) -> WorkBudget | None:
         """Book that nothing waits for the budget of *payer* any more; return it if something did."""
         offender = self._own.get(payer) or self._shared.get(payer)
-        if offender is None or not offender.is_confined:
+        if offender is None or not offender.is_quarantined:
             return None
-        offender.is_confined = False
+        offender.is_quarantined = False
         return offender
 
-    def confined(self) -> tuple[Offender, ...]:
+    def quarantined(self) -> tuple[WorkBudget, ...]:
         """Return whose messages wait."""
-        return tuple(one for one in (*self._own.values(), *self._shared.values()) if one.is_confined)
+        return tuple(one for one in (*self._own.values(), *self._shared.values()) if one.is_quarantined)
 
-    def _budget(self, payer: str, now: float, *, is_own: bool) -> Offender:
+    def _budget(self, payer: str, now: float, *, is_own: bool) -> WorkBudget:
         if not is_own:
-            return self._shared.setdefault(payer, Offender(payer, RATE, SHARED_BURST, SHARED_BURST, now))
+            return self._shared.setdefault(payer, WorkBudget(payer, RATE, SHARED_BURST, SHARED_BURST, now))
         if payer not in self._own:
-            self._own[payer] = Offender(payer, RATE, BURST, BURST, now)
+            self._own[payer] = WorkBudget(payer, RATE, BURST, BURST, now)
         self._own.move_to_end(payer)
         return self._own[payer]
 
     def _has_room(self, now: float) -> bool:
         while self._own:
             oldest = next(iter(self._own.values()))
-            if now - oldest.offended_at <= CALM or oldest.is_confined:
+            if now - oldest.offended_at <= CALM or oldest.is_quarantined:
                 break
             del self._own[oldest.name]
         return len(self._own) < self._max_offenders

@@ -13,16 +13,16 @@ import anyio
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command import Command
-from homebot.devices.offer import Offer, OfferReport
+from homebot.devices.offer import ExposedDevice, ExposedState
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError
 from homebot.gateways.base import Gateway
-from homebot.gateways.mqtt.convention import Publisher
+from homebot.gateways.mqtt.convention import OfferPublisher
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import run_as
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 
@@ -50,12 +50,12 @@ class Offers:
         tribunal: Tells what went wrong.
     """
 
-    def __init__(self, gateway: Gateway, publishers: tuple[Publisher, ...], tribunal: Tribunal) -> None:
+    def __init__(self, gateway: Gateway, publishers: tuple[OfferPublisher, ...], tribunal: PeerQuarantine) -> None:
         self._node = gateway.node
         self._names = gateway.names
         self._publishers = publishers if gateway.acts else ()
         self._tribunal = tribunal
-        self._offers: dict[str, Offer] = {}
+        self._offers: dict[str, ExposedDevice] = {}
         self._known: dict[str, dict[tuple[str, str], PlainValue]] = {}
         self._waiting: dict[str, Publication] = {}
         self._events: deque[Publication] = deque(maxlen=MAX_EVENTS)
@@ -67,9 +67,9 @@ class Offers:
         """Return where commands come."""
         return tuple(one for publisher in self._publishers for one in publisher.filters())
 
-    def owns(self, topic: str) -> bool:
+    def is_own_topic(self, topic: str) -> bool:
         """Whether what comes on *topic* is our own, and no device."""
-        return any(publisher.owns(topic) for publisher in self._publishers)
+        return any(publisher.is_own_topic(topic) for publisher in self._publishers)
 
     def take(self, message: MqttMessage) -> bool:
         """Take *message* if it is a command to something offered; one that the broker had kept is none."""
@@ -79,7 +79,7 @@ class Offers:
             try:
                 commands = publisher.take(message.topic, message.payload)
             except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-                self._tribunal.failed(message.topic, type(publisher).__name__, exc)
+                self._tribunal.record_plugin_failure(message.topic, type(publisher).__name__, exc)
                 continue
             for command in commands:
                 self._commands.publish(command)
@@ -91,16 +91,16 @@ class Offers:
         """Publish until cancelled."""
         if not self._publishers:
             return
-        await connection.subscribe(*(Subscription(one, qos=1, no_local=True) for one in self.filters()))
-        self._node.create_subscription(Offer, self._names.offers, self._offer, _QOS)
-        self._node.create_subscription(OfferReport, self._names.offer_reports, self._report, _QOS)
+        await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in self.filters()))
+        self._node.create_subscription(ExposedDevice, self._names.offers, self._offer, _QOS)
+        self._node.create_subscription(ExposedState, self._names.offer_reports, self._report, _QOS)
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(run_as, self._node.full_name, partial(self._publish, connection))
             tasks.start_soon(run_as, self._node.full_name, partial(self._publish_anew, connection))
 
-    def _offer(self, offer: Offer) -> None:
+    def _offer(self, offer: ExposedDevice) -> None:
         if offer.id not in self._offers and len(self._offers) >= MAX_OFFERS:
-            self._tribunal.warn(NOT_TAKEN, f"{offer.id} is one offer too many", topic=offer.id)
+            self._tribunal.log_limited(NOT_TAKEN, f"{offer.id} is one offer too many", topic=offer.id)
             return
         before = self._offers.get(offer.id)
         if before is not None and before.parts != offer.parts:
@@ -116,10 +116,10 @@ class Offers:
             self._known[offer.id] = {key: value for key, value in known.items() if key in offered}
             self._say_states(offer)
 
-    def _report(self, report: OfferReport) -> None:
+    def _report(self, report: ExposedState) -> None:
         offer = self._offers.get(report.id)
         if offer is None:
-            self._tribunal.warn(NOT_TAKEN, f"{report.id} says something and is not offered", topic=report.id)
+            self._tribunal.log_limited(NOT_TAKEN, f"{report.id} says something and is not offered", topic=report.id)
             return
         offered = _offered(offer)
         changed = {key: one.value.plain() for one in report.readings if (key := (one.part, one.capability)) in offered}
@@ -129,12 +129,12 @@ class Offers:
         for key in [key for key in changed if key[1] in EVENTS]:
             del known[key]
 
-    def _say_states(self, offer: Offer) -> None:
+    def _say_states(self, offer: ExposedDevice) -> None:
         """Tell all that is known of *offer*; what happened is over and not told again."""
         known = self._known.get(offer.id, {})
         self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, known))
 
-    def _say(self, offer: Offer) -> None:
+    def _say(self, offer: ExposedDevice) -> None:
         self._wait(one for publisher in self._publishers for one in publisher.publications(offer))
 
     def _wait(self, publications: Iterable[Publication]) -> None:
@@ -142,7 +142,9 @@ class Offers:
         for publication in publications:
             if not publication.retain:
                 if len(self._events) == MAX_EVENTS:
-                    self._tribunal.warn(NOT_PUBLISHED, "an event was dropped: too many wait", topic=publication.topic)
+                    self._tribunal.log_limited(
+                        NOT_PUBLISHED, "an event was dropped: too many wait", topic=publication.topic
+                    )
                 self._events.append(publication)
                 continue
             self._waiting.pop(publication.topic, None)
@@ -164,7 +166,7 @@ class Offers:
                     self._waiting.setdefault(topic, publication)
                     break
                 except HomebotError as exc:
-                    self._tribunal.warn(NOT_PUBLISHED, f"not published on {topic}: {exc}", topic=topic)
+                    self._tribunal.log_limited(NOT_PUBLISHED, f"not published on {topic}: {exc}", topic=topic)
 
     def _next(self) -> Publication:
         """What is there comes before what happens to it."""
@@ -182,5 +184,5 @@ class Offers:
                 self._news.set()
 
 
-def _offered(offer: Offer) -> frozenset[tuple[str, str]]:
+def _offered(offer: ExposedDevice) -> frozenset[tuple[str, str]]:
     return frozenset((part.id, one.name) for part in offer.parts for one in part.capabilities if one.readable)

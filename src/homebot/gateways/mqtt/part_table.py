@@ -9,16 +9,16 @@ from itertools import islice
 from typing import Generic, TypeAlias, TypeVar
 
 from homebot.devices.part import Capability, Category, Part
-from homebot.gateways.mqtt.description import DescribedPart, Fade, Publication
+from homebot.gateways.mqtt.description import AutoExpiry, DescribedPart, Publication
 from homebot.gateways.mqtt.readings import JsonMessage
-from homebot.gateways.mqtt.table_codec import CodedWriter, Opener, Reader, TableCodec, Writer
+from homebot.gateways.mqtt.table_codec import CodedWriter, PayloadParser, Reader, TableCodec, Writer
 
-__all__ = ["BytesPart", "JsonPart", "PartTable", "with_own_ids"]
+__all__ = ["BytesPart", "JsonPart", "PartBuilder", "with_own_ids"]
 
 MessageT = TypeVar("MessageT")
 
 
-class PartTable(Generic[MessageT]):
+class PartBuilder(Generic[MessageT]):
     """Collects what one part can do, and becomes its description.
 
     Args:
@@ -28,7 +28,7 @@ class PartTable(Generic[MessageT]):
 
     def __init__(
         self,
-        opened: Opener[MessageT],
+        opened: PayloadParser[MessageT],
         part_id: str,
         service_type: str,
         *,
@@ -47,7 +47,7 @@ class PartTable(Generic[MessageT]):
         self._coded_writers: dict[str, CodedWriter] = {}
         self._writes: dict[str, None] = {}
         self._asks: dict[Publication, None] = {}
-        self._fades: tuple[Fade, ...] = ()
+        self._fades: tuple[AutoExpiry, ...] = ()
         self._remembers = False
 
     @property
@@ -55,7 +55,7 @@ class PartTable(Generic[MessageT]):
         """Whether it can do nothing at all, so far."""
         return not self._capabilities
 
-    def offers(
+    def add_capability(
         self,
         name: str,
         *,
@@ -80,24 +80,24 @@ class PartTable(Generic[MessageT]):
         self._capabilities[name] = Capability(name=name, readable=readable, settable=True, options=options)
         self._coded_writers[name] = writer
 
-    def reads(self, topic: str, reader: Reader[MessageT]) -> None:
+    def read_from(self, topic: str, reader: Reader[MessageT]) -> None:
         """Read every message on *topic* with *reader*."""
         self._readers[topic] = (*self._readers.get(topic, ()), reader)
 
-    def reads_events(self, topic: str, reader: Reader[MessageT]) -> None:
+    def read_events_from(self, topic: str, reader: Reader[MessageT]) -> None:
         """As :meth:`reads`, but what the broker had kept is not read: it happened before."""
         self._readers.setdefault(topic, ())
         self._event_readers[topic] = (*self._event_readers.get(topic, ()), reader)
 
-    def listens(self, *topics: str) -> None:
+    def add_command_topics(self, *topics: str) -> None:
         """Name the topics that the part listens on."""
         self._writes.update(dict.fromkeys(topics))
 
-    def asks(self, *publications: Publication) -> None:
+    def add_state_request(self, *publications: Publication) -> None:
         """Name what makes the device tell the part's state."""
         self._asks.update(dict.fromkeys(publications))
 
-    def fades(self, *fades: Fade) -> None:
+    def add_expiry(self, *fades: AutoExpiry) -> None:
         """Let values end by themselves."""
         self._fades += fades
 
@@ -105,7 +105,7 @@ class PartTable(Generic[MessageT]):
         """Say that its codec needs what was said before; see :attr:`DescribedPart.remembers`."""
         self._remembers = True
 
-    def described(self) -> DescribedPart:
+    def build(self) -> DescribedPart:
         """Return the finished part."""
         part_id, service_type, name, advertised, tag, category, guessed = self._about
         codec = TableCodec(self._opened, self._readers, self._event_readers, self._writers, self._coded_writers)
@@ -122,13 +122,15 @@ class PartTable(Generic[MessageT]):
             writes=tuple(self._writes),
         )
         slim = Part.of_checked(**part.__dict__)  # without a set of its fields of its own, which is 700 bytes
-        return DescribedPart(slim, codec, asks=tuple(self._asks), fades=self._fades, remembers=self._remembers)
+        return DescribedPart(
+            slim, codec, state_requests=tuple(self._asks), expiries=self._fades, remembers=self._remembers
+        )
 
 
-JsonPart: TypeAlias = PartTable[JsonMessage]
+JsonPart: TypeAlias = PartBuilder[JsonMessage]
 """A part whose readers are given a JSON object."""
 
-BytesPart: TypeAlias = PartTable[bytes]
+BytesPart: TypeAlias = PartBuilder[bytes]
 """A part whose readers are given the payload."""
 
 

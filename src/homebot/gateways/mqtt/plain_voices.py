@@ -6,19 +6,19 @@ where it answers a command of ours with just that number.
 
 from __future__ import annotations
 
-from homebot.devices.ear import Heard
+from homebot.devices.ear import Decoded
 from homebot.devices.part import Part
 from homebot.devices.report import Reading
 from homebot.devices.value import Value
-from homebot.devices.words import meaning
+from homebot.devices.words import decode_command
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.board import Board
-from homebot.gateways.mqtt.bounded import Bounded
+from homebot.gateways.mqtt.board import DeviceReporter
+from homebot.gateways.mqtt.bounded import BoundedDict
 from homebot.gateways.mqtt.channels import Channel
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.mqtt.message import MqttMessage
 
-__all__ = ["PlainVoices"]
+__all__ = ["TextStateReader"]
 
 _LONGEST = 1000
 """Bytes of a payload that may be a word."""
@@ -27,7 +27,7 @@ _MAX_TOLD = 1000
 """Commands that an answer is waited for; the oldest is forgotten."""
 
 
-class PlainVoices:
+class TextStateReader:
     """Reads words.
 
     Args:
@@ -35,10 +35,10 @@ class PlainVoices:
         counters: Of the gateway.
     """
 
-    def __init__(self, board: Board, counters: GatewayCounters) -> None:
+    def __init__(self, board: DeviceReporter, counters: GatewayCounters) -> None:
         self._board = board
         self._counters = counters
-        self._told: Bounded[str] = Bounded(_MAX_TOLD)
+        self._told: BoundedDict[str] = BoundedDict(_MAX_TOLD)
 
     def told(self, command_address: str, said: str) -> None:
         """Note that the device that listens on *command_address* was told *said*."""
@@ -50,30 +50,30 @@ class PlainVoices:
 
         To be called for a message that is not the last one over again.
         """
-        ear, part = channel.ear, channel.device.part
+        ear, part = channel.decoder, channel.device.part
         if ear is None or part is None or len(message.payload) > _LONGEST:
             return
-        channel.said = message.payload
-        told = ear.hear(message.payload)
+        channel.last_payload = message.payload
+        told = ear.decode(message.payload)
         if told:
             told = self._meant(message.payload, told, part, channel.device.command_address)
             readings = tuple(Reading(part=part.id, capability=name, value=Value.of(one)) for name, one in told.items())
             self._counters.reports += 1
             key, address = channel.device.key, message.topic
-            self._board.report(key, readings, address, _stream(channel), retained=message.retain)
+            self._board.publish_report(key, readings, address, _stream(channel), retained=message.retain)
 
     def forget(self, channel: Channel) -> None:
         """Keep nothing of *channel* for late joiners any more."""
         if channel.device.part is not None:
-            self._board.drop(_stream(channel))
+            self._board.dispose(_stream(channel))
 
-    def _meant(self, payload: bytes, told: Heard, part: Part, command_address: str) -> Heard:
+    def _meant(self, payload: bytes, told: Decoded, part: Part, command_address: str) -> Decoded:
         said = self._told.get(command_address)
         if said is None or said.encode(errors="replace") != payload:
             return told
         self._told.remove(command_address)
         try:
-            name, value = meaning(said, part)
+            name, value = decode_command(said, part)
         except RefusedError:
             return told
         return told if name in told else {name: value}

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from homebot.gateways.mqtt.description import Availability
 
-__all__ = ["Reachability"]
+__all__ = ["ReachabilityReader"]
 
 
-class Reachability:
+class ReachabilityReader:
     """The last words about one device, and what they mean together.
 
     Args:

@@ -14,15 +14,15 @@ from homebot.errors import WireError
 from homebot.gateways.mqtt.payload import MAX_STATE_BYTES, parse_json
 
 __all__ = [
-    "NOTHING",
+    "NO_READINGS",
     "JsonMessage",
     "Readings",
     "finite_number",
     "is_unknown",
-    "json_in",
-    "number_in",
     "read_number",
-    "text_in",
+    "to_json",
+    "to_number",
+    "to_text",
 ]
 
 Readings: TypeAlias = Mapping[str, PlainValue]
@@ -31,11 +31,11 @@ Readings: TypeAlias = Mapping[str, PlainValue]
 JsonMessage: TypeAlias = Mapping[str, object]
 """One message: a JSON object. Nobody changes it, because all parts that read it share it."""
 
-NOTHING: Readings = MappingProxyType({})
+NO_READINGS: Readings = MappingProxyType({})
 
 
 @lru_cache(maxsize=8)
-def text_in(payload: bytes) -> str | None:
+def to_text(payload: bytes) -> str | None:
     """Return the text that *payload* is; None where it is none, or longer than what is looked at."""
     if len(payload) > MAX_STATE_BYTES:
         return None
@@ -46,7 +46,7 @@ def text_in(payload: bytes) -> str | None:
 
 
 @lru_cache(maxsize=2)  # all parts of a device read the same message, one after the other
-def json_in(payload: bytes) -> object:
+def to_json(payload: bytes) -> object:
     """Return what *payload* says in JSON, not to be changed; None where that is nothing."""
     try:
         return parse_json(payload)
@@ -79,14 +79,14 @@ def read_number(capability: str, value: object, told: Callable[[float], float | 
         value: What the message has in its place.
         told: Makes the value of the number; None where that cannot be.
     """
-    number = number_in(value)
+    number = to_number(value)
     if number is None:
-        return {capability: None} if is_unknown(value) else NOTHING
+        return {capability: None} if is_unknown(value) else NO_READINGS
     outside = told(number)
-    return NOTHING if outside is None else {capability: outside}
+    return NO_READINGS if outside is None else {capability: outside}
 
 
-def number_in(value: object) -> float | None:
+def to_number(value: object) -> float | None:
     """Return the number that *value* is as :func:`finite_number` has it, or that a text spells plainly."""
     if not isinstance(value, str):
         return finite_number(value)

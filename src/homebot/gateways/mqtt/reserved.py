@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from homebot.devices.part import Part
 from homebot.errors import WireError
 from homebot.gateways.mqtt.convention import Convention, ReservingConvention, TopicLayout
-from homebot.gateways.mqtt.description import Described, DescribedPart
-from homebot.gateways.mqtt.filter_tree import FilterTree
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
+from homebot.gateways.mqtt.filter_tree import ReaderTree
 
 __all__ = ["ReservedTopics"]
 
@@ -38,7 +38,7 @@ class ReservedTopics:
 
     def __init__(self, conventions: Iterable[Convention], layouts: Iterable[TopicLayout]) -> None:
         self._layouts = tuple(layouts)
-        self._rules: FilterTree[_Rule] = FilterTree()
+        self._rules: ReaderTree[_Rule] = ReaderTree()
         for one in conventions:
             narrow = _Rule(f"it is for announcements to {one.name}")
             wide = replace(narrow, free_for=one.name)
@@ -61,7 +61,7 @@ class ReservedTopics:
                 return rule.why
         return "another device speaks there" if any(_speaks(one, topic) for one in self._layouts) else ""
 
-    def without(self, described: Described) -> tuple[Described, tuple[str, ...]]:
+    def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
         """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
 
         Such a part stays, and can be read; it cannot be told anything.
@@ -74,11 +74,11 @@ class ReservedTopics:
 
     def _part(self, convention: str, described: DescribedPart, refused: dict[str, str]) -> DescribedPart:
         found = {one: why for one in described.part.writes if (why := self.why(one, convention))}
-        asks = tuple(one for one in described.asks if not self.why(one.topic, convention))
+        asks = tuple(one for one in described.state_requests if not self.why(one.topic, convention))
         if found:
             refused.update(found)
-            return replace(described, part=_only_read(described.part), asks=asks)
-        return described if len(asks) == len(described.asks) else replace(described, asks=asks)
+            return replace(described, part=_only_read(described.part), state_requests=asks)
+        return described if len(asks) == len(described.state_requests) else replace(described, state_requests=asks)
 
 
 def _only_read(part: Part) -> Part:

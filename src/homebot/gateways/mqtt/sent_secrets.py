@@ -6,7 +6,7 @@ from dataclasses import replace
 from hashlib import blake2b
 from secrets import token_bytes
 
-from homebot.gateways.mqtt.bounded import Bounded
+from homebot.gateways.mqtt.bounded import BoundedDict
 from homebot.gateways.mqtt.description import Publication
 
 __all__ = ["SentSecrets"]
@@ -20,7 +20,7 @@ class SentSecrets:
 
     def __init__(self) -> None:
         self._key = token_bytes(32)
-        self._sent: Bounded[bytes] = Bounded(MAX_TOPICS)
+        self._sent: BoundedDict[bytes] = BoundedDict(MAX_TOPICS)
 
     def keep(self, publication: Publication) -> Publication:
         """Note *publication*, and return it as it may be sent: no broker shall keep a code."""

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, f
 
 from homebot.config import FilePath, check_secret_file, read_secret
 from homebot.errors import HomebotError, UsageError
-from homebot.gateways.mqtt.conventions import announce, check_tables, default_conventions
+from homebot.gateways.mqtt.conventions import any_announcing, check_tables, default_conventions
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
@@ -151,7 +151,7 @@ class MqttGatewaySettings(BaseModel):
         )
 
     def _max_packet(self) -> int:
-        return max(self.max_payload, self.max_announcement) if announce(self.conventions) else self.max_payload
+        return max(self.max_payload, self.max_announcement) if any_announcing(self.conventions) else self.max_payload
 
     def with_client_id(self, client_id: str) -> MqttGatewaySettings:
         """Return the same settings with another name for this run; one that the user chose stays."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.gateways.mqtt.timekeeper import Timekeeper
+from homebot.gateways.mqtt.timekeeper import Scheduler
 from homebot.mqtt.memory import MemoryKeeper
 
 __all__ = ["LONG", "SpareMemory"]
@@ -21,7 +21,7 @@ class SpareMemory:
         timekeeper: Keeps the time.
     """
 
-    def __init__(self, timekeeper: Timekeeper) -> None:
+    def __init__(self, timekeeper: Scheduler) -> None:
         self._timekeeper = timekeeper
         self._keeper = MemoryKeeper()
         self._looks = 0

@@ -11,25 +11,25 @@ from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import Reading
 from homebot.devices.value import PlainValue, Value
-from homebot.devices.words import word
-from homebot.gateways.listeners import Listeners
-from homebot.gateways.mqtt.board import Board
-from homebot.gateways.mqtt.claim import Claim, Voice, Witness
-from homebot.gateways.mqtt.claims import Claims
+from homebot.devices.words import encode_state
+from homebot.gateways.listeners import RawDelivery
+from homebot.gateways.mqtt.board import DeviceReporter
+from homebot.gateways.mqtt.claim import AnnouncedPart, AvailabilityReader, StoredAnnouncement
+from homebot.gateways.mqtt.claims import AnnouncementRegistry
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.description import AvailabilitySource, Fade
+from homebot.gateways.mqtt.description import AutoExpiry, AvailabilitySource
 from homebot.gateways.mqtt.payload import MAX_STATE_BYTES
-from homebot.gateways.mqtt.timekeeper import Timekeeper
-from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.gateways.mqtt.timekeeper import Scheduler
+from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.mqtt.message import MqttMessage
 
-__all__ = ["States"]
+__all__ = ["StateReader"]
 
 _TURN = 100
 """Readers of one message after which others get their turn."""
 
 
-class States:
+class StateReader:
     """The way from messages of state to the graph.
 
     Args:
@@ -43,11 +43,11 @@ class States:
 
     def __init__(
         self,
-        claims: Claims,
-        board: Board,
-        listeners: Listeners,
-        timekeeper: Timekeeper,
-        tribunal: Tribunal,
+        claims: AnnouncementRegistry,
+        board: DeviceReporter,
+        listeners: RawDelivery,
+        timekeeper: Scheduler,
+        tribunal: PeerQuarantine,
         counters: GatewayCounters,
     ) -> None:
         self._claims = claims
@@ -57,7 +57,7 @@ class States:
         self._tribunal = tribunal
         self._counters = counters
 
-    async def witness(self, message: MqttMessage, witnesses: tuple[Witness, ...]) -> None:
+    async def read_availability_message(self, message: MqttMessage, witnesses: tuple[AvailabilityReader, ...]) -> None:
         """Take *message* as one that tells whether devices can be reached; equal sources read it once."""
         read: dict[int, bool | None] = {}
         for number, witness in enumerate(witnesses, 1):
@@ -68,42 +68,48 @@ class States:
                 continue
             source = reachability.availability.sources[witness.index]
             if id(source) not in read:
-                read[id(source)] = self._whether(source, witness.claim, message)
+                read[id(source)] = self._read_availability(source, witness.claim, message)
             said = read[id(source)]
             if said is not None:
                 reachability.hear(witness.index, said, retained=message.retain)
                 self._tell_reachable(witness.claim, witness.part, message.topic, retained=message.retain)
 
-    async def read(self, message: MqttMessage, voices: tuple[Voice, ...], longest: int = MAX_STATE_BYTES) -> None:
+    async def read(
+        self, message: MqttMessage, voices: tuple[AnnouncedPart, ...], longest: int = MAX_STATE_BYTES
+    ) -> None:
         """Take *message* as one in which parts tell their state; one that is too long is only counted."""
         if len(message.payload) > longest:
             self._counters.oversize += 1
             return
         readings: list[Reading] = []
-        claim: Claim | None = None
+        claim: StoredAnnouncement | None = None
         for number, voice in enumerate(voices, 1):
             if number % _TURN == 0:
                 await anyio.lowlevel.checkpoint()
-            told = self._told(voice, message)
+            told = self._decode(voice, message)
             if not told:
                 continue
             if voice.claim is not claim:
                 self._report(claim, readings, message)
                 claim, readings = voice.claim, []
             readings += told[1]
-            for fade in voice.described.fades:
+            for fade in voice.described.expiries:
                 self._plan(voice, fade, told[0])
-            await self._speak(voice, told[0], message)
+            await self._deliver_text(voice, told[0], message)
         self._report(claim, readings, message)
 
-    def _whether(self, source: AvailabilitySource, claim: Claim, message: MqttMessage) -> bool | None:
+    def _read_availability(
+        self, source: AvailabilitySource, claim: StoredAnnouncement, message: MqttMessage
+    ) -> bool | None:
         try:
             return source.read(message.payload)
         except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-            self._tribunal.failed(message.topic, claim.described.convention, exc)
+            self._tribunal.record_plugin_failure(message.topic, claim.described.convention, exc)
             return None
 
-    def _told(self, voice: Voice, message: MqttMessage) -> tuple[Mapping[str, PlainValue], list[Reading]] | None:
+    def _decode(
+        self, voice: AnnouncedPart, message: MqttMessage
+    ) -> tuple[Mapping[str, PlainValue], list[Reading]] | None:
         try:
             told = voice.described.codec.read(message.topic, message.payload, retained=message.retain)
             if not told:
@@ -111,38 +117,38 @@ class States:
             part = voice.described.part.id
             return told, [Reading(part=part, capability=name, value=Value.of(value)) for name, value in told.items()]
         except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-            self._tribunal.failed(message.topic, voice.claim.described.convention, exc)
+            self._tribunal.record_plugin_failure(message.topic, voice.claim.described.convention, exc)
             return None
 
-    def _report(self, claim: Claim | None, readings: list[Reading], message: MqttMessage) -> None:
+    def _report(self, claim: StoredAnnouncement | None, readings: list[Reading], message: MqttMessage) -> None:
         if claim is None or self._claims.get(claim.key) is not claim:
             return  # it went while others had their turn
         self._counters.reports += 1
         if not message.retain and (not claim.is_confirmed or self._board.now >= claim.refresh_at):
             # First: to a directory that has forgotten the device, a report alone is of nobody.
-            self._board.sight(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
+            self._board.publish_sighting(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
         self._tell(claim, readings, message)
         if not message.retain and False in claim.reachable.values():
             self._doubt(claim, {"", *(one.part for one in readings)}, message.topic)
 
-    def _tell(self, claim: Claim, readings: list[Reading], message: MqttMessage) -> None:
+    def _tell(self, claim: StoredAnnouncement, readings: list[Reading], message: MqttMessage) -> None:
         """Tell what lasts, and what happened; that the broker had kept an event says that it happened before."""
         events = tuple(one for one in readings if one.capability in EVENTS)
         states = tuple(one for one in readings if one.capability not in EVENTS) if events else tuple(readings)
         if states:
-            stream = claim.stream(message.topic)
-            self._board.report(claim.key, states, message.topic, stream, retained=message.retain)
+            stream = claim.report_stream(message.topic)
+            self._board.publish_report(claim.key, states, message.topic, stream, retained=message.retain)
         if events and not message.retain:
             self._board.report_events(claim.key, events, message.topic)
 
-    def _doubt(self, claim: Claim, parts: set[str], topic: str) -> None:
+    def _doubt(self, claim: StoredAnnouncement, parts: set[str], topic: str) -> None:
         """The *parts* spoke: an "offline" of theirs that the broker had kept was of before."""
         for part in parts:
             if claim.reachable.get(part) is False:
                 claim.reachability[part].doubt()
                 self._tell_reachable(claim, part, topic, retained=False)
 
-    def _tell_reachable(self, claim: Claim, part: str, topic: str, *, retained: bool) -> None:
+    def _tell_reachable(self, claim: StoredAnnouncement, part: str, topic: str, *, retained: bool) -> None:
         reachable = claim.reachability[part].value
         if part in claim.reachable and reachable is claim.reachable[part]:
             return
@@ -151,16 +157,16 @@ class States:
         claim.reachable[part] = reachable
         self._board.report_reachable(claim, part, topic, reachable=reachable, retained=retained)
 
-    async def _speak(self, voice: Voice, told: Mapping[str, PlainValue], message: MqttMessage) -> None:
-        raw = self._word(voice, told, retained=message.retain)
+    async def _deliver_text(self, voice: AnnouncedPart, told: Mapping[str, PlainValue], message: MqttMessage) -> None:
+        raw = self._as_text(voice, told, retained=message.retain)
         if raw is not None:
             for listener in self._listeners.now(voice.address):
-                await self._listeners.deliver(listener, raw, patient=message.qos > 0)
+                await self._listeners.deliver(listener, raw, wait_if_full=message.qos > 0)
 
-    def _word(self, voice: Voice, told: Mapping[str, PlainValue], *, retained: bool) -> RawMessage | None:
+    def _as_text(self, voice: AnnouncedPart, told: Mapping[str, PlainValue], *, retained: bool) -> RawMessage | None:
         if retained:
             told = {name: value for name, value in told.items() if name not in EVENTS}
-        said = word(told)
+        said = encode_state(told)
         if said is None:
             return None
         raw = RawMessage(
@@ -174,7 +180,7 @@ class States:
         voice.keep(raw, self._board.now, is_event=not EVENTS.isdisjoint(told))
         return raw
 
-    def _plan(self, voice: Voice, fade: Fade, told: Mapping[str, PlainValue]) -> None:
+    def _plan(self, voice: AnnouncedPart, fade: AutoExpiry, told: Mapping[str, PlainValue]) -> None:
         if fade.capability not in told:
             return
         value = told[fade.capability]
@@ -184,15 +190,15 @@ class States:
         elif not self._timekeeper.plan(name, fade.after, partial(self._fade, *name[1:], fade)):
             self._counters.fades_dropped += 1
 
-    def _fade(self, key: str, part: str, capability: str, fade: Fade) -> None:
+    def _fade(self, key: str, part: str, capability: str, fade: AutoExpiry) -> None:
         voice = self._claims.voice(key, part)
-        if voice is None or fade not in voice.described.fades:
+        if voice is None or fade not in voice.described.expiries:
             return
-        self._board.tick()
+        self._board.refresh_time()
         reading = Reading(part=part, capability=capability, value=Value.of(fade.value))
-        stream = voice.claim.stream(f"fade {part} {capability}")
-        self._board.report(voice.claim.key, (reading,), "", stream, retained=False)
-        raw = self._word(voice, {capability: fade.value}, retained=False)
+        stream = voice.claim.report_stream(f"fade {part} {capability}")
+        self._board.publish_report(voice.claim.key, (reading,), "", stream, retained=False)
+        raw = self._as_text(voice, {capability: fade.value}, retained=False)
         if raw is not None:
             for listener in self._listeners.now(voice.address):
                 listener.publish(raw)

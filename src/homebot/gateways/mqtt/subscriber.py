@@ -9,15 +9,15 @@ from typing import TypeAlias
 import anyio
 
 from homebot.errors import HomebotError, LinkError, RefusedError
-from homebot.gateways.mqtt.claim import Claim
-from homebot.gateways.mqtt.claims import Claims
+from homebot.gateways.mqtt.claim import StoredAnnouncement
+from homebot.gateways.mqtt.claims import AnnouncementRegistry
 from homebot.gateways.mqtt.convention import Convention
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.description import Publication, Question
+from homebot.gateways.mqtt.description import DeviceRequest, Publication
 from homebot.gateways.mqtt.state_topics import StateTopics
-from homebot.gateways.mqtt.tribunal import Tribunal
+from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.isolation import run_as
-from homebot.mqtt.client import Subscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 
 __all__ = ["Subscriber"]
@@ -49,9 +49,9 @@ class Subscriber:
     def __init__(
         self,
         topics: StateTopics,
-        claims: Claims,
+        claims: AnnouncementRegistry,
         conventions: tuple[Convention, ...],
-        tribunal: Tribunal,
+        tribunal: PeerQuarantine,
         counters: GatewayCounters,
     ) -> None:
         self._topics = topics
@@ -69,7 +69,7 @@ class Subscriber:
         """Look again at what is needed."""
         self._needed.set()
 
-    def ask(self, claim: Claim) -> None:
+    def ask(self, claim: StoredAnnouncement) -> None:
         """Ask the device for its state once all that is needed now is subscribed to."""
         asks = _asks_of(claim)
         for ask in asks:
@@ -80,7 +80,7 @@ class Subscriber:
         if asks:
             self._needed.set()
 
-    def question(self, question: Question) -> None:
+    def question(self, question: DeviceRequest) -> None:
         """Ask a device who it is; a later question with the same key takes the place of an earlier one."""
         if question.key not in self._asks and len(self._asks) >= MAX_ASKS:
             self._counters.asks_dropped += 1
@@ -91,7 +91,7 @@ class Subscriber:
     async def run(self, connection: MqttConnection) -> None:
         """Subscribe, unsubscribe and ask until cancelled."""
         async with anyio.create_task_group() as tasks:
-            for work in (self._subscribe, self._ask_slowly, self._greet):
+            for work in (self._subscribe, self._send_state_requests, self._on_connected):
                 tasks.start_soon(run_as, "the gateway", partial(work, connection))
 
     async def _subscribe(self, connection: MqttConnection) -> None:
@@ -109,14 +109,14 @@ class Subscriber:
 
     async def _subscribe_to(self, connection: MqttConnection, filters: tuple[str, ...]) -> None:
         try:
-            await connection.subscribe(*(Subscription(one, no_local=True) for one in filters), every_link=True)
+            await connection.subscribe(*(MqttSubscription(one, no_local=True) for one in filters), every_link=True)
         except RefusedError as exc:
             self._counters.topics_refused += sum(one in connection.refused for one in filters)
-            self._tribunal.warn(NOT_HEARD, f"devices are not heard in full: {exc}", topic=filters[0])
+            self._tribunal.log_limited(NOT_HEARD, f"devices are not heard in full: {exc}", topic=filters[0])
         if covered := tuple(one for one in filters if self._topics.is_covered(one)):
             await connection.unsubscribe(*covered)
 
-    async def _ask_slowly(self, connection: MqttConnection) -> None:
+    async def _send_state_requests(self, connection: MqttConnection) -> None:
         while True:
             await self._linked.wait()
             if not self._asks:
@@ -129,7 +129,7 @@ class Subscriber:
                     break
                 await anyio.sleep(ASK_EVERY)
 
-    async def _greet(self, connection: MqttConnection) -> None:
+    async def _on_connected(self, connection: MqttConnection) -> None:
         """On each link ask devices to announce themselves, and on each but the first for their state."""
         is_first = True
         async for state in connection.states():
@@ -138,7 +138,7 @@ class Subscriber:
                 continue
             self._linked.set()
             for convention in self._conventions:
-                for birth in convention.births():
+                for birth in convention.birth_messages():
                     await self._publish(connection, birth)
             if not is_first:
                 for claim in self._claims.all():
@@ -153,16 +153,16 @@ class Subscriber:
         except LinkError:
             return False
         except HomebotError as exc:
-            self._tribunal.warn(NOT_ASKED, f"not asked on {message.topic}: {exc}", topic=message.topic)
+            self._tribunal.log_limited(NOT_ASKED, f"not asked on {message.topic}: {exc}", topic=message.topic)
         return True
 
 
 _Asks: TypeAlias = tuple[Publication, ...]
 
 
-def _asks_of(claim: Claim) -> _Asks:
+def _asks_of(claim: StoredAnnouncement) -> _Asks:
     asks: dict[Publication, None] = {}
-    for voice in claim.voices.values():
-        if voice.described.asks:
-            asks.update(dict.fromkeys(voice.described.asks))
+    for voice in claim.parts.values():
+        if voice.described.state_requests:
+            asks.update(dict.fromkeys(voice.described.state_requests))
     return tuple(asks)[:MAX_ASKS_EACH]

@@ -10,11 +10,11 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, json_in
-from homebot.gateways.mqtt.wanted import wanted_transition
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings, to_json
+from homebot.gateways.mqtt.wanted import require_transition
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["CodedWriter", "Opener", "Reader", "TableCodec", "Writer", "json_object", "raw_bytes"]
+__all__ = ["CodedWriter", "PayloadParser", "Reader", "TableCodec", "Writer", "json_object", "raw_bytes"]
 
 MessageT = TypeVar("MessageT")
 MessageT_co = TypeVar("MessageT_co", covariant=True)
@@ -30,7 +30,7 @@ CodedWriter: TypeAlias = Callable[[PlainValue, str], tuple[Publication, ...]]
 """What to publish for a value and a code, which is empty where none was given; raises RefusedError."""
 
 
-class Opener(Protocol[MessageT_co]):
+class PayloadParser(Protocol[MessageT_co]):
     """How a payload becomes what the readers of a part are given."""
 
     def __call__(self, payload: bytes, *, retained: bool) -> MessageT_co | None:
@@ -51,7 +51,7 @@ def raw_bytes(payload: bytes, *, retained: bool) -> bytes:
 def json_object(payload: bytes, *, retained: bool) -> JsonMessage | None:
     """Open a payload for readers of a JSON object, which they share."""
     del retained
-    message = json_in(payload)
+    message = to_json(payload)
     return message if isinstance(message, dict) else None
 
 
@@ -70,7 +70,7 @@ class TableCodec(Generic[MessageT]):
 
     def __init__(
         self,
-        opened: Opener[MessageT],
+        opened: PayloadParser[MessageT],
         readers: Mapping[str, tuple[Reader[MessageT], ...]],
         event_readers: Mapping[str, tuple[Reader[MessageT], ...]],
         writers: Mapping[str, Writer],
@@ -96,7 +96,7 @@ class TableCodec(Generic[MessageT]):
             readers += self._readers_on_filters(topic, retained=retained)
         message = self._opened(payload, retained=retained) if readers else None
         if message is None:
-            return NOTHING
+            return NO_READINGS
         if len(readers) == 1:
             return readers[0](message)
         found: dict[str, PlainValue] = {}
@@ -107,13 +107,13 @@ class TableCodec(Generic[MessageT]):
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
         """Return what to publish so that *capability* becomes *value*."""
         if capability in self._coded_writers:
-            wanted_transition(transition)
+            require_transition(transition)
             return self._coded_writers[capability](value, "")
         writer = self._writers.get(capability)
         if writer is None:
             known = ", ".join((*self._writers, *self._coded_writers)) or "nothing"
             raise RefusedError(shown(capability), f"this part takes {known}")
-        return writer(value, wanted_transition(transition))
+        return writer(value, require_transition(transition))
 
     def write_with_code(self, capability: str, value: PlainValue, code: str) -> tuple[Publication, ...]:
         """Return what to publish so that *capability* becomes *value*, which *code* allows."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from homebot.devices import KeyValue
 from homebot.errors import WireError
-from homebot.gateways.mqtt.convention import Announcement
+from homebot.gateways.mqtt.convention import TopicDevice
 from homebot.gateways.mqtt.thesis_parts import thesis_part
 
 __all__ = ["ThesisLayout"]
@@ -34,7 +34,7 @@ class ThesisLayout:
         root = self._root
         return (f"{root}/+/+/out", root, f"{root}/+", f"{root}/+/+", f"{root}/+/+/+/+/#")
 
-    def announced(self, topic: str) -> Announcement | None:
+    def announced(self, topic: str) -> TopicDevice | None:
         """Return the device that speaks on *topic*; None for another home, or a channel that is not ``out``.
 
         Raises:
@@ -53,7 +53,7 @@ class ThesisLayout:
         if channel != "out":
             return None
         base = f"{home}/{service_type}/{device_id}"
-        return Announcement(
+        return TopicDevice(
             key=f"{service_type}/{device_id}" if self._root else base,
             name=device_id,
             service_type=service_type,

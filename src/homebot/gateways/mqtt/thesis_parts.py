@@ -18,7 +18,7 @@ __all__ = ["thesis_part"]
 
 
 @dataclass(frozen=True, slots=True)
-class _Kind:
+class _ServiceTypeKind:
     """What devices of one type understand: capabilities that they say and are told, and that they only say."""
 
     settable: tuple[str, ...] = ()
@@ -28,37 +28,37 @@ class _Kind:
 
 _OPENING = ("movement", "position")
 
-_KINDS: Mapping[str, _Kind] = MappingProxyType(
+_KINDS: Mapping[str, _ServiceTypeKind] = MappingProxyType(
     {
-        "light": _Kind(("on_off", "level", "color_temperature")),
-        "plug": _Kind(("on_off",)),
-        "switch": _Kind(("on_off",)),
-        "siren": _Kind(("on_off",)),
-        "pump": _Kind(("on_off",)),
-        "fan": _Kind(("on_off", "fan_speed")),
-        "window_covering": _Kind(_OPENING),
-        "closure": _Kind(_OPENING),
-        "door_lock": _Kind(("lock",)),
-        "water_valve": _Kind(("valve", "position")),
-        "thermostat": _Kind(("heating_setpoint",), ("local_temperature",)),
-        "contact_sensor": _Kind((), ("contact",)),
-        "occupancy_sensor": _Kind((), ("occupancy",)),
-        "temperature_sensor": _Kind((), ("temperature",)),
-        "humidity_sensor": _Kind((), ("humidity",)),
-        "light_sensor": _Kind((), ("illuminance",)),
-        "pressure_sensor": _Kind((), ("pressure",)),
-        "flow_sensor": _Kind((), ("flow",)),
-        "soil_sensor": _Kind((), ("soil_moisture",)),
-        "smoke_co_alarm": _Kind((), ("smoke",)),
-        "water_leak_detector": _Kind((), ("water_leak",)),
-        "rain_sensor": _Kind((), ("rain",)),
-        "water_freeze_detector": _Kind((), ("freeze",)),
-        "electrical_meter": _Kind((), ("power",)),
-        "x_battery": _Kind((), ("battery",)),
-        "x_robot": _Kind((), ("value",)),
-        "x_tracker": _Kind((), ("place",)),
-        "x_sensor": _Kind((), ("value",)),
-        "x_binary_sensor": _Kind((), ("state",)),
+        "light": _ServiceTypeKind(("on_off", "level", "color_temperature")),
+        "plug": _ServiceTypeKind(("on_off",)),
+        "switch": _ServiceTypeKind(("on_off",)),
+        "siren": _ServiceTypeKind(("on_off",)),
+        "pump": _ServiceTypeKind(("on_off",)),
+        "fan": _ServiceTypeKind(("on_off", "fan_speed")),
+        "window_covering": _ServiceTypeKind(_OPENING),
+        "closure": _ServiceTypeKind(_OPENING),
+        "door_lock": _ServiceTypeKind(("lock",)),
+        "water_valve": _ServiceTypeKind(("valve", "position")),
+        "thermostat": _ServiceTypeKind(("heating_setpoint",), ("local_temperature",)),
+        "contact_sensor": _ServiceTypeKind((), ("contact",)),
+        "occupancy_sensor": _ServiceTypeKind((), ("occupancy",)),
+        "temperature_sensor": _ServiceTypeKind((), ("temperature",)),
+        "humidity_sensor": _ServiceTypeKind((), ("humidity",)),
+        "light_sensor": _ServiceTypeKind((), ("illuminance",)),
+        "pressure_sensor": _ServiceTypeKind((), ("pressure",)),
+        "flow_sensor": _ServiceTypeKind((), ("flow",)),
+        "soil_sensor": _ServiceTypeKind((), ("soil_moisture",)),
+        "smoke_co_alarm": _ServiceTypeKind((), ("smoke",)),
+        "water_leak_detector": _ServiceTypeKind((), ("water_leak",)),
+        "rain_sensor": _ServiceTypeKind((), ("rain",)),
+        "water_freeze_detector": _ServiceTypeKind((), ("freeze",)),
+        "electrical_meter": _ServiceTypeKind((), ("power",)),
+        "x_battery": _ServiceTypeKind((), ("battery",)),
+        "x_robot": _ServiceTypeKind((), ("value",)),
+        "x_tracker": _ServiceTypeKind((), ("place",)),
+        "x_sensor": _ServiceTypeKind((), ("value",)),
+        "x_binary_sensor": _ServiceTypeKind((), ("state",)),
     }
 )
 

@@ -9,15 +9,15 @@ import anyio
 import anyio.lowlevel
 
 from homebot.clock import Clock
-from homebot.gateways.mqtt.agenda import Agenda, Deed
+from homebot.gateways.mqtt.agenda import Callback, TimerQueue
 
-__all__ = ["Timekeeper"]
+__all__ = ["Scheduler"]
 
 _TURN = 100
 """Deeds done before others get their turn."""
 
 
-class Timekeeper:
+class Scheduler:
     """An agenda that is kept by one task, in the clock's own time.
 
     Args:
@@ -26,11 +26,11 @@ class Timekeeper:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._agenda = Agenda()
+        self._agenda = TimerQueue()
         self._wakes_at = math.inf
         self._earlier = anyio.Event()
 
-    def plan(self, name: Hashable, after: float, deed: Deed) -> bool:
+    def plan(self, name: Hashable, after: float, deed: Callback) -> bool:
         """Plan *deed* in *after* seconds, in place of what was planned under *name*; False when there is no room."""
         at = self._clock.monotonic() + after
         is_planned = self._agenda.plan(name, at, deed)

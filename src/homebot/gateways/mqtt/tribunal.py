@@ -7,17 +7,17 @@ from functools import partial
 
 from homebot.devices.quarantine import Quarantine
 from homebot.gateways.base import Gateway
-from homebot.gateways.mqtt.board import Board
+from homebot.gateways.mqtt.board import DeviceReporter
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.offenders import CALM, Offender, Offenders
-from homebot.gateways.mqtt.timekeeper import Timekeeper
+from homebot.gateways.mqtt.offenders import CALM, WorkBudget, WorkBudgets
+from homebot.gateways.mqtt.timekeeper import Scheduler
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import crash_of
 from homebot.log import LogLimit
 from homebot.messages import Time
 from homebot.mqtt.message import MqttMessage
 
-__all__ = ["Tribunal"]
+__all__ = ["PeerQuarantine"]
 
 QUARANTINED = "gateway.quarantined"
 CONVENTION_FAILED = "gateway.convention_failed"
@@ -30,7 +30,7 @@ _LONGEST = 300
 """Characters of a topic, or of a reason, that are remembered."""
 
 
-class Tribunal:
+class PeerQuarantine:
     """Judges offenders, who are called by the topic that they speak on.
 
     Args:
@@ -47,8 +47,8 @@ class Tribunal:
     def __init__(
         self,
         gateway: Gateway,
-        board: Board,
-        timekeeper: Timekeeper,
+        board: DeviceReporter,
+        timekeeper: Scheduler,
         counters: GatewayCounters,
         filters: Iterable[str],
     ) -> None:
@@ -56,15 +56,15 @@ class Tribunal:
         self._board = board
         self._timekeeper = timekeeper
         self._counters = counters
-        self.offenders = Offenders(filters)
+        self.offenders = WorkBudgets(filters)
         self._events = gateway.node.create_publisher(Quarantine, gateway.names.quarantine, _QOS)
         self._limit = LogLimit(gateway.node.graph.clock)
         self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
 
-    def accuse(self, message: MqttMessage, event: str, why: str) -> None:
+    def record_offence(self, message: MqttMessage, event: str, why: str) -> None:
         """Tell of an announcement that broke a rule, and charge it to who pays for its topic."""
         topic, why = message.topic[:_LONGEST], why[:_LONGEST]
-        self.warn(event, f"{topic}: {why}", topic=topic)
+        self.log_limited(event, f"{topic}: {why}", topic=topic)
         self.offenders.charge(message.topic, len(message.payload), f"{topic}: {why}"[:_LONGEST], self._board.now)
 
     def defer(self, payer: str) -> None:
@@ -77,14 +77,14 @@ class Tribunal:
             return
         self._counters.quarantines += 1
         self._events.publish(self._message(offender))
-        self.warn(
+        self.log_limited(
             QUARANTINED,
             f"too much on {payer[:_LONGEST]} breaks the rules: what comes there is read a little at a time until that "
             f"stops; the last: {offender.why}",
             topic=payer,
         )
 
-    def failed(self, topic: str, convention: str, error: BaseException) -> None:
+    def record_plugin_failure(self, topic: str, convention: str, error: BaseException) -> None:
         """Tell of an *error* that a convention let through.
 
         One that a stranger's message causes must not end the gateway, which would meet the same message again. As a
@@ -95,13 +95,13 @@ class Tribunal:
         """
         error = crash_of(f"the convention {convention}", error)
         self._counters.failures += 1
-        self.warn(CONVENTION_FAILED, f"{topic[:_LONGEST]}: the convention {convention} failed", topic=topic)
+        self.log_limited(CONVENTION_FAILED, f"{topic[:_LONGEST]}: the convention {convention} failed", topic=topic)
         if self._limit.allows(f"{CONVENTION_FAILED} {convention}") is not None:
             self._node.log.error(
                 CONVENTION_FAILED, message=f"the convention {convention} failed", topic=topic[:_LONGEST], exc_info=error
             )
 
-    def warn(self, event: str, words: str, *, topic: str) -> None:
+    def log_limited(self, event: str, words: str, *, topic: str) -> None:
         """Tell of a culprit once in a while, and of so many culprits at most."""
         topic = topic[:_LONGEST]
         repeated = self._limit.allows(f"{event} {topic}")
@@ -111,12 +111,12 @@ class Tribunal:
         more = f" (and {held_back} more like this)" if held_back else ""
         self._node.log.warning(event, message=f"{words}{more}", topic=topic, held_back=held_back)
 
-    def confined(self) -> tuple[Quarantine, ...]:
+    def quarantined(self) -> tuple[Quarantine, ...]:
         """Return who is quarantined now."""
-        return tuple(self._message(offender) for offender in self.offenders.confined())
+        return tuple(self._message(offender) for offender in self.offenders.quarantined())
 
     def _release(self, payer: str) -> None:
-        self._board.tick()
+        self._board.refresh_time()
         left = self.offenders.quiet_in(payer, self._board.now)
         if left > 0:
             self._timekeeper.plan(("quarantine", payer), left, partial(self._release, payer))
@@ -126,7 +126,7 @@ class Tribunal:
             self._events.publish(self._message(offender).model_copy(update={"is_over": True}))
             self._events.dispose(payer[:_LONGEST])
 
-    def _message(self, offender: Offender) -> Quarantine:
+    def _message(self, offender: WorkBudget) -> Quarantine:
         passed = self._node.graph.clock.monotonic() - offender.since
         since = self._node.graph.clock.now() - passed
         return Quarantine(

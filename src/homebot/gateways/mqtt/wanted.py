@@ -10,19 +10,19 @@ from homebot.errors import RefusedError
 from homebot.gateways.mqtt.payload import shown
 
 __all__ = [
-    "wanted_color",
-    "wanted_flag",
-    "wanted_number",
-    "wanted_numbers",
-    "wanted_option",
-    "wanted_transition",
+    "require_bool",
+    "require_color",
+    "require_number",
+    "require_numbers",
+    "require_option",
+    "require_transition",
 ]
 
 _MOST_NAMED = 20
 _HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
 
 
-def wanted_flag(capability: str, value: PlainValue) -> bool:
+def require_bool(capability: str, value: PlainValue) -> bool:
     """Return *value* where it is true or false.
 
     Raises:
@@ -33,7 +33,7 @@ def wanted_flag(capability: str, value: PlainValue) -> bool:
     raise RefusedError(f"{capability} {shown(value)}", "it takes true or false")
 
 
-def wanted_number(capability: str, value: PlainValue, least: float, most: float, unit: str = "") -> float:
+def require_number(capability: str, value: PlainValue, least: float, most: float, unit: str = "") -> float:
     """Return *value* where it is a number within the bounds.
 
     Raises:
@@ -45,7 +45,7 @@ def wanted_number(capability: str, value: PlainValue, least: float, most: float,
     raise RefusedError(f"{capability} {shown(value)}", f"it takes a number from {bounds}")
 
 
-def wanted_numbers(capability: str, value: PlainValue, bounds: tuple[tuple[float, float], ...]) -> tuple[float, ...]:
+def require_numbers(capability: str, value: PlainValue, bounds: tuple[tuple[float, float], ...]) -> tuple[float, ...]:
     """Return *value* where it has one number within each of the *bounds*.
 
     Raises:
@@ -61,17 +61,17 @@ def wanted_numbers(capability: str, value: PlainValue, bounds: tuple[tuple[float
     raise RefusedError(f"{capability} {shown(value)}", f"it takes numbers from {pairs}")
 
 
-def wanted_color(value: PlainValue) -> tuple[float, float]:
+def require_color(value: PlainValue) -> tuple[float, float]:
     """Return the hue and the saturation that *value* is.
 
     Raises:
         RefusedError: It is something else, or one is outside 0 to 360 or 0 to 100.
     """
-    hue, saturation = wanted_numbers("color", value, _HUE_SATURATION)
+    hue, saturation = require_numbers("color", value, _HUE_SATURATION)
     return hue, saturation
 
 
-def wanted_transition(seconds: float, most: float = math.inf) -> float:
+def require_transition(seconds: float, most: float = math.inf) -> float:
     """Return *seconds* where a change can take so long.
 
     Raises:
@@ -83,7 +83,7 @@ def wanted_transition(seconds: float, most: float = math.inf) -> float:
     raise RefusedError(f"a transition of {seconds:g} s", f"it takes {takes}")
 
 
-def wanted_option(capability: str, value: PlainValue, options: Iterable[str]) -> str:
+def require_option(capability: str, value: PlainValue, options: Iterable[str]) -> str:
     """Return *value* where it is one of the *options*.
 
     Raises:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from homebot.house.condition import Condition
-from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.condition import DeviceState
+from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 
 __all__ = ["BridgeDialect"]
 
@@ -25,37 +25,39 @@ class BridgeDialect:
         """A bridge is no device that a house describes."""
         return frozenset()
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return none."""
         del device
         return ()
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return what the bridge says on each new link."""
         del device
         return self._bridge.birth
 
-    def will(self, device: Nameplate) -> Outgoing | None:
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
         """Return what the broker says when the bridge vanishes."""
         del device
         return self._bridge.will
 
-    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return nothing."""
         del device, condition
         return ()
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return nothing."""
         del device, topic, payload
         return ()
 
-    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+    def replies(
+        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+    ) -> tuple[OutgoingMessage, ...]:
         """Return nothing."""
         del device, condition, topic, payload
         return ()
 
-    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
         """Return None: it is one."""
         del devices
         return None

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from homebot.house.condition import Condition
+from homebot.house.condition import DeviceState
 from homebot.house.device import spoken
-from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.homeassistant_components import COMPONENTS
 from homebot.house.dialects.wire import (
     as_json,
@@ -50,26 +50,26 @@ class HomeAssistantDialect:
         """All but robots, for which there is no component."""
         return frozenset(COMPONENTS)
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands; sensors take none."""
         return tuple(f"{node_name(device)}/{level}" for level in COMPONENTS[device.kind].levels)
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return its announcement, and that it is online; both kept."""
         node = node_name(device)
         config = self._whole(device) if self._whole_devices else self._single(device)
-        return (config, Outgoing(f"{node}/status", b"online", retain=True))
+        return (config, OutgoingMessage(f"{node}/status", b"online", retain=True))
 
-    def will(self, device: Nameplate) -> Outgoing:
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         """Return that it is offline; kept."""
-        return Outgoing(f"{node_name(device)}/status", b"offline", retain=True)
+        return OutgoingMessage(f"{node_name(device)}/status", b"offline", retain=True)
 
-    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, kept."""
         state = COMPONENTS[device.kind].state(condition)
-        return (Outgoing(f"{node_name(device)}/state", as_json(state), retain=True),)
+        return (OutgoingMessage(f"{node_name(device)}/state", as_json(state), retain=True),)
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what a command of Home Assistant's means."""
         text = as_text(payload)
         level = topic.rpartition("/")[2]
@@ -84,17 +84,19 @@ class HomeAssistantDialect:
             return () if value is None else (spoken(value),)
         return cover_order(text) if device.kind in {"window", "cover"} else ()
 
-    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+    def replies(
+        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+    ) -> tuple[OutgoingMessage, ...]:
         """Return nothing: the broker keeps their state."""
         del device, condition, topic, payload
         return ()
 
-    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
         """Return None: each speaks for itself."""
         del devices
         return None
 
-    def _single(self, device: Nameplate) -> Outgoing:
+    def _single(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         node, part = node_name(device), COMPONENTS[device.kind]
         config = {
             **part.config(node),
@@ -110,9 +112,9 @@ class HomeAssistantDialect:
                 "suggested_area": device.room,
             },
         }
-        return Outgoing(f"{self._prefix}/{part.component}/{node}/config", as_json(config), retain=True)
+        return OutgoingMessage(f"{self._prefix}/{part.component}/{node}/config", as_json(config), retain=True)
 
-    def _whole(self, device: Nameplate) -> Outgoing:
+    def _whole(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         node, part = node_name(device), COMPONENTS[device.kind]
         config = {
             "dev": {
@@ -127,10 +129,10 @@ class HomeAssistantDialect:
             "avty_t": f"{node}/status",
             "cmps": {device.kind: {**part.config(node), "p": part.component, "name": None, "uniq_id": f"{node}_main"}},
         }
-        return Outgoing(f"{self._prefix}/device/{node}/config", as_json(config), retain=True)
+        return OutgoingMessage(f"{self._prefix}/device/{node}/config", as_json(config), retain=True)
 
 
-def _mac(device: Nameplate) -> str:
+def _mac(device: SimulatedDeviceInfo) -> str:
     digits = hardware_address(device)
     return ":".join(digits[at : at + 2] for at in range(0, 12, 2))
 

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
 
-from homebot.house.condition import Condition
+from homebot.house.condition import DeviceState
 
-__all__ = ["COMPONENTS", "Component"]
+__all__ = ["COMPONENTS", "ComponentTemplate"]
 
 Fields: TypeAlias = dict[str, object]
 
 
 @dataclass(frozen=True, slots=True)
-class Component:
+class ComponentTemplate:
     """A component.
 
     Attributes:
@@ -27,7 +27,7 @@ class Component:
 
     component: str
     config: Callable[[str], Fields]
-    state: Callable[[Condition], Fields]
+    state: Callable[[DeviceState], Fields]
     levels: tuple[str, ...] = ()
 
 
@@ -43,7 +43,7 @@ def _light(node: str) -> Fields:
     }
 
 
-def _light_state(lamp: Condition) -> Fields:
+def _light_state(lamp: DeviceState) -> Fields:
     return {
         "state": "ON" if lamp.is_on else "OFF",
         "brightness": max(1, round(lamp.brightness * 255)),
@@ -67,7 +67,7 @@ def _cover(device_class: str) -> Callable[[str], Fields]:
     return config
 
 
-def _cover_state(motor: Condition) -> Fields:
+def _cover_state(motor: DeviceState) -> Fields:
     rests = "open" if motor.position else "closed"
     return {"state": {1: "opening", -1: "closing"}.get(motor.way, rests), "position": round(motor.position * 100)}
 
@@ -121,7 +121,7 @@ def _climate(node: str) -> Fields:
     }
 
 
-def _climate_state(thermostat: Condition) -> Fields:
+def _climate_state(thermostat: DeviceState) -> Fields:
     return {
         "mode": "heat",
         "action": "heating" if thermostat.heats else "idle",
@@ -132,21 +132,21 @@ def _climate_state(thermostat: Condition) -> Fields:
 
 _POSITIONED = ("set", "set_position")
 
-COMPONENTS: Mapping[str, Component] = MappingProxyType(
+COMPONENTS: Mapping[str, ComponentTemplate] = MappingProxyType(
     {
-        "lamp": Component("light", _light, _light_state, ("set",)),
-        "window": Component("cover", _cover("window"), _cover_state, _POSITIONED),
-        "cover": Component("cover", _cover("shutter"), _cover_state, _POSITIONED),
-        "lock": Component("lock", _lock, lambda lock: {"state": lock.word.upper()}, ("set",)),
-        "contact": Component(
+        "lamp": ComponentTemplate("light", _light, _light_state, ("set",)),
+        "window": ComponentTemplate("cover", _cover("window"), _cover_state, _POSITIONED),
+        "cover": ComponentTemplate("cover", _cover("shutter"), _cover_state, _POSITIONED),
+        "lock": ComponentTemplate("lock", _lock, lambda lock: {"state": lock.word.upper()}, ("set",)),
+        "contact": ComponentTemplate(
             "binary_sensor", _binary_sensor("door"), lambda door: {"state": "ON" if door.word == "open" else "OFF"}
         ),
-        "motion": Component(
+        "motion": ComponentTemplate(
             "binary_sensor", _binary_sensor("motion"), lambda room: {"state": "ON" if room.word == "motion" else "OFF"}
         ),
-        "lux": Component("sensor", _sensor("illuminance", "lx"), lambda lux: {"value": lux.value}),
-        "power_meter": Component("sensor", _sensor("power", "W"), lambda meter: {"value": meter.value}),
-        "thermostat": Component("climate", _climate, _climate_state, ("set_temperature",)),
+        "lux": ComponentTemplate("sensor", _sensor("illuminance", "lx"), lambda lux: {"value": lux.value}),
+        "power_meter": ComponentTemplate("sensor", _sensor("power", "W"), lambda meter: {"value": meter.value}),
+        "thermostat": ComponentTemplate("climate", _climate, _climate_state, ("set_temperature",)),
     }
 )
 """By kind."""

@@ -11,9 +11,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from homebot.house.condition import Condition
+from homebot.house.condition import DeviceState
 from homebot.house.device import spoken
-from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.homie_nodes import NODES
 from homebot.house.dialects.wire import as_json, as_number, as_text, hardware_address, lamp_order
 
@@ -37,35 +37,35 @@ class HomieDialect:
         """All but robots."""
         return frozenset(NODES)
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where its properties can be set."""
         return (f"{self._base(device)}/+/+/set",)
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return how it begins, what it is, and that it is ready; all kept."""
         base = self._base(device)
         nodes = {name: node.description() for name, node in NODES[device.kind].items()}
         description = {"homie": "5.0", "version": 1, "name": device.device_id, "nodes": nodes}
         return (
-            Outgoing(f"{base}/$state", b"init", retain=True),
-            Outgoing(f"{base}/$description", as_json(description), retain=True),
-            Outgoing(f"{base}/$state", b"ready", retain=True),
+            OutgoingMessage(f"{base}/$state", b"init", retain=True),
+            OutgoingMessage(f"{base}/$description", as_json(description), retain=True),
+            OutgoingMessage(f"{base}/$state", b"ready", retain=True),
         )
 
-    def will(self, device: Nameplate) -> Outgoing:
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         """Return that it is lost, kept."""
-        return Outgoing(f"{self._base(device)}/$state", b"lost", retain=True)
+        return OutgoingMessage(f"{self._base(device)}/$state", b"lost", retain=True)
 
-    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its properties, kept, each on its own topic."""
         base = self._base(device)
         return tuple(
-            Outgoing(f"{base}/{name}/{key}", value.encode(), retain=True)
+            OutgoingMessage(f"{base}/{name}/{key}", value.encode(), retain=True)
             for name, node in NODES[device.kind].items()
             for key, value in node.values(condition).items()
         )
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what the value of a property means."""
         property_id, text = topic.split("/")[-2], as_text(payload)
         wanted = as_number(text)
@@ -81,21 +81,23 @@ class HomieDialect:
             return lamp_order(brightness=wanted / 100) if device.kind == "lamp" else ()
         return {"position": (spoken(wanted / 100),), "set-temperature": (spoken(wanted),)}.get(property_id, ())
 
-    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+    def replies(
+        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+    ) -> tuple[OutgoingMessage, ...]:
         """Return nothing: the broker keeps all they say."""
         del device, condition, topic, payload
         return ()
 
-    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
         """Return None: each speaks for itself."""
         del devices
         return None
 
-    def _base(self, device: Nameplate) -> str:
+    def _base(self, device: SimulatedDeviceInfo) -> str:
         return f"{self._domain}/5/{_id(device)}"
 
 
-def _id(device: Nameplate) -> str:
+def _id(device: SimulatedDeviceInfo) -> str:
     """A Homie id: lower-case letters, digits and ``-``."""
     name = f"{device.home}-{device.device_id}"
     plain = re.sub(r"[^a-z0-9-]", "-", name.lower())

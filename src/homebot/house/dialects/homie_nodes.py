@@ -6,16 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from homebot.house.condition import Condition
+from homebot.house.condition import DeviceState
 from homebot.house.device import spoken
 
-__all__ = ["NODES", "Node"]
+__all__ = ["NODES", "SimulatedHomieNode"]
 
 PROFILE = "hc-smarthome/v2/cap"
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class SimulatedHomieNode:
     """A node.
 
     Attributes:
@@ -26,7 +26,7 @@ class Node:
 
     type: str
     properties: Mapping[str, Mapping[str, object]]
-    values: Callable[[Condition], Mapping[str, str]]
+    values: Callable[[DeviceState], Mapping[str, str]]
 
     def description(self) -> dict[str, object]:
         """Return it as the device's description has it."""
@@ -39,63 +39,63 @@ _TARGET = {"datatype": "float", "format": "5:30:0.5", "unit": "°C", "settable":
 _WARMTH = {"datatype": "integer", "format": "112:666", "unit": "MK⁻¹", "settable": True}
 
 _LAMP = {
-    "switch": Node(
+    "switch": SimulatedHomieNode(
         "switch", {"state": {"datatype": "boolean", "settable": True}}, lambda lamp: {"state": _boolean(lamp.is_on)}
     ),
-    "level": Node("level", {"value": _PERCENT}, lambda lamp: {"value": spoken(lamp.brightness * 100, 0)}),
-    "color": Node(
+    "level": SimulatedHomieNode("level", {"value": _PERCENT}, lambda lamp: {"value": spoken(lamp.brightness * 100, 0)}),
+    "color": SimulatedHomieNode(
         "color", {"color-temperature": _WARMTH}, lambda lamp: {"color-temperature": spoken(1e6 / lamp.kelvin, 0)}
     ),
 }
 _MOTOR = {
-    "shutter": Node(
+    "shutter": SimulatedHomieNode(
         "shutter",
         {"position": _PERCENT, "action": _DIRECTION},
         lambda motor: {"position": spoken(motor.position * 100, 0)},
     )
 }
 
-NODES: Mapping[str, Mapping[str, Node]] = MappingProxyType(
+NODES: Mapping[str, Mapping[str, SimulatedHomieNode]] = MappingProxyType(
     {
         "lamp": _LAMP,
         "window": _MOTOR,
         "cover": _MOTOR,
         "lock": {
-            "lock": Node(
+            "lock": SimulatedHomieNode(
                 "lock",
                 {"state": {"datatype": "boolean", "settable": True}},
                 lambda lock: {"state": _boolean(lock.word == "locked")},
             )
         },
         "contact": {
-            "contact": Node(
+            "contact": SimulatedHomieNode(
                 "contact", {"state": {"datatype": "boolean"}}, lambda door: {"state": _boolean(door.word == "open")}
             )
         },
         "motion": {
-            "motion": Node(
+            "motion": SimulatedHomieNode(
                 "motion", {"motion": {"datatype": "boolean"}}, lambda room: {"motion": _boolean(room.word == "motion")}
             )
         },
         "lux": {
-            "illuminance": Node(
+            "illuminance": SimulatedHomieNode(
                 "illuminance",
                 {"illuminance": {"datatype": "float", "unit": "lx"}},
                 lambda lux: {"illuminance": spoken(lux.value)},
             )
         },
         "power_meter": {
-            "powermeter": Node(
+            "powermeter": SimulatedHomieNode(
                 "powermeter",
                 {"power": {"datatype": "float", "unit": "W"}},
                 lambda meter: {"power": spoken(meter.value)},
             )
         },
         "thermostat": {
-            "thermostat": Node(
+            "thermostat": SimulatedHomieNode(
                 "thermostat", {"set-temperature": _TARGET}, lambda room: {"set-temperature": spoken(room.target)}
             ),
-            "climate": Node(
+            "climate": SimulatedHomieNode(
                 "climate",
                 {"temperature": {"datatype": "float", "unit": "°C"}},
                 lambda room: {"temperature": spoken(room.celsius, 1)},

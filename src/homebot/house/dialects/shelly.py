@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from homebot.house.condition import Condition
+from homebot.house.condition import DeviceState
 from homebot.house.device import spoken
-from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
     as_number,
@@ -60,25 +60,27 @@ class ShellyDialect:
         """Lamps, motors, contacts and meters."""
         return frozenset(_MODELS)
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands, and where all Shellys do."""
         base = _base(device)
         return (ALL, f"{base}/command", *(f"{base}/{level}" for level in _MODELS[device.kind].listens))
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return that it is online, kept, and its announcement."""
-        return (Outgoing(f"{_base(device)}/online", b"true", retain=True), *_announced(device))
+        return (OutgoingMessage(f"{_base(device)}/online", b"true", retain=True), *_announced(device))
 
-    def will(self, device: Nameplate) -> Outgoing:
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         """Return that it is offline, kept."""
-        return Outgoing(f"{_base(device)}/online", b"false", retain=True)
+        return OutgoingMessage(f"{_base(device)}/online", b"false", retain=True)
 
-    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state."""
         base = _base(device)
-        return tuple(Outgoing(f"{base}/{level}", payload) for level, payload in _state(device.kind, condition).items())
+        return tuple(
+            OutgoingMessage(f"{base}/{level}", payload) for level, payload in _state(device.kind, condition).items()
+        )
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what a command means."""
         channel = topic.removeprefix(f"{_base(device)}/")
         if channel not in _MODELS[device.kind].listens:
@@ -99,27 +101,31 @@ class ShellyDialect:
         position = as_number(text)
         return () if position is None else (spoken(position / 100),)
 
-    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+    def replies(
+        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+    ) -> tuple[OutgoingMessage, ...]:
         """Return its announcement or its state, where ``announce`` or ``update`` asked for it."""
         if topic not in {ALL, f"{_base(device)}/command"}:
             return ()
-        return {"announce": _announced(device), "update": self.said(device, condition)}.get(as_text(payload), ())
+        return {"announce": _announced(device), "update": self.state_messages(device, condition)}.get(
+            as_text(payload), ()
+        )
 
-    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
         """Return None: each speaks for itself."""
         del devices
         return None
 
 
-def _base(device: Nameplate) -> str:
+def _base(device: SimulatedDeviceInfo) -> str:
     return f"shellies/{_id(device)}"
 
 
-def _id(device: Nameplate) -> str:
+def _id(device: SimulatedDeviceInfo) -> str:
     return f"{_MODELS[device.kind].name}-{hardware_address(device).upper()}"
 
 
-def _announced(device: Nameplate) -> tuple[Outgoing, ...]:
+def _announced(device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
     model = _MODELS[device.kind]
     says = {
         "id": _id(device),
@@ -130,10 +136,10 @@ def _announced(device: Nameplate) -> tuple[Outgoing, ...]:
         "fw_ver": "20230913-112003/v1.14.0-gcb84623",
         **({"mode": model.mode} if model.mode else {}),
     }
-    return tuple(Outgoing(topic, as_json(says)) for topic in ("shellies/announce", f"{_base(device)}/announce"))
+    return tuple(OutgoingMessage(topic, as_json(says)) for topic in ("shellies/announce", f"{_base(device)}/announce"))
 
 
-def _state(kind: str, condition: Condition) -> dict[str, bytes]:
+def _state(kind: str, condition: DeviceState) -> dict[str, bytes]:
     if kind == "lamp":
         brightness = round(condition.brightness * 100)
         status = {"ison": condition.is_on, "brightness": brightness, "temp": round(condition.kelvin)}

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from homebot.house.condition import Condition
+from homebot.house.condition import DeviceState
 from homebot.house.device import spoken
-from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_number, as_object, cover_order, hardware_address, lamp_order
 
 __all__ = ["ShellyRpcDialect"]
@@ -30,19 +30,19 @@ class ShellyRpcDialect:
         """Lamps and motors."""
         return frozenset(MODELS)
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes calls."""
         return (f"{_id(device)}/rpc",)
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return that it is online, kept."""
-        return (Outgoing(f"{_id(device)}/online", b"true", retain=True),)
+        return (OutgoingMessage(f"{_id(device)}/online", b"true", retain=True),)
 
-    def will(self, device: Nameplate) -> Outgoing:
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         """Return that it is offline, kept."""
-        return Outgoing(f"{_id(device)}/online", b"false", retain=True)
+        return OutgoingMessage(f"{_id(device)}/online", b"false", retain=True)
 
-    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, as news."""
         news = {
             "src": _id(device),
@@ -50,9 +50,9 @@ class ShellyRpcDialect:
             "method": "NotifyStatus",
             "params": {"ts": 0.0, COMPONENTS[device.kind]: _status(device.kind, condition)},
         }
-        return (Outgoing(f"{_id(device)}/events/rpc", as_json(news)),)
+        return (OutgoingMessage(f"{_id(device)}/events/rpc", as_json(news)),)
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what a call tells it to do."""
         del topic
         call = as_object(payload)
@@ -72,7 +72,9 @@ class ShellyRpcDialect:
             return () if position is None else (spoken(position / 100),)
         return cover_order(verb)
 
-    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+    def replies(
+        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+    ) -> tuple[OutgoingMessage, ...]:
         """Return the answer to a call; a call without ``src`` gets none."""
         del topic
         call = as_object(payload)
@@ -93,23 +95,23 @@ class ShellyRpcDialect:
             answer["result"] = None
         else:
             answer["error"] = {"code": NOT_FOUND, "message": f"No handler for {method[:100]}"}
-        return (Outgoing(f"{caller[:200]}/rpc", as_json(answer)),)
+        return (OutgoingMessage(f"{caller[:200]}/rpc", as_json(answer)),)
 
-    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
         """Return None: each speaks for itself."""
         del devices
         return None
 
 
-def _id(device: Nameplate) -> str:
+def _id(device: SimulatedDeviceInfo) -> str:
     return f"{MODELS[device.kind]}-{hardware_address(device)}"
 
 
-def _mac(device: Nameplate) -> str:
+def _mac(device: SimulatedDeviceInfo) -> str:
     return hardware_address(device).upper()
 
 
-def _info(device: Nameplate) -> dict[str, object]:
+def _info(device: SimulatedDeviceInfo) -> dict[str, object]:
     model = MODELS[device.kind]
     return {
         "name": device.device_id,
@@ -124,7 +126,7 @@ def _info(device: Nameplate) -> dict[str, object]:
     }
 
 
-def _status(kind: str, condition: Condition) -> dict[str, object]:
+def _status(kind: str, condition: DeviceState) -> dict[str, object]:
     if kind == "lamp":
         brightness = round(condition.brightness * 100)
         return {"id": 0, "source": "mqtt", "output": condition.is_on, "brightness": brightness}

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from homebot.house.condition import Condition
+from homebot.house.condition import DeviceState
 from homebot.house.device import spoken
-from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
     as_number,
@@ -48,32 +48,32 @@ class TasmotaDialect:
         """Lamps, motors, contacts, motion sensors, light sensors and meters."""
         return frozenset({*RELAYS, *SWITCHES, *SENSORS})
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands."""
         return (f"cmnd/{_topic(device)}/+",)
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return its two announcements, and that it is online; all kept."""
         mac = hardware_address(device).upper()
         return (
-            Outgoing(f"{self._prefix}/{mac}/config", as_json(_config(device, mac)), retain=True),
-            Outgoing(f"{self._prefix}/{mac}/sensors", as_json({"sn": _sensors(device), "ver": 1}), retain=True),
-            Outgoing(f"tele/{_topic(device)}/LWT", b"Online", retain=True),
+            OutgoingMessage(f"{self._prefix}/{mac}/config", as_json(_config(device, mac)), retain=True),
+            OutgoingMessage(f"{self._prefix}/{mac}/sensors", as_json({"sn": _sensors(device), "ver": 1}), retain=True),
+            OutgoingMessage(f"tele/{_topic(device)}/LWT", b"Online", retain=True),
         )
 
-    def will(self, device: Nameplate) -> Outgoing:
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         """Return that it is offline, kept."""
-        return Outgoing(f"tele/{_topic(device)}/LWT", b"Offline", retain=True)
+        return OutgoingMessage(f"tele/{_topic(device)}/LWT", b"Offline", retain=True)
 
-    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, as in each period."""
         if device.kind in SENSORS or device.kind in SWITCHES:
-            return (Outgoing(f"tele/{_topic(device)}/SENSOR", as_json(_reading(device, condition))),)
+            return (OutgoingMessage(f"tele/{_topic(device)}/SENSOR", as_json(_reading(device, condition))),)
         if device.kind == "lamp":
-            return (Outgoing(f"tele/{_topic(device)}/STATE", as_json(_lamp_state(condition))),)
-        return (Outgoing(f"stat/{_topic(device)}/RESULT", as_json(_shutter(condition))),)
+            return (OutgoingMessage(f"tele/{_topic(device)}/STATE", as_json(_lamp_state(condition))),)
+        return (OutgoingMessage(f"stat/{_topic(device)}/RESULT", as_json(_shutter(condition))),)
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what a command means, or all those of a ``Backlog``."""
         name, value = topic.rpartition("/")[2].lower(), as_text(payload)
         if name.rstrip("0123456789") != "backlog":
@@ -81,29 +81,31 @@ class TasmotaDialect:
         orders = (order.strip().partition(" ") for order in value.split(";"))
         return tuple(word for order, _, wanted in orders for word in _told(device.kind, order.lower(), wanted.strip()))
 
-    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+    def replies(
+        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+    ) -> tuple[OutgoingMessage, ...]:
         """Return its state where ``STATE``, its readings where ``STATUS 10`` was asked for."""
         name = topic.rpartition("/")[2].lower()
         if name == "state" and device.kind == "lamp":
-            return self.said(device, condition)
+            return self.state_messages(device, condition)
         if name.startswith("shutterposition") and device.kind in RELAYS and not payload:
-            return self.said(device, condition)
+            return self.state_messages(device, condition)
         if name == "status" and as_text(payload) == "10":
             reading = _shutter(condition) if device.kind in RELAYS else _reading(device, condition)
-            return (Outgoing(f"stat/{_topic(device)}/STATUS10", as_json({"StatusSNS": reading})),)
+            return (OutgoingMessage(f"stat/{_topic(device)}/STATUS10", as_json({"StatusSNS": reading})),)
         return ()
 
-    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
         """Return None: each speaks for itself."""
         del devices
         return None
 
 
-def _topic(device: Nameplate) -> str:
+def _topic(device: SimulatedDeviceInfo) -> str:
     return node_name(device)
 
 
-def _config(device: Nameplate, mac: str) -> dict[str, object]:
+def _config(device: SimulatedDeviceInfo, mac: str) -> dict[str, object]:
     relays = RELAYS.get(device.kind, ())
     return {
         "ip": "192.0.2.1",
@@ -136,26 +138,26 @@ def _config(device: Nameplate, mac: str) -> dict[str, object]:
     }
 
 
-def _sensors(device: Nameplate) -> dict[str, object]:
+def _sensors(device: SimulatedDeviceInfo) -> dict[str, object]:
     if device.kind in SENSORS:
         chip, quantity = SENSORS[device.kind]
         return {chip: {quantity: 0}}
     return {"Switch1": "OFF"} if device.kind in SWITCHES else {}
 
 
-def _reading(device: Nameplate, condition: Condition) -> dict[str, object]:
+def _reading(device: SimulatedDeviceInfo, condition: DeviceState) -> dict[str, object]:
     if device.kind in SENSORS:
         chip, quantity = SENSORS[device.kind]
         return {chip: {quantity: condition.value}}
     return {"Switch1": "ON" if condition.word in {"open", "motion"} else "OFF"}
 
 
-def _lamp_state(lamp: Condition) -> dict[str, object]:
+def _lamp_state(lamp: DeviceState) -> dict[str, object]:
     mireds = min(max(round(1e6 / lamp.kelvin), COLDEST), WARMEST)
     return {"POWER": "ON" if lamp.is_on else "OFF", "Dimmer": round(lamp.brightness * 100), "CT": mireds}
 
 
-def _shutter(motor: Condition) -> dict[str, object]:
+def _shutter(motor: DeviceState) -> dict[str, object]:
     return {"Shutter1": {"Position": round(motor.position * 100), "Direction": motor.way}}
 
 

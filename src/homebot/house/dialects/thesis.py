@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from homebot.house.condition import Condition
-from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.condition import DeviceState
+from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.kinds import KINDS
 
 __all__ = ["ThesisDialect"]
@@ -19,39 +19,41 @@ class ThesisDialect:
         """All."""
         return frozenset(KINDS)
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return its ``in``."""
         return (f"{_base(device)}/in",)
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return nothing."""
         del device
         return ()
 
-    def will(self, device: Nameplate) -> Outgoing | None:
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
         """Return None."""
         del device
         return None
 
-    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return the word, on its ``out``; what is no Unicode becomes ``?``."""
-        return (Outgoing(f"{_base(device)}/out", condition.word.encode(errors="replace")),)
+        return (OutgoingMessage(f"{_base(device)}/out", condition.word.encode(errors="replace")),)
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the payload as text; what is no UTF-8 becomes U+FFFD."""
         del device, topic
         return (payload.decode(errors="replace"),)
 
-    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+    def replies(
+        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+    ) -> tuple[OutgoingMessage, ...]:
         """Return nothing: nobody can ask."""
         del device, condition, topic, payload
         return ()
 
-    def bridge(self, devices: Sequence[Nameplate]) -> Bridge | None:
+    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
         """Return None."""
         del devices
         return None
 
 
-def _base(device: Nameplate) -> str:
+def _base(device: SimulatedDeviceInfo) -> str:
     return f"{device.home}/{device.service_type}/{device.device_id}"

@@ -9,7 +9,7 @@ import re
 from collections.abc import Mapping
 
 from homebot.house.device import spoken
-from homebot.house.dialect import Nameplate
+from homebot.house.dialect import SimulatedDeviceInfo
 
 __all__ = ["as_json", "as_number", "as_object", "as_text", "cover_order", "hardware_address", "lamp_order", "node_name"]
 
@@ -75,13 +75,13 @@ def cover_order(word: str) -> tuple[str, ...]:
     return (word.lower(),) if word.lower() in {"open", "close", "stop"} else ()
 
 
-def hardware_address(device: Nameplate, digits: int = 12) -> str:
+def hardware_address(device: SimulatedDeviceInfo, digits: int = 12) -> str:
     """Return hexadecimal digits that are *device*'s alone, the same in every run, marked as locally given out."""
     digest = hashlib.sha256(f"{device.home}/{device.device_id}".encode(errors="replace")).hexdigest()
     return f"02{digest[: digits - 2]}"
 
 
-def node_name(device: Nameplate) -> str:
+def node_name(device: SimulatedDeviceInfo) -> str:
     """Return a name of letters, digits, ``_`` and ``-`` that no other device of any home has."""
     name = f"{device.home}-{device.device_id}"
     plain = re.sub(r"[^A-Za-z0-9_-]", "-", name)

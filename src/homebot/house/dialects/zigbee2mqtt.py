@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
-from homebot.house.condition import Condition
+from homebot.house.condition import DeviceState
 from homebot.house.device import spoken
-from homebot.house.dialect import Bridge, Nameplate, Outgoing
+from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
     as_number,
@@ -46,40 +46,42 @@ class Zigbee2MqttDialect:
         """All but robots."""
         return frozenset(EXPOSES)
 
-    def filters(self, device: Nameplate) -> tuple[str, ...]:
+    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands and questions."""
         topic = self._topic(device)
         return (f"{topic}/set", f"{topic}/set/+", f"{topic}/get")
 
-    def birth(self, device: Nameplate) -> tuple[Outgoing, ...]:
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return that it is online, kept."""
-        return (Outgoing(f"{self._topic(device)}/availability", b'{"state":"online"}', retain=True),)
+        return (OutgoingMessage(f"{self._topic(device)}/availability", b'{"state":"online"}', retain=True),)
 
-    def will(self, device: Nameplate) -> Outgoing:
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         """Return that it is offline, kept, as the bridge finds out sooner or later."""
-        return Outgoing(f"{self._topic(device)}/availability", b'{"state":"offline"}', retain=True)
+        return OutgoingMessage(f"{self._topic(device)}/availability", b'{"state":"offline"}', retain=True)
 
-    def said(self, device: Nameplate, condition: Condition) -> tuple[Outgoing, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its whole state."""
-        return (Outgoing(self._topic(device), as_json(_STATES[device.kind](condition))),)
+        return (OutgoingMessage(self._topic(device), as_json(_STATES[device.kind](condition))),)
 
-    def told(self, device: Nameplate, topic: str, payload: bytes) -> tuple[str, ...]:
+    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what a command means: an object of properties, the value of one, or a word for its state."""
         base, _, rest = topic.removeprefix(self._topic(device)).removeprefix("/").partition("/")
         if base != "set":
             return ()
         return _told(device.kind, {rest or "state": as_text(payload), **({} if rest else as_object(payload))})
 
-    def answers(self, device: Nameplate, condition: Condition, topic: str, payload: bytes) -> tuple[Outgoing, ...]:
+    def replies(
+        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+    ) -> tuple[OutgoingMessage, ...]:
         """Return its state where it was asked for."""
         del payload
-        return self.said(device, condition) if topic == f"{self._topic(device)}/get" else ()
+        return self.state_messages(device, condition) if topic == f"{self._topic(device)}/get" else ()
 
-    def bridge(self, devices: Sequence[Nameplate]) -> Bridge:
+    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge:
         """Return the bridge, which knows itself and *devices*."""
         home = devices[0].home if devices else ""
         itself = {
-            "ieee_address": _ieee(Nameplate(home, "bridge", "coordinator", "bridge", "")),
+            "ieee_address": _ieee(SimulatedDeviceInfo(home, "bridge", "coordinator", "bridge", "")),
             "type": "Coordinator",
             "friendly_name": "Coordinator",
             "supported": False,
@@ -91,17 +93,17 @@ class Zigbee2MqttDialect:
         state = f"{self._base}/bridge/state"
         return Bridge(
             birth=(
-                Outgoing(state, b'{"state":"online"}', retain=True),
-                Outgoing(f"{self._base}/bridge/devices", listed, retain=True),
+                OutgoingMessage(state, b'{"state":"online"}', retain=True),
+                OutgoingMessage(f"{self._base}/bridge/devices", listed, retain=True),
             ),
-            will=Outgoing(state, b'{"state":"offline"}', retain=True),
+            will=OutgoingMessage(state, b'{"state":"offline"}', retain=True),
         )
 
-    def _topic(self, device: Nameplate) -> str:
+    def _topic(self, device: SimulatedDeviceInfo) -> str:
         return f"{self._base}/{device.device_id}"
 
 
-def _entry(device: Nameplate) -> dict[str, object]:
+def _entry(device: SimulatedDeviceInfo) -> dict[str, object]:
     """The device in the bridge's list."""
     return {
         "ieee_address": _ieee(device),
@@ -120,11 +122,11 @@ def _entry(device: Nameplate) -> dict[str, object]:
     }
 
 
-def _ieee(device: Nameplate) -> str:
+def _ieee(device: SimulatedDeviceInfo) -> str:
     return f"0x{hardware_address(device, 16)}"
 
 
-def _cover_state(motor: Condition) -> dict[str, object]:
+def _cover_state(motor: DeviceState) -> dict[str, object]:
     return {
         "state": "OPEN" if motor.position else "CLOSE",
         "position": round(motor.position * 100),
@@ -132,7 +134,7 @@ def _cover_state(motor: Condition) -> dict[str, object]:
     }
 
 
-def _lamp_state(lamp: Condition) -> dict[str, object]:
+def _lamp_state(lamp: DeviceState) -> dict[str, object]:
     return {
         "state": "ON" if lamp.is_on else "OFF",
         "brightness": max(1, round(lamp.brightness * LEVELS)),
@@ -141,12 +143,12 @@ def _lamp_state(lamp: Condition) -> dict[str, object]:
     }
 
 
-def _lock_state(lock: Condition) -> dict[str, object]:
+def _lock_state(lock: DeviceState) -> dict[str, object]:
     where = lock.word if lock.word in {"locked", "unlocked"} else "not_fully_locked"
     return {"state": "LOCK" if lock.word == "locked" else "UNLOCK", "lock_state": where}
 
 
-def _thermostat_state(thermostat: Condition) -> dict[str, object]:
+def _thermostat_state(thermostat: DeviceState) -> dict[str, object]:
     return {
         "local_temperature": round(thermostat.celsius, 1),
         "occupied_heating_setpoint": round(thermostat.target, 3),
@@ -155,7 +157,7 @@ def _thermostat_state(thermostat: Condition) -> dict[str, object]:
     }
 
 
-_STATES: Mapping[str, Callable[[Condition], dict[str, object]]] = MappingProxyType(
+_STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = MappingProxyType(
     {
         "lamp": _lamp_state,
         "window": _cover_state,

@@ -1,25 +1,25 @@
 """A real MQTT broker on asyncio, for tests and for homes: 3.1, 3.1.1 and 5, standard library only.
 
-Three parts: the codec (:mod:`homebot.mqtt.packets`), the broker's state without I/O (:class:`Hub` and what it is
-made of), and the server (:class:`Broker`).
+Three parts: the codec (:mod:`homebot.mqtt.packets`), the broker's state without I/O (:class:`BrokerState` and what it
+is made of), and the server (:class:`Broker`).
 """
 
-from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.limits import BrokerLimits
-from homebot.mqtt.broker.link import Link
+from homebot.mqtt.broker.link import Transport
 from homebot.mqtt.broker.peer import Peer
-from homebot.mqtt.broker.policy import Policy, RefusedFilters
+from homebot.mqtt.broker.policy import BrokerPolicy, RefusedFilters
 from homebot.mqtt.broker.server import Broker, PortTakenError
 from homebot.mqtt.broker.stats import BrokerStats
 
 __all__ = [
     "Broker",
     "BrokerLimits",
+    "BrokerPolicy",
+    "BrokerState",
     "BrokerStats",
-    "Hub",
-    "Link",
     "Peer",
-    "Policy",
     "PortTakenError",
     "RefusedFilters",
+    "Transport",
 ]

@@ -10,12 +10,12 @@ from collections.abc import Callable
 from typing import ClassVar, final
 
 from homebot.mqtt.broker.filter_requests import FilterRequests
-from homebot.mqtt.broker.holding import Holding
-from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.holding import Backpressure
+from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.inbound import Inbound
 from homebot.mqtt.broker.login import expiry_of
 from homebot.mqtt.broker.outbound import Outbound
-from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.packets import (
     Auth,
     Disconnect,
@@ -52,8 +52,8 @@ class ClientPackets:
 
     def __init__(
         self,
-        hub: Hub,
-        session: Session,
+        hub: BrokerState,
+        session: BrokerSession,
         outbound: Outbound,
         on_disconnect: Callable[[bool], None],
         on_failure: Callable[[PacketError], None],
@@ -65,7 +65,7 @@ class ClientPackets:
         self._on_failure = on_failure
         self._stopped = False
         self._inbound = Inbound(hub, session, outbound)
-        self._holding = Holding(hub, outbound.link, self._go_on)
+        self._holding = Backpressure(hub, outbound.link, self._go_on)
         self._filters = FilterRequests(hub, session, outbound, self._holding, self._resume)
 
     @property

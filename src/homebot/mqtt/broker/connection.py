@@ -7,14 +7,14 @@ import socket
 from collections.abc import Callable
 from typing import Final, cast, final
 
-from homebot.mqtt.broker.endpoint import Endpoint
-from homebot.mqtt.broker.hub import Hub
-from homebot.mqtt.broker.link import Link
+from homebot.mqtt.broker.endpoint import ConnectionHandler
+from homebot.mqtt.broker.hub import BrokerState
+from homebot.mqtt.broker.link import Transport
 from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.sockets import Sockets
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["Connection"]
+__all__ = ["BrokerConnection"]
 
 _WORTH_COUNTING = 16 * 1024  # bytes that wait for one socket
 _JOIN_AT_MOST = 128 * 1024  # write at once what has grown to this, so that the transport's limit counts
@@ -22,8 +22,8 @@ _TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linu
 
 
 @final
-class Connection(asyncio.BufferedProtocol):
-    """Carries bytes between a transport and a :class:`Peer`; fills the :class:`Link` port.
+class BrokerConnection(asyncio.BufferedProtocol):
+    """Carries bytes between a transport and a :class:`Peer`; fills the :class:`Transport` port.
 
     Args:
         hub: The broker.
@@ -32,19 +32,19 @@ class Connection(asyncio.BufferedProtocol):
         endpoint: Makes what understands the bytes.
 
     Attributes:
-        choked: As :class:`Link` says.
+        write_blocked: As :class:`Transport` says.
         address: The far side's address.
         peer: The state machine.
     """
 
     def __init__(
         self,
-        hub: Hub,
+        hub: BrokerState,
         loop: asyncio.AbstractEventLoop,
         sockets: Sockets,
-        endpoint: Callable[[Hub, Link], Endpoint] = Peer,
+        endpoint: Callable[[BrokerState, Transport], ConnectionHandler] = Peer,
     ) -> None:
-        self.choked = False
+        self.write_blocked = False
         self.address = "?"
         self.peer = endpoint(hub, self)
         self._hub = hub
@@ -109,11 +109,11 @@ class Connection(asyncio.BufferedProtocol):
 
     def pause_writing(self) -> None:
         """The socket takes bytes slower than they come."""
-        self.choked = True
+        self.write_blocked = True
 
     def resume_writing(self) -> None:
         """The socket's buffer is almost empty again."""
-        self.choked = False
+        self.write_blocked = False
         self._note_unsent(self.unsent)
         self.peer.writable()
 

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import final
 
-__all__ = ["Deadline", "Deadlines"]
+__all__ = ["BrokerTimers", "Deadline"]
 
 
 @final
@@ -29,7 +29,7 @@ class Deadline:
 
 
 @final
-class Deadlines:
+class BrokerTimers:
     """A heap of deadlines.
 
     Args:

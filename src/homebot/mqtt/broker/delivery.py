@@ -5,10 +5,10 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Final
 
-__all__ = ["REFUSED", "SLOW", "TAKEN", "Delivery"]
+__all__ = ["REFUSED", "SLOW", "TAKEN", "DeliveryResult"]
 
 
-class Delivery(IntEnum):
+class DeliveryResult(IntEnum):
     """What became of a message for one session: taken; taken, but slow down; not taken."""
 
     TAKEN = 0
@@ -16,6 +16,6 @@ class Delivery(IntEnum):
     REFUSED = 2
 
 
-TAKEN: Final = Delivery.TAKEN  # by these names they are found twice as fast, for every receiver of every message
-SLOW: Final = Delivery.SLOW
-REFUSED: Final = Delivery.REFUSED
+TAKEN: Final = DeliveryResult.TAKEN  # by these names they are found twice as fast, for every receiver of every message
+SLOW: Final = DeliveryResult.SLOW
+REFUSED: Final = DeliveryResult.REFUSED

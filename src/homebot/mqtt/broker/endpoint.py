@@ -6,10 +6,10 @@ from typing import Protocol
 
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["Endpoint"]
+__all__ = ["ConnectionHandler"]
 
 
-class Endpoint(Protocol):
+class ConnectionHandler(Protocol):
     """What a carrier tells about one connection; :class:`Peer` fills it, and so does what is put around a peer."""
 
     @property

@@ -6,20 +6,20 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple, final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.delivery import REFUSED, TAKEN, Delivery
+from homebot.mqtt.broker.delivery import REFUSED, TAKEN, DeliveryResult
 from homebot.mqtt.broker.limits import BrokerLimits
-from homebot.mqtt.broker.message import BULKY, Message
-from homebot.mqtt.broker.queue import Parcel
+from homebot.mqtt.broker.message import BULKY, BrokerMessage
+from homebot.mqtt.broker.queue import QueuedMessage
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.retained import RetainedMessages
-from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.subscription import SessionSubscription
 from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
 from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import FilterRequest, ReasonCode
 
-__all__ = ["Exchange", "Receipt"]
+__all__ = ["MessageRouter", "Receipt"]
 
 
 class Receipt(NamedTuple):
@@ -31,7 +31,7 @@ class Receipt(NamedTuple):
     """
 
     reason: ReasonCode
-    slow: tuple[Session, ...] = ()
+    slow: tuple[BrokerSession, ...] = ()
 
 
 _MANY = 20  # sessions
@@ -41,7 +41,7 @@ _UNMATCHED = Receipt(ReasonCode.NO_MATCHING_SUBSCRIBERS)
 
 
 @final
-class Exchange:
+class MessageRouter:
     """Takes messages and subscriptions and brings them together.
 
     Args:
@@ -62,7 +62,7 @@ class Exchange:
         clock: Clock,
         limits: BrokerLimits,
         counters: Counters,
-        on_message: Callable[[Message], None] | None = None,
+        on_message: Callable[[BrokerMessage], None] | None = None,
         turn: WorkBudget | None = None,
     ) -> None:
         self._clock = clock
@@ -71,16 +71,16 @@ class Exchange:
         self._on_message = on_message
         self._turn = turn
         self.subscriptions = SubscriptionTree(turn)
-        self.crowded: dict[Session, None] = {}
+        self.crowded: dict[BrokerSession, None] = {}
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
 
-    def publish(self, message: Message) -> Receipt:
+    def publish(self, message: BrokerMessage) -> Receipt:
         """Send *message* to all who subscribe to its topic, and retain it where it asks for it."""
         if self._on_message is not None:
             self._on_message(message)
         retained = not message.retain or self._retain(message)
         targets, groups = self.subscriptions.route(message.topic)
-        slow: list[Session] = []
+        slow: list[BrokerSession] = []
         large = message.size >= BULKY
         if len(targets) > _MANY and self._turn is not None:
             self._turn.spend(2 * len(targets))
@@ -99,7 +99,7 @@ class Exchange:
             return Receipt(ReasonCode.SUCCESS, tuple(slow))
         return _DELIVERED if targets or groups else _UNMATCHED
 
-    def without_room(self, topic: str) -> tuple[Session, ...]:
+    def without_room(self, topic: str) -> tuple[BrokerSession, ...]:
         """Connected sessions that are to get *topic* at QoS 1 or 2, and whose queue is full."""
         if not self.crowded:
             return ()
@@ -115,7 +115,7 @@ class Exchange:
                 found += connected
         return tuple(found)
 
-    def subscribe(self, session: Session, request: FilterRequest, identifier: int, replay: Replay) -> ReasonCode:
+    def subscribe(self, session: BrokerSession, request: FilterRequest, identifier: int, replay: Replay) -> ReasonCode:
         """Add a subscription, or put it in place of the one with the same filter.
 
         Args:
@@ -127,7 +127,7 @@ class Exchange:
         Returns:
             The granted QoS, 0x8F for too many levels, or 0x97 for too many subscriptions.
         """
-        subscription = Subscription.of(request, identifier)
+        subscription = SessionSubscription.of(request, identifier)
         known = session.subscriptions.get(request.filter)
         levels = subscription.filter.count("/") + 1
         if levels > self._limits.max_topic_levels:
@@ -143,7 +143,7 @@ class Exchange:
             replay.add(subscription)
         return _GRANTED[request.qos]
 
-    def unsubscribe(self, session: Session, name: str) -> ReasonCode:
+    def unsubscribe(self, session: BrokerSession, name: str) -> ReasonCode:
         """Remove a subscription; success, or 0x11 where there was none."""
         subscription = session.subscriptions.pop(name, None)
         if subscription is None:
@@ -151,7 +151,7 @@ class Exchange:
         self.subscriptions.remove(session, subscription)
         return ReasonCode.SUCCESS
 
-    def forget(self, session: Session) -> None:
+    def forget(self, session: BrokerSession) -> None:
         """Remove all of a session that has ended; shared messages it did not finish go to others of the group."""
         self.crowded.pop(session, None)
         for name in list(session.subscriptions):
@@ -161,13 +161,13 @@ class Exchange:
             if group is not None:
                 _deliver_to_one(group, parcel.message, parcel.message.size >= BULKY)
 
-    def _retain(self, message: Message) -> bool:
+    def _retain(self, message: BrokerMessage) -> bool:
         if self.retained.keep(message, self._clock.monotonic()):
             return True
         self._counters.retained_refused += 1
         return False
 
-    def _has_room(self, session: Session, subscription: Subscription, levels: int) -> bool:
+    def _has_room(self, session: BrokerSession, subscription: SessionSubscription, levels: int) -> bool:
         limits, tree = self._limits, self.subscriptions
         return (
             len(session.subscriptions) < limits.max_subscriptions
@@ -180,9 +180,9 @@ class Exchange:
 
 def _deliver_to_all(
     targets: Iterable[Target],
-    message: Message,
+    message: BrokerMessage,
     large: bool,  # noqa: FBT001 - for every message, by position for speed
-    slow: list[Session],
+    slow: list[BrokerSession],
 ) -> bool:
     """Whether one of *targets* did not take it; those that took it but want no more for now are added to *slow*.
 
@@ -190,7 +190,7 @@ def _deliver_to_all(
     """
     refused = False
     highest = message.qos
-    parcel: Parcel | None = None
+    parcel: QueuedMessage | None = None
     for target in targets:
         session, qos, retain, identifiers, matched = target
         if matched and session.client_id == message.origin:
@@ -202,7 +202,7 @@ def _deliver_to_all(
             qos = highest
         retain = retain and message.retain
         if parcel is None or parcel[1] != qos or parcel[2] is not retain or parcel[3] is not identifiers:
-            parcel = Parcel(message, qos, retain, identifiers)
+            parcel = QueuedMessage(message, qos, retain, identifiers)
         outcome = session.deliver_large(parcel) if large else session.deliver(parcel)
         if outcome is REFUSED:
             refused = True
@@ -211,12 +211,16 @@ def _deliver_to_all(
     return refused
 
 
-def _deliver_to_one(group: ShareGroup, message: Message, large: bool) -> tuple[Session | None, Delivery]:  # noqa: FBT001 - as above
+def _deliver_to_one(
+    group: ShareGroup,
+    message: BrokerMessage,
+    large: bool,  # noqa: FBT001 - as above
+) -> tuple[BrokerSession | None, DeliveryResult]:
     chosen = group.choose()
     if chosen is None:
         return None, TAKEN
     session, subscription = chosen
     identifiers = (subscription.identifier,) if subscription.identifier else ()
     retain = message.retain and subscription.retain_as_published
-    parcel = Parcel(message, min(subscription.qos, message.qos), retain, identifiers, group.key)
+    parcel = QueuedMessage(message, min(subscription.qos, message.qos), retain, identifiers, group.key)
     return session, session.deliver_large(parcel) if large else session.deliver(parcel)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, final
 
-from homebot.mqtt.broker.holding import Holding
-from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.holding import Backpressure
+from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.retained import RetainedMessages
-from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.packets import ReasonCode, Suback, Subscribe, Unsuback, Unsubscribe
 
 __all__ = ["FilterRequests"]
@@ -31,7 +31,12 @@ class FilterRequests:
     """
 
     def __init__(
-        self, hub: Hub, session: Session, outbound: Outbound, holding: Holding, go_on: Callable[[], None]
+        self,
+        hub: BrokerState,
+        session: BrokerSession,
+        outbound: Outbound,
+        holding: Backpressure,
+        go_on: Callable[[], None],
     ) -> None:
         self._hub = hub
         self._session = session
@@ -88,14 +93,14 @@ class _Subscribing:
         retained: The retained messages, of which the client is owed some.
     """
 
-    def __init__(self, session: Session, packet: Subscribe, retained: RetainedMessages) -> None:
+    def __init__(self, session: BrokerSession, packet: Subscribe, retained: RetainedMessages) -> None:
         self._session = session
         self._packet = packet
         self._replay = Replay(retained, session.has)
         self._is_queued = False
         self._reasons: list[ReasonCode] = []
 
-    def go_on(self, hub: Hub) -> Suback | None:
+    def go_on(self, hub: BrokerState) -> Suback | None:
         """Take as many filters as may be taken now; the answer, or None where some are left."""
         session, requests, reasons = self._session, self._packet.filters, self._reasons
         identifier = (*self._packet.properties.subscription_identifiers, 0)[0]
@@ -131,12 +136,12 @@ class _Unsubscribing:
         packet: What was asked for.
     """
 
-    def __init__(self, session: Session, packet: Unsubscribe) -> None:
+    def __init__(self, session: BrokerSession, packet: Unsubscribe) -> None:
         self._session = session
         self._packet = packet
         self._reasons: list[ReasonCode] = []
 
-    def go_on(self, hub: Hub) -> Unsuback | None:
+    def go_on(self, hub: BrokerState) -> Unsuback | None:
         """Take as many filters as may be taken now; the answer, or None where some are left."""
         names, reasons = self._packet.filters, self._reasons
         while len(reasons) < len(names):

@@ -11,11 +11,11 @@ Key = TypeVar("Key")
 Value = TypeVar("Value")
 
 
-class _Node(Generic[Key, Value]):
+class _SubscriptionNode(Generic[Key, Value]):
     __slots__ = ("children", "values")
 
     def __init__(self) -> None:
-        self.children: dict[str, _Node[Key, Value]] | None = None
+        self.children: dict[str, _SubscriptionNode[Key, Value]] | None = None
         self.values: dict[Key, Value] | None = None
 
 
@@ -28,7 +28,7 @@ class FilterTree(Generic[Key, Value]):
     """
 
     def __init__(self) -> None:
-        self._root: _Node[Key, Value] = _Node()
+        self._root: _SubscriptionNode[Key, Value] = _SubscriptionNode()
         self.nodes = 0
 
     def add(self, levels: Sequence[str], key: Key, value: Value) -> bool:
@@ -39,7 +39,7 @@ class FilterTree(Generic[Key, Value]):
                 node.children = {}
             child = node.children.get(level)
             if child is None:
-                child = node.children[level] = _Node()
+                child = node.children[level] = _SubscriptionNode()
                 self.nodes += 1
             node = child
         if node.values is None:
@@ -83,7 +83,7 @@ class FilterTree(Generic[Key, Value]):
         nodes = [self._root]
         wild = not topic[0].startswith("$")
         for level in topic:
-            following: list[_Node[Key, Value]] = []
+            following: list[_SubscriptionNode[Key, Value]] = []
             for node in nodes:
                 children = node.children
                 if children is None:
@@ -107,6 +107,6 @@ class FilterTree(Generic[Key, Value]):
         return found, visited
 
 
-def _take(node: _Node[Key, Value], found: list[dict[Key, Value]]) -> None:
+def _take(node: _SubscriptionNode[Key, Value], found: list[dict[Key, Value]]) -> None:
     if node.values is not None:
         found.append(node.values)

@@ -13,17 +13,17 @@ from collections.abc import Callable, Iterable
 from typing import final
 
 from homebot.mqtt.broker.deadlines import Deadline
-from homebot.mqtt.broker.hub import Hub
-from homebot.mqtt.broker.link import Link
-from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.hub import BrokerState
+from homebot.mqtt.broker.link import Transport
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.words import short
 from homebot.mqtt.packets import Packet, Publish, ReasonCode
 
-__all__ = ["Holding"]
+__all__ = ["Backpressure"]
 
 
 @final
-class Holding:
+class Backpressure:
     """What one publisher waits for, and what waits with it; fills the port ``HeldPublisher`` of the sessions.
 
     Args:
@@ -39,7 +39,7 @@ class Holding:
         paused: Whether packets wait behind one that is not done.
     """
 
-    def __init__(self, hub: Hub, link: Link, go_on: Callable[[], None]) -> None:
+    def __init__(self, hub: BrokerState, link: Transport, go_on: Callable[[], None]) -> None:
         self.packets: deque[Packet] = deque()
         self.messages = 0
         self.size = 0
@@ -48,7 +48,7 @@ class Holding:
         self._hub = hub
         self._link = link
         self._go_on = go_on
-        self._slow: dict[Session, int] = {}  # with what it had settled when the wait began
+        self._slow: dict[BrokerSession, int] = {}  # with what it had settled when the wait began
         self._is_endless = False
         self._end: Deadline | None = None
 
@@ -57,7 +57,7 @@ class Holding:
         """Whether packets must wait: for a slow session, or behind others that have waited."""
         return self._end is not None or bool(self.packets) or self.paused
 
-    def wait_for(self, slow: Iterable[Session], *, endless: bool = False) -> None:
+    def wait_for(self, slow: Iterable[BrokerSession], *, endless: bool = False) -> None:
         """Wait until every one of *slow* has caught up or gone.
 
         Args:
@@ -99,7 +99,7 @@ class Holding:
             self._link.resume_reading()
         return packet
 
-    def caught_up(self, session: Session) -> None:
+    def caught_up(self, session: BrokerSession) -> None:
         """*session* has room again or has gone."""
         self._slow.pop(session, None)
         if not self._slow and self._end is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import Final, final
 
-from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.losses import LossReport
 from homebot.mqtt.memory import MemoryKeeper
 
@@ -19,7 +19,7 @@ _MESSAGES: Final = 1000  # so many may have held memory worth to be given back
 class Housekeeping:
     """A timer of the running loop, from :meth:`start` to :meth:`stop`."""
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: BrokerState) -> None:
         self._hub = hub
         self._losses = LossReport(hub.counters)
         self._memory = MemoryKeeper()

@@ -13,12 +13,12 @@ from homebot.clock import Clock
 from homebot.log import LogLimit
 from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication
-from homebot.mqtt.broker.deadlines import Deadlines
-from homebot.mqtt.broker.exchange import Exchange
+from homebot.mqtt.broker.deadlines import BrokerTimers
+from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.login_throttle import LoginThrottle
-from homebot.mqtt.broker.message import Message
-from homebot.mqtt.broker.policy import Policy, RefusedFilters
+from homebot.mqtt.broker.message import BrokerMessage
+from homebot.mqtt.broker.policy import BrokerPolicy, RefusedFilters
 from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
@@ -32,7 +32,7 @@ from homebot.mqtt.packets import ReasonCode
 if TYPE_CHECKING:
     from homebot.mqtt.broker.peer import Peer
 
-__all__ = ["Hub"]
+__all__ = ["BrokerState"]
 
 _CUT_BY_A_READ = 4096  # bytes: about a read may leave as much of a packet on every connection
 _IN_A_TURN = 20_000  # units of work
@@ -41,7 +41,7 @@ _log = get_logger()
 
 
 @final
-class Hub:
+class BrokerState:
     """What all connections of one broker share.
 
     Args:
@@ -71,9 +71,9 @@ class Hub:
         clock: Clock,
         limits: BrokerLimits,
         authentication: Authentication | None = None,
-        policy: Policy | None = None,
+        policy: BrokerPolicy | None = None,
         keep_alive: int | None = None,
-        on_message: Callable[[Message], None] | None = None,
+        on_message: Callable[[BrokerMessage], None] | None = None,
         random: Random | None = None,
     ) -> None:
         self.clock = clock
@@ -83,7 +83,7 @@ class Hub:
         self.keep_alive = keep_alive
         self.random = random or SystemRandom()
         self.counters = Counters()
-        self.deadlines = Deadlines()
+        self.deadlines = BrokerTimers()
         self.work = WorkBudget(clock, self.deadlines)
         self.turn = WorkBudget(clock, self.deadlines, _IN_A_TURN, 0.0)
         self._on_message = on_message
@@ -167,7 +167,7 @@ class Hub:
                 self.sessions.end(session.client_id)
 
     def _clear(self) -> None:
-        self.exchange = Exchange(self.clock, self.limits, self.counters, self._on_message, self.turn)
+        self.exchange = MessageRouter(self.clock, self.limits, self.counters, self._on_message, self.turn)
         self.sessions = Sessions(
             self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.work, self.pool
         )

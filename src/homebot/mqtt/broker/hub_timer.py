@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import final
 
-from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.hub import BrokerState
 
 __all__ = ["HubTimer"]
 
@@ -14,7 +14,7 @@ __all__ = ["HubTimer"]
 class HubTimer:
     """One timer of the running event loop, always set to the hub's earliest deadline; works from :meth:`start` on."""
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: BrokerState) -> None:
         self._hub = hub
         self._timer: asyncio.TimerHandle | None = None
 

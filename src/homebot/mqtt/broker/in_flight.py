@@ -10,7 +10,7 @@ from collections import deque
 from typing import Final, final
 
 from homebot.mqtt.broker.outbound import Outbound
-from homebot.mqtt.broker.queue import Parcel
+from homebot.mqtt.broker.queue import QueuedMessage
 from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
 
@@ -38,7 +38,7 @@ class InFlight:
     __slots__ = ("_last_id", "_pool", "parcels", "resend", "settled", "size", "window")
 
     def __init__(self, window: int, pool: QueuePool) -> None:
-        self.parcels: dict[int, Parcel | None] = {}
+        self.parcels: dict[int, QueuedMessage | None] = {}
         self.resend: deque[int] = deque()
         self.window = window
         self.size = 0
@@ -51,7 +51,7 @@ class InFlight:
         """Whether the client has to acknowledge something first."""
         return len(self.parcels) >= self.window
 
-    def send(self, outbound: Outbound, parcel: Parcel) -> None:
+    def send(self, outbound: Outbound, parcel: QueuedMessage) -> None:
         """Send a message with an id of its own; there must be room for it."""
         packet_id = self._last_id
         while True:
@@ -129,7 +129,7 @@ class InFlight:
                 self._count(parcel, -1)
             self._not_again(packet_id)
 
-    def clear(self) -> list[Parcel]:
+    def clear(self) -> list[QueuedMessage]:
         """Take all that the client has not taken."""
         parcels = [each for each in self.parcels.values() if each is not None]
         for parcel in parcels:
@@ -138,7 +138,7 @@ class InFlight:
         self.resend.clear()
         return parcels
 
-    def _count(self, parcel: Parcel, sign: int) -> None:
+    def _count(self, parcel: QueuedMessage, sign: int) -> None:
         message = parcel.message
         if message.size > _SMALL:
             self.size += sign * message.size

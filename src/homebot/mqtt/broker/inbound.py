@@ -6,10 +6,10 @@ from dataclasses import replace
 from typing import final
 
 from homebot.mqtt.broker.exchange import Receipt
-from homebot.mqtt.broker.hub import Hub
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.hub import BrokerState
+from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.outbound import Outbound
-from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
     PacketError,
@@ -41,7 +41,7 @@ class Inbound:
         refusable: The client can be told that a message was not taken; from MQTT 5 on.
     """
 
-    def __init__(self, hub: Hub, session: Session, outbound: Outbound) -> None:
+    def __init__(self, hub: BrokerState, session: BrokerSession, outbound: Outbound) -> None:
         self._hub = hub
         self._session = session
         self._outbound = outbound
@@ -72,7 +72,7 @@ class Inbound:
                 code=ReasonCode.RECEIVE_MAXIMUM_EXCEEDED,
             )
 
-    def must_wait_for(self, packet: Publish) -> tuple[Session, ...]:
+    def must_wait_for(self, packet: Publish) -> tuple[BrokerSession, ...]:
         """The sessions that need room before *packet* can be taken; none where the client can be refused it.
 
         Raises:
@@ -83,7 +83,7 @@ class Inbound:
         full = self._hub.exchange.without_room(self._resolve(packet))
         return tuple(session for session in full if not (self.refusable and session.overrun))
 
-    def publish(self, packet: Publish) -> tuple[Session, ...]:
+    def publish(self, packet: Publish) -> tuple[BrokerSession, ...]:
         """Take a PUBLISH, answer it, and return the sessions that are now too slow for more.
 
         Raises:
@@ -110,7 +110,7 @@ class Inbound:
         reason = ReasonCode.SUCCESS if known else ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
         self._outbound.send(Pubcomp(packet.packet_id, reason))
 
-    def _publish_qos2(self, packet: Publish) -> tuple[Session, ...]:
+    def _publish_qos2(self, packet: Publish) -> tuple[BrokerSession, ...]:
         packet_id = packet.packet_id or 0
         session = self._session
         if packet_id in session.received:  # sent again: it was forwarded the first time
@@ -144,7 +144,7 @@ class Inbound:
             hub.counters.dropped_refused += 1
             return _REFUSED if verdict is ReasonCode.NOT_AUTHORIZED else Receipt(verdict)
         return hub.exchange.publish(
-            Message(topic, payload, qos, retain, properties, self._session.client_id, expires_at)
+            BrokerMessage(topic, payload, qos, retain, properties, self._session.client_id, expires_at)
         )
 
     def _resolve(self, packet: Publish) -> str:

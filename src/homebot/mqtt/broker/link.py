@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Protocol
 
-__all__ = ["Link"]
+__all__ = ["Transport"]
 
 
-class Link(Protocol):
+class Transport(Protocol):
     """One client's connection as the broker sees it: a socket, or a pair of queues in memory.
 
-    The carrier calls the peer's ``writable()`` when :attr:`choked` has become False.
+    The carrier calls the peer's ``writable()`` when :attr:`write_blocked` has become False.
     """
 
     @property
-    def choked(self) -> bool:
+    def write_blocked(self) -> bool:
         """Whether the far side takes bytes slower than they come: nothing more should be written that can wait."""
         ...
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.login_throttle import Applicant
 from homebot.mqtt.broker.sessions import will_size
 from homebot.mqtt.broker.words import host_of
@@ -19,7 +19,7 @@ from homebot.mqtt.packets import (
     encode,
 )
 
-__all__ = ["Login", "accept", "expiry_of", "may_try_at", "refusal", "welcome"]
+__all__ = ["ConnectRequest", "accept", "connack", "expiry_of", "may_try_at", "refusal"]
 
 _SMALL_WILL = 1024  # bytes; those of all clients together are not worth the counting
 _NEVER = 0xFFFF_FFFF
@@ -27,7 +27,7 @@ _DEFAULT_RECEIVE_MAXIMUM = 65_535
 
 
 @dataclass(frozen=True, slots=True)
-class Login:
+class ConnectRequest:
     """What a client asked for, with the protocol's defaults filled in.
 
     Attributes:
@@ -53,13 +53,13 @@ class Login:
     problem_information: bool
 
 
-def may_try_at(connect: Connect, hub: Hub, address: str) -> float:
+def may_try_at(connect: Connect, hub: BrokerState, address: str) -> float:
     """When the password of *connect* may be looked at, on the clock's monotonic scale; often that is over."""
     applicant = _applicant(connect, hub, address)
     return 0.0 if applicant is None else hub.throttle.until(applicant)
 
 
-def refusal(connect: Connect, hub: Hub, address: str) -> ReasonCode:
+def refusal(connect: Connect, hub: BrokerState, address: str) -> ReasonCode:
     """Why *connect* is refused; success where it is not."""
     if connect.properties.authentication_method is not None:
         return ReasonCode.BAD_AUTHENTICATION_METHOD
@@ -86,7 +86,7 @@ def refusal(connect: Connect, hub: Hub, address: str) -> ReasonCode:
     return ReasonCode.SUCCESS
 
 
-def accept(connect: Connect, hub: Hub) -> Login:
+def accept(connect: Connect, hub: BrokerState) -> ConnectRequest:
     """Fill in what *connect* leaves open."""
     properties = connect.properties
     is_v5 = connect.version is ProtocolVersion.V5
@@ -97,7 +97,7 @@ def accept(connect: Connect, hub: Hub) -> Login:
     expiry = 0.0 if connect.clean_start else inf
     if is_v5:
         expiry = expiry_of(properties.session_expiry_interval or 0)
-    return Login(
+    return ConnectRequest(
         client_id=connect.client_id or f"auto-{hub.random.getrandbits(128):032x}",
         assigned=not connect.client_id,
         expiry=expiry,
@@ -110,7 +110,7 @@ def accept(connect: Connect, hub: Hub) -> Login:
     )
 
 
-def welcome(login: Login, hub: Hub, *, session_present: bool) -> Connack:
+def connack(login: ConnectRequest, hub: BrokerState, *, session_present: bool) -> Connack:
     """The CONNACK for an accepted client."""
     limits = hub.limits
     return Connack(
@@ -131,28 +131,28 @@ def expiry_of(seconds: int) -> float:
     return inf if seconds == _NEVER else float(seconds)
 
 
-def _is_client_id(connect: Connect, hub: Hub) -> bool:
+def _is_client_id(connect: Connect, hub: BrokerState) -> bool:
     if not connect.client_id:
         kept = not connect.clean_start and connect.version is ProtocolVersion.V311
         return not kept and connect.version is not ProtocolVersion.V31
     return len(connect.client_id) <= hub.limits.max_client_id
 
 
-def _has_room(connect: Connect, hub: Hub) -> bool:
+def _has_room(connect: Connect, hub: BrokerState) -> bool:
     if len(hub.peers) >= hub.limits.max_connections and connect.client_id not in hub.peers:
         return False
     will = will_size(connect.will)
     return will <= _SMALL_WILL or hub.will_bytes + will <= hub.limits.max_will_bytes
 
 
-def _applicant(connect: Connect, hub: Hub, address: str) -> Applicant | None:
+def _applicant(connect: Connect, hub: BrokerState, address: str) -> Applicant | None:
     """Who shows a password to a broker that asks for one."""
     if connect.username is None or not hub.authentication.required:
         return None
     return Applicant(host_of(address), connect.username, connect.client_id)
 
 
-def _note_wrong_password(applicant: Applicant, hub: Hub) -> None:
+def _note_wrong_password(applicant: Applicant, hub: BrokerState) -> None:
     hub.counters.logins_failed += 1
     failures, delay = hub.throttle.failed(applicant)
     if delay:
@@ -165,10 +165,10 @@ def _note_wrong_password(applicant: Applicant, hub: Hub) -> None:
         )
 
 
-def _can_be_welcomed(connect: Connect, hub: Hub) -> bool:
+def _can_be_welcomed(connect: Connect, hub: BrokerState) -> bool:
     """Whether the client takes packets of the size of its CONNACK, without which it cannot know our limits."""
     limit = connect.properties.maximum_packet_size
     if limit is None:
         return True
-    answer = welcome(accept(connect, hub), hub, session_present=False)
+    answer = connack(accept(connect, hub), hub, session_present=False)
     return len(encode(answer, connect.version)) <= limit

@@ -9,7 +9,7 @@ from typing import final
 from homebot.mqtt.packets import NO_PROPERTIES, Properties, ProtocolVersion
 from homebot.mqtt.packets.publish import encode_publish_parts
 
-__all__ = ["BULKY", "Message", "size_of"]
+__all__ = ["BULKY", "BrokerMessage", "size_of"]
 
 _PAIR = 160  # bytes that a user property takes beside its text
 BULKY = 8 * 1024
@@ -21,7 +21,7 @@ _NOTHING = (b"", b"")
 
 
 @final
-class Message:
+class BrokerMessage:
     """One published message; its public attributes do not change.
 
     Attributes:

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.link import Link
-from homebot.mqtt.broker.queue import Parcel
+from homebot.mqtt.broker.link import Transport
+from homebot.mqtt.broker.queue import QueuedMessage
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.packets import MAX_PACKET_SIZE, Packet, ProtocolVersion, encode
 from homebot.mqtt.packets.publish import encode_publish_parts
@@ -47,7 +47,7 @@ class Outbound:
 
     def __init__(
         self,
-        link: Link,
+        link: Transport,
         clock: Clock,
         counters: Counters,
         version: ProtocolVersion,
@@ -69,7 +69,7 @@ class Outbound:
         """Write *packet*."""
         self.link.write(encode(packet, self.version))
 
-    def publish(self, parcel: Parcel, packet_id: int = 0, *, dup: bool = False) -> bool:
+    def publish(self, parcel: QueuedMessage, packet_id: int = 0, *, dup: bool = False) -> bool:
         """Write a message; False, counted and told, where the client does not take packets of its size.
 
         Args:
@@ -110,7 +110,7 @@ class Outbound:
         used = len(self._aliases)
         return used + 1 if used < self._alias_maximum else 0
 
-    def _aliased(self, parcel: Parcel, alias: int) -> tuple[bytes, bytes]:
+    def _aliased(self, parcel: QueuedMessage, alias: int) -> tuple[bytes, bytes]:
         message = parcel.message
         known = message.topic in self._aliases
         properties = message.properties_for(parcel.identifiers, self._clock.monotonic())

@@ -9,11 +9,11 @@ from homebot.mqtt.broker import login
 from homebot.mqtt.broker.client_packets import ClientPackets
 from homebot.mqtt.broker.deadlines import Deadline
 from homebot.mqtt.broker.farewell import goodbye, unread_connect_answer
-from homebot.mqtt.broker.hub import Hub
-from homebot.mqtt.broker.link import Link
+from homebot.mqtt.broker.hub import BrokerState
+from homebot.mqtt.broker.link import Transport
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.peer_log import PeerLog
-from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.sessions import will_size
 from homebot.mqtt.broker.unread import UnreadMark
 from homebot.mqtt.broker.words import host_of
@@ -47,7 +47,7 @@ class Peer:
         failure: What the client did or left undone that ended the connection; None while nothing has.
     """
 
-    def __init__(self, hub: Hub, link: Link) -> None:
+    def __init__(self, hub: BrokerState, link: Transport) -> None:
         self._hub = hub
         self._link = link
         self._reader = PacketReader(ProtocolVersion.V311, hub.limits.max_connect_size)
@@ -201,7 +201,7 @@ class Peer:
         hub.peers[wanted.client_id] = self
         hub.waiting_logins.discard(self)
         self._unread.move(hub.unread)
-        outbound.send(login.welcome(wanted, hub, session_present=present))
+        outbound.send(login.connack(wanted, hub, session_present=present))
         self._expect_signs_of_life()
         session.resume(outbound, wanted.receive_maximum)
 
@@ -299,8 +299,8 @@ _NOTHING_MORE = PacketReader()
 
 @dataclass(slots=True)
 class _Client:
-    wanted: login.Login
-    session: Session
+    wanted: login.ConnectRequest
+    session: BrokerSession
     outbound: Outbound
     packets: ClientPackets
     will: Will | None

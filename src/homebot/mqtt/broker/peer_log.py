@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import final
 
-from homebot.mqtt.broker.hub import Hub
-from homebot.mqtt.broker.link import Link
-from homebot.mqtt.broker.words import client_words, short
+from homebot.mqtt.broker.hub import BrokerState
+from homebot.mqtt.broker.link import Transport
+from homebot.mqtt.broker.words import client_text, short
 from homebot.mqtt.packets import PacketError, ReasonCode
 
 __all__ = ["PeerLog"]
@@ -26,7 +26,7 @@ class PeerLog:
 
     __slots__ = ("_hub", "_link", "client_id")
 
-    def __init__(self, hub: Hub, link: Link) -> None:
+    def __init__(self, hub: BrokerState, link: Transport) -> None:
         self._hub = hub
         self._link = link
         self.client_id: str | None = None
@@ -34,7 +34,7 @@ class PeerLog:
     @property
     def words(self) -> str:
         """How the log calls it."""
-        return client_words(self.client_id, self._link.address)
+        return client_text(self.client_id, self._link.address)
 
     def failed(self, error: PacketError) -> None:
         """The client did, or left undone, what ends the connection."""
@@ -51,7 +51,7 @@ class PeerLog:
         """*client_id* was not let in."""
         self._hub.warn(
             "broker.login_refused",
-            f"the broker did not let {client_words(client_id, self._link.address)} in: {reason.words}",
+            f"the broker did not let {client_text(client_id, self._link.address)} in: {reason.words}",
             address=self._link.address,
             client_id=client_id,
             reason=reason.name.lower(),

@@ -8,10 +8,10 @@ from typing import Protocol, final
 from homebot.errors import UsageError
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["Policy", "RefusedFilters", "policy_of"]
+__all__ = ["BrokerPolicy", "RefusedFilters", "policy_of"]
 
 
-class Policy(Protocol):
+class BrokerPolicy(Protocol):
     """Answers for each request of a logged-in client."""
 
     def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - the protocol's own word
@@ -39,7 +39,7 @@ class RefusedFilters:
         return ReasonCode.SUCCESS
 
 
-def policy_of(policy: Policy | None, refuse_filters: Collection[str]) -> Policy:
+def policy_of(policy: BrokerPolicy | None, refuse_filters: Collection[str]) -> BrokerPolicy:
     """The policy a broker is given: itself, or as filters to refuse.
 
     Raises:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple, final
 
-from homebot.mqtt.broker.delivery import REFUSED, SLOW, TAKEN, Delivery
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.delivery import REFUSED, SLOW, TAKEN, DeliveryResult
+from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.queue_pool import ENTRY, QueuePool
 from homebot.mqtt.broker.replay import Replay
 
-__all__ = ["MessageQueue", "Parcel"]
+__all__ = ["MessageQueue", "QueuedMessage"]
 
 
-class Parcel(NamedTuple):
+class QueuedMessage(NamedTuple):
     """A message as one client is to get it.
 
     Attributes:
@@ -24,7 +24,7 @@ class Parcel(NamedTuple):
         share: Group and filter where it came by a shared subscription.
     """
 
-    message: Message
+    message: BrokerMessage
     qos: int
     retain: bool
     identifiers: tuple[int, ...] = ()
@@ -62,7 +62,7 @@ class MessageQueue:
 
     def __init__(self, max_messages: int, max_bytes: int, pool: QueuePool) -> None:
         self._pool = pool
-        self.parcels: deque[Parcel | Replay] = deque()
+        self.parcels: deque[QueuedMessage | Replay] = deque()
         self._replays: deque[tuple[Replay, int]] = deque()  # with what each was counted as
         self.size = 0
         self._qos0 = 0
@@ -94,7 +94,7 @@ class MessageQueue:
         """Whether QoS 0 messages wait, which later ones must not overtake."""
         return self._qos0 > 0
 
-    def offer(self, parcel: Parcel) -> Delivery:
+    def offer(self, parcel: QueuedMessage) -> DeliveryResult:
         """Add at the end where the bound allows it; SLOW where it is :attr:`high` now, REFUSED where it is full."""
         count = len(self.parcels)
         if count >= self._max_messages or self.size >= self._max_bytes:
@@ -102,7 +102,7 @@ class MessageQueue:
         self.append(parcel)
         return SLOW if count + 1 >= self._high_messages or self.size >= self._high_bytes else TAKEN
 
-    def append(self, parcel: Parcel) -> None:
+    def append(self, parcel: QueuedMessage) -> None:
         """Add at the end, whatever the bound says."""
         self.parcels.append(parcel)
         message, qos, _, _, _ = parcel
@@ -131,7 +131,7 @@ class MessageQueue:
             self.size += replay.size - size
             self._pool.add(replay.size - size)
 
-    def popleft(self) -> Parcel | Replay:
+    def popleft(self) -> QueuedMessage | Replay:
         """Take the first."""
         first = self.parcels.popleft()
         if type(first) is Replay:
@@ -162,7 +162,7 @@ class MessageQueue:
                 elif first.qos:
                     self.append(first)
 
-    def clear(self) -> list[Parcel]:
+    def clear(self) -> list[QueuedMessage]:
         """Take all but what replays still had to find."""
         parcels = []
         while self.parcels:

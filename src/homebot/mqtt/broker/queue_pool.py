@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, final
 
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.message import BrokerMessage
 
 __all__ = ["ENTRY", "QueuePool"]
 
@@ -39,7 +39,7 @@ class QueuePool:
         """Whether it is more than the bound."""
         return self.used > self._max_bytes
 
-    def hold(self, message: Message) -> None:
+    def hold(self, message: BrokerMessage) -> None:
         """*message* has got one more place."""
         self.used += ENTRY
         message.holders += 1
@@ -48,7 +48,7 @@ class QueuePool:
         if self.used > self._max_bytes and self.on_overrun is not None:
             self.on_overrun()
 
-    def release(self, message: Message) -> None:
+    def release(self, message: BrokerMessage) -> None:
         """*message* has one place less."""
         self.used -= ENTRY
         message.holders -= 1

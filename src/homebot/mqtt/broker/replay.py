@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 from typing import Final, final
 
 from homebot.mqtt.broker.filter_tree import FilterTree
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import RetainedMessages
-from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.subscription import SessionSubscription
 from homebot.mqtt.broker.work import WorkBudget
 
 __all__ = ["Owed", "Replay"]
@@ -21,7 +21,7 @@ _CHUNK: Final = 100  # topics looked at between two looks at the budget; in a tr
 _SMALL_CHUNK: Final = 5
 _WEIGHT: Final = 500  # bytes that a waiting filter takes, about
 
-Owed = tuple[Message, Subscription]
+Owed = tuple[BrokerMessage, SessionSubscription]
 """A retained message, and the subscription it is owed to."""
 
 
@@ -36,14 +36,14 @@ class Replay:
         is_current: Whether a subscription still stands.
     """
 
-    def __init__(self, retained: RetainedMessages, is_current: Callable[[Subscription], bool]) -> None:
+    def __init__(self, retained: RetainedMessages, is_current: Callable[[SessionSubscription], bool]) -> None:
         self._retained = retained
         self._is_current = is_current
         self._until = retained.last
         self._place = 0
-        self._exact: deque[Subscription] = deque()
-        self._wild: list[Subscription] = []
-        self._matching: Callable[[str], tuple[list[Subscription], int]] | None = None
+        self._exact: deque[SessionSubscription] = deque()
+        self._wild: list[SessionSubscription] = []
+        self._matching: Callable[[str], tuple[list[SessionSubscription], int]] | None = None
         self._found: deque[Owed] = deque()
         self._only_kept = False
         self.complete = False
@@ -54,7 +54,7 @@ class Replay:
         """About the bytes that it takes while it waits."""
         return _WEIGHT * (len(self._exact) + len(self._wild))
 
-    def add(self, subscription: Subscription) -> None:
+    def add(self, subscription: SessionSubscription) -> None:
         """Owe the messages for one more filter."""
         if "+" in subscription.filter or "#" in subscription.filter:
             self._wild.append(subscription)
@@ -102,7 +102,7 @@ class Replay:
             if matched:
                 self._owe(message, matched, now)
 
-    def _owe(self, message: Message, subscriptions: list[Subscription], now: float) -> None:
+    def _owe(self, message: BrokerMessage, subscriptions: list[SessionSubscription], now: float) -> None:
         if message.order > self._until or message.expired(now):
             return
         for subscription in subscriptions:
@@ -113,10 +113,10 @@ class Replay:
 
 
 def _matcher(
-    wild: list[Subscription], topics: int, work: WorkBudget
-) -> Callable[[str], tuple[list[Subscription], int]]:
+    wild: list[SessionSubscription], topics: int, work: WorkBudget
+) -> Callable[[str], tuple[list[SessionSubscription], int]]:
     if len(wild) > _FEW or topics < _MANY:
-        tree: FilterTree[int, Subscription] = FilterTree()
+        tree: FilterTree[int, SessionSubscription] = FilterTree()
         for place, subscription in enumerate(wild):
             tree.add(subscription.levels, place, subscription)
             work.spend(2 + len(subscription.levels))
@@ -124,19 +124,19 @@ def _matcher(
     patterns = [(_pattern(each.filter).fullmatch, each) for each in wild]
     work.spend(300 * len(patterns))  # about a third of a millisecond to make one
 
-    def matching(topic: str) -> tuple[list[Subscription], int]:
+    def matching(topic: str) -> tuple[list[SessionSubscription], int]:
         return [each for matches, each in patterns if matches(topic)], len(patterns)
 
     return matching
 
 
-def _in_order(tree: FilterTree[int, Subscription], topic: str) -> tuple[list[Subscription], int]:
+def _in_order(tree: FilterTree[int, SessionSubscription], topic: str) -> tuple[list[SessionSubscription], int]:
     found, visited = tree.matching(topic.split("/"))
     places = sorted(_items(found))
     return [subscription for _, subscription in places], 1 + visited + len(places)
 
 
-def _items(found: list[dict[int, Subscription]]) -> Iterator[tuple[int, Subscription]]:
+def _items(found: list[dict[int, SessionSubscription]]) -> Iterator[tuple[int, SessionSubscription]]:
     for each in found:
         yield from each.items()
 

@@ -6,7 +6,7 @@ import heapq
 from bisect import bisect_left, bisect_right
 from typing import Final, final
 
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.message import BrokerMessage
 
 __all__ = ["RetainedMessages"]
 
@@ -23,8 +23,8 @@ class RetainedMessages:
     """
 
     def __init__(self, max_messages: int, max_bytes: int) -> None:
-        self._messages: dict[str, Message] = {}
-        self._log: list[Message | None] = []  # in the order they came; None where one was removed
+        self._messages: dict[str, BrokerMessage] = {}
+        self._log: list[BrokerMessage | None] = []  # in the order they came; None where one was removed
         self._orders: list[int] = []  # of the log
         self._removed = 0
         self._expiring: list[tuple[float, int, str]] = []  # a heap; also of messages that are gone
@@ -37,7 +37,7 @@ class RetainedMessages:
     def __len__(self) -> int:
         return len(self._messages)
 
-    def keep(self, message: Message, now: float) -> bool:
+    def keep(self, message: BrokerMessage, now: float) -> bool:
         """Put *message* in place of its topic's last one; an empty payload only removes that.
 
         Returns:
@@ -55,11 +55,11 @@ class RetainedMessages:
         self._add(message)
         return True
 
-    def get(self, topic: str) -> Message | None:
+    def get(self, topic: str) -> BrokerMessage | None:
         """The message of *topic*; it may be expired."""
         return self._messages.get(topic)
 
-    def after(self, order: int, most: int) -> tuple[list[Message], int]:
+    def after(self, order: int, most: int) -> tuple[list[BrokerMessage], int]:
         """The messages that came after the one with the number *order*, the oldest first; some may be expired.
 
         Args:
@@ -74,7 +74,7 @@ class RetainedMessages:
         found = [message for message in self._log[start:stop] if message is not None]
         return found, self._orders[stop - 1] if stop <= len(self._orders) else self.last
 
-    def _add(self, message: Message) -> None:
+    def _add(self, message: BrokerMessage) -> None:
         self.last += 1
         message.order = self.last
         self._messages[message.topic] = message
@@ -87,7 +87,7 @@ class RetainedMessages:
                 heapq.heapify(self._expiring)
             heapq.heappush(self._expiring, (message.expires_at, message.order, message.topic))
 
-    def _has_room(self, message: Message) -> bool:
+    def _has_room(self, message: BrokerMessage) -> bool:
         old = self._messages.get(message.topic)
         count = len(self._messages) + (old is None)
         size = self.size + message.size - (0 if old is None else old.size)

@@ -1,4 +1,4 @@
-"""The embedded broker: :class:`Hub` on a TCP port."""
+"""The embedded broker: :class:`BrokerState` on a TCP port."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, UsageError
 from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication, is_loopback
-from homebot.mqtt.broker.connection import Connection
-from homebot.mqtt.broker.endpoint import Endpoint
+from homebot.mqtt.broker.connection import BrokerConnection
+from homebot.mqtt.broker.endpoint import ConnectionHandler
 from homebot.mqtt.broker.housekeeping import Housekeeping
-from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.hub_timer import HubTimer
 from homebot.mqtt.broker.limits import BrokerLimits, checked_keep_alive
-from homebot.mqtt.broker.link import Link
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.link import Transport
+from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.peer import Peer
-from homebot.mqtt.broker.policy import Policy, policy_of
+from homebot.mqtt.broker.policy import BrokerPolicy, policy_of
 from homebot.mqtt.broker.sockets import Sockets
 from homebot.mqtt.broker.stats import BrokerStats
 from homebot.mqtt.broker.tls_socket import TlsSocket
@@ -89,9 +89,9 @@ class Broker:
         tls: ssl.SSLContext | None = None,
         keep_alive: int | None = None,
         refuse_filters: Collection[str] = (),
-        policy: Policy | None = None,
-        endpoint: Callable[[Hub, Link], Endpoint] = Peer,
-        on_message: Callable[[Message], None] | None = None,
+        policy: BrokerPolicy | None = None,
+        endpoint: Callable[[BrokerState, Transport], ConnectionHandler] = Peer,
+        on_message: Callable[[BrokerMessage], None] | None = None,
     ) -> None:
         if not credentials and not is_loopback(host):
             raise UsageError(
@@ -109,7 +109,7 @@ class Broker:
         self._policy = policy_of(policy, refuse_filters)
         self._endpoint = endpoint
         self._on_message = on_message
-        self._hub: Hub | None = None
+        self._hub: BrokerState | None = None
         self._server: asyncio.Server | None = None
         self._sockets = Sockets()
         self._timer: HubTimer | None = None
@@ -154,7 +154,7 @@ class Broker:
         return "" if self._housekeeping is None else self._housekeeping.losses
 
     @property
-    def hub(self) -> Hub:
+    def hub(self) -> BrokerState:
         """The broker's state; it stays over restarts.
 
         Raises:
@@ -185,7 +185,9 @@ class Broker:
         loop = asyncio.get_running_loop()
         if self._hub is None:
             clock = self._clock or LoopClock()
-            self._hub = Hub(clock, self._limits, self._authentication, self._policy, self._keep_alive, self._on_message)
+            self._hub = BrokerState(
+                clock, self._limits, self._authentication, self._policy, self._keep_alive, self._on_message
+            )
         hub = self._hub
         try:
             sock = await self._bind(loop)
@@ -251,8 +253,8 @@ class Broker:
         if self._timer is not None:
             self._timer.tick()
 
-    def _new_connection(self, hub: Hub, loop: asyncio.AbstractEventLoop) -> Connection | TlsSocket:
-        connection = Connection(hub, loop, self._sockets, self._endpoint)
+    def _new_connection(self, hub: BrokerState, loop: asyncio.AbstractEventLoop) -> BrokerConnection | TlsSocket:
+        connection = BrokerConnection(hub, loop, self._sockets, self._endpoint)
         return connection if self._tls is None else TlsSocket(self._tls, connection, connection.note_bad_tls)
 
     async def _bind(self, loop: asyncio.AbstractEventLoop) -> socket.socket:

@@ -10,21 +10,21 @@ from collections.abc import Iterator
 from typing import Final, Protocol, final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.deadlines import Deadlines
-from homebot.mqtt.broker.delivery import REFUSED, SLOW, TAKEN, Delivery
+from homebot.mqtt.broker.deadlines import BrokerTimers
+from homebot.mqtt.broker.delivery import REFUSED, SLOW, TAKEN, DeliveryResult
 from homebot.mqtt.broker.in_flight import InFlight
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY
 from homebot.mqtt.broker.outbound import Outbound
-from homebot.mqtt.broker.queue import MessageQueue, Parcel
+from homebot.mqtt.broker.queue import MessageQueue, QueuedMessage
 from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.subscription import SessionSubscription
 from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["HeldPublisher", "Session"]
+__all__ = ["BrokerSession", "HeldPublisher"]
 
 _SENT: Final = 6  # units of work to send a retained message,
 _BYTES: Final = 1000  # and bytes of it that are one more
@@ -34,13 +34,13 @@ _COPIED: Final = 4000  # bytes that are copied for one unit
 class HeldPublisher(Protocol):
     """A publisher that waits for slow sessions."""
 
-    def caught_up(self, session: Session) -> None:
+    def caught_up(self, session: BrokerSession) -> None:
         """*session* has room again, or has gone."""
         ...
 
 
 @final
-class Session:
+class BrokerSession:
     """The state of one client id, while connected and in between.
 
     Attributes:
@@ -71,7 +71,7 @@ class Session:
         clock: Clock,
         limits: BrokerLimits,
         counters: Counters,
-        crowded: dict[Session, None] | None = None,
+        crowded: dict[BrokerSession, None] | None = None,
         work: WorkBudget | None = None,
         pool: QueuePool | None = None,
         host: str = "",
@@ -79,12 +79,12 @@ class Session:
         self.client_id = client_id
         self.expiry = 0.0
         self.outbound: Outbound | None = None
-        self.subscriptions: dict[str, Subscription] = {}
+        self.subscriptions: dict[str, SessionSubscription] = {}
         self.received: set[int] = set()
         self.overrun = False
         self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
         self._crowded = {} if crowded is None else crowded
-        self._work = WorkBudget(clock, Deadlines()) if work is None else work
+        self._work = WorkBudget(clock, BrokerTimers()) if work is None else work
         self._clock = clock
         self._limits = limits
         self._counters = counters
@@ -125,15 +125,15 @@ class Session:
         return not self._queue.low
 
     @property
-    def reluctance(self) -> int:
+    def delivery_priority(self) -> int:
         """How little a shared message is welcome: 0 connected, 1 connected but slow, 2 without room, 3 away."""
         if self.outbound is None:
             return 3
         if self._queue.full:
             return 2
-        return int(self.in_flight.full or self.outbound.link.choked)
+        return int(self.in_flight.full or self.outbound.link.write_blocked)
 
-    def deliver(self, parcel: Parcel) -> Delivery:
+    def deliver(self, parcel: QueuedMessage) -> DeliveryResult:
         """Send a message or keep it for later.
 
         QoS 0: dropped while the client is away or its socket is full. QoS 1 and 2: queued; while the client is
@@ -146,7 +146,7 @@ class Session:
                 return TAKEN
             if queue.holds_qos0 and not queue.full:
                 queue.append(parcel)  # not past the retained message it replaces
-            elif outbound.link.choked or queue.holds_qos0:
+            elif outbound.link.write_blocked or queue.holds_qos0:
                 self._counters.dropped_qos0 += 1
             else:
                 outbound.publish(parcel)
@@ -154,7 +154,7 @@ class Session:
         if outbound is None:
             return self._keep(parcel)
         in_flight = self.in_flight
-        if not queue.parcels and len(in_flight.parcels) < in_flight.window and not outbound.link.choked:
+        if not queue.parcels and len(in_flight.parcels) < in_flight.window and not outbound.link.write_blocked:
             in_flight.send(outbound, parcel)
             return TAKEN
         outcome = queue.offer(parcel)
@@ -166,7 +166,7 @@ class Session:
         self._crowded[self] = None
         return TAKEN if self.overrun else SLOW
 
-    def deliver_large(self, parcel: Parcel) -> Delivery:
+    def deliver_large(self, parcel: QueuedMessage) -> DeliveryResult:
         """As :meth:`deliver`, for a message of at least ``BULKY`` bytes, of which each copy takes its time."""
         if self.outbound is None or self._queue:
             return self.deliver(parcel)
@@ -194,7 +194,7 @@ class Session:
         self._queue.count_again(replay)
         self._note_crowd()
 
-    def has(self, subscription: Subscription) -> bool:
+    def has(self, subscription: SessionSubscription) -> bool:
         """Whether *subscription* still stands."""
         return self.subscriptions.get(subscription.name) is subscription
 
@@ -216,7 +216,7 @@ class Session:
         """Send what waits, as far as the client takes it."""
         outbound, queue, in_flight = self.outbound, self._queue, self.in_flight
         parcels, sent, resend, window = queue.parcels, in_flight.parcels, in_flight.resend, in_flight.window
-        while outbound is not None and not outbound.link.choked:
+        while outbound is not None and not outbound.link.write_blocked:
             if resend and len(sent) - len(resend) < window:
                 in_flight.send_again(outbound)
             elif not parcels:
@@ -257,7 +257,7 @@ class Session:
         self.in_flight.completed(packet_id)
         self.pump()
 
-    def unsent_shares(self) -> Iterator[Parcel]:
+    def unsent_shares(self) -> Iterator[QueuedMessage]:
         """Take all messages of shared subscriptions that this client has not acknowledged, for the others."""
         parcels = self.in_flight.clear() + self._queue.clear()
         return (each for each in parcels if each.share is not None and each.qos)
@@ -269,7 +269,7 @@ class Session:
             self._queue.popleft()
             self._counters.dropped_offline += 1
 
-    def _keep(self, parcel: Parcel) -> Delivery:
+    def _keep(self, parcel: QueuedMessage) -> DeliveryResult:
         while self._queue and self._queue.full:
             self._queue.popleft()
             self._counters.dropped_offline += 1
@@ -297,7 +297,7 @@ class Session:
         replay.popleft()
         work.spend(_SENT + message.size // _BYTES)
         identifiers = (subscription.identifier,) if subscription.identifier else ()
-        parcel = Parcel(message, qos, retain=True, identifiers=identifiers)
+        parcel = QueuedMessage(message, qos, retain=True, identifiers=identifiers)
         if qos:
             self.in_flight.send(outbound, parcel)
         else:

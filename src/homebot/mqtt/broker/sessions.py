@@ -9,12 +9,12 @@ from math import inf
 from typing import final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.deadlines import Deadline, Deadlines
-from homebot.mqtt.broker.exchange import Exchange
+from homebot.mqtt.broker.deadlines import BrokerTimers, Deadline
+from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
-from homebot.mqtt.broker.message import Message, size_of
+from homebot.mqtt.broker.message import BrokerMessage, size_of
 from homebot.mqtt.broker.queue_pool import QueuePool
-from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import Will
@@ -38,9 +38,9 @@ class Sessions:
 
     def __init__(
         self,
-        exchange: Exchange,
+        exchange: MessageRouter,
         clock: Clock,
-        deadlines: Deadlines,
+        deadlines: BrokerTimers,
         limits: BrokerLimits,
         counters: Counters,
         work: WorkBudget,
@@ -53,10 +53,10 @@ class Sessions:
         self._counters = counters
         self._work = work
         self._pool = pool
-        self._sessions: dict[str, Session] = {}
+        self._sessions: dict[str, BrokerSession] = {}
         self._away: dict[str, _Absence] = {}  # in the order of leaving
 
-    def __iter__(self) -> Iterator[Session]:
+    def __iter__(self) -> Iterator[BrokerSession]:
         return iter(self._sessions.values())
 
     def __len__(self) -> int:
@@ -72,11 +72,11 @@ class Sessions:
         """The size of the wills that wait for their time."""
         return sum(will_size(absence.will) for absence in self._away.values())
 
-    def largest(self) -> Session | None:
+    def largest(self) -> BrokerSession | None:
         """The one for which most bytes wait."""
         return max(self._sessions.values(), key=lambda session: session.size, default=None)
 
-    def open(self, client_id: str, *, clean_start: bool, host: str = "") -> tuple[Session, bool]:
+    def open(self, client_id: str, *, clean_start: bool, host: str = "") -> tuple[BrokerSession, bool]:
         """The session for a client that has just connected, and whether it was kept from before.
 
         The caller has detached a connection that used the id before.
@@ -90,13 +90,13 @@ class Sessions:
         if len(self._sessions) >= self._limits.max_sessions and self._away:
             self._counters.sessions_evicted += 1
             self.end(self._least_missed())
-        session = Session(
+        session = BrokerSession(
             client_id, self._clock, self._limits, self._counters, self._exchange.crowded, self._work, self._pool, host
         )
         self._sessions[client_id] = session
         return session, False
 
-    def detach(self, session: Session, will: Will | None) -> None:
+    def detach(self, session: BrokerSession, will: Will | None) -> None:
         """The client of *session* is gone.
 
         Args:
@@ -148,7 +148,7 @@ class Sessions:
         interval = properties.message_expiry_interval
         expires_at = None if interval is None else self._clock.monotonic() + interval
         self._exchange.publish(
-            Message(will.topic, will.payload, will.qos, will.retain, properties, client_id, expires_at)
+            BrokerMessage(will.topic, will.payload, will.qos, will.retain, properties, client_id, expires_at)
         )
 
 

@@ -7,7 +7,7 @@ from typing import Protocol, final
 
 import anyio
 
-from homebot.mqtt.broker.hub import Hub
+from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["OpenSocket", "Sockets"]
@@ -53,7 +53,7 @@ class Sockets:
     def __iter__(self) -> Iterator[OpenSocket]:
         return iter(list(self._open))
 
-    def admit(self, socket: OpenSocket, hub: Hub) -> bool:
+    def admit(self, socket: OpenSocket, hub: BrokerState) -> bool:
         """Count *socket*; False where there are too many, and it has to be cut."""
         if len(self._open) >= _PER_CLIENT * hub.limits.max_connections and not self._end_one():
             hub.warn(

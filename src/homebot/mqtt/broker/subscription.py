@@ -7,10 +7,10 @@ from typing import NamedTuple, Self
 from homebot.mqtt.packets import FilterRequest
 from homebot.mqtt.topics import parse_shared_filter
 
-__all__ = ["Subscription"]
+__all__ = ["SessionSubscription"]
 
 
-class Subscription(NamedTuple):
+class SessionSubscription(NamedTuple):
     """A filter with its options.
 
     Attributes:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple, final
 
 from homebot.mqtt.broker.filter_tree import FilterTree
-from homebot.mqtt.broker.session import Session
-from homebot.mqtt.broker.subscription import Subscription
+from homebot.mqtt.broker.session import BrokerSession
+from homebot.mqtt.broker.subscription import SessionSubscription
 from homebot.mqtt.broker.work import WorkBudget
 
-__all__ = ["Route", "ShareGroup", "SubscriptionTree", "Target"]
+__all__ = ["Recipients", "ShareGroup", "SubscriptionTree", "Target"]
 
 _MAX_CACHED_TOPICS = 4096  # enough for the busy topics of a house; beyond it the cache starts anew
 _MOST_CACHED = 50_000  # targets of all cached topics
@@ -28,14 +28,14 @@ class Target(NamedTuple):
         matched: The subscriptions themselves where one of them has *no local*; empty otherwise.
     """
 
-    session: Session
+    session: BrokerSession
     qos: int
     retain_as_published: bool
     identifiers: tuple[int, ...]
-    matched: tuple[Subscription, ...]
+    matched: tuple[SessionSubscription, ...]
 
     @classmethod
-    def of(cls, session: Session, matched: list[Subscription]) -> Target:
+    def of(cls, session: BrokerSession, matched: list[SessionSubscription]) -> Target:
         """Join the subscriptions of one session."""
         highest = 0
         keeps_retain = has_no_local = False
@@ -68,20 +68,20 @@ class ShareGroup:
 
     def __init__(self, key: tuple[str, str]) -> None:
         self.key = key
-        self.members: dict[Session, Subscription] = {}
+        self.members: dict[BrokerSession, SessionSubscription] = {}
         self._turn = 0
 
-    def choose(self) -> tuple[Session, Subscription] | None:
+    def choose(self) -> tuple[BrokerSession, SessionSubscription] | None:
         """The next in turn among those who can take it now, else among those who are slow, else among the absent."""
         members = list(self.members.items())
         if not members:
             return None
         self._turn += 1
         start = self._turn % len(members)
-        return min(members[start:] + members[:start], key=lambda member: member[0].reluctance)
+        return min(members[start:] + members[:start], key=lambda member: member[0].delivery_priority)
 
 
-class Route(NamedTuple):
+class Recipients(NamedTuple):
     """Everybody who gets one topic."""
 
     targets: tuple[Target, ...]
@@ -102,9 +102,9 @@ class SubscriptionTree:
 
     def __init__(self, turn: WorkBudget | None = None) -> None:
         self._turn = turn
-        self._members: FilterTree[Session, Subscription] = FilterTree()
+        self._members: FilterTree[BrokerSession, SessionSubscription] = FilterTree()
         self._groups: FilterTree[str, ShareGroup] = FilterTree()
-        self._cache: dict[str, Route] = {}
+        self._cache: dict[str, Recipients] = {}
         self._cached = 0
         self._count = 0
         self.shared = 0
@@ -118,7 +118,7 @@ class SubscriptionTree:
         """Levels of all filters, those counted once that filters begin with alike."""
         return self._members.nodes + self._groups.nodes
 
-    def add(self, session: Session, subscription: Subscription) -> None:
+    def add(self, session: BrokerSession, subscription: SessionSubscription) -> None:
         """Add a subscription, or put it in place of the one with the same filter."""
         self._forget_routes()
         if subscription.share is None:
@@ -135,7 +135,7 @@ class SubscriptionTree:
             self._count += 1
             self.text += len(subscription.name)
 
-    def remove(self, session: Session, subscription: Subscription) -> None:
+    def remove(self, session: BrokerSession, subscription: SessionSubscription) -> None:
         """Remove a subscription that was added."""
         self._forget_routes()
         if subscription.share is None:
@@ -150,7 +150,7 @@ class SubscriptionTree:
         self._count -= 1
         self.text -= len(subscription.name)
 
-    def route(self, topic: str) -> Route:
+    def route(self, topic: str) -> Recipients:
         """Everybody who gets *topic*."""
         route = self._cache.get(topic)
         if route is None:
@@ -171,9 +171,9 @@ class SubscriptionTree:
             self._cache = {}
             self._cached = 0
 
-    def _find(self, topic: str) -> Route:
+    def _find(self, topic: str) -> Recipients:
         levels = topic.split("/")
-        matched: dict[Session, list[Subscription]] = {}
+        matched: dict[BrokerSession, list[SessionSubscription]] = {}
         found, cost = self._members.matching(levels)
         for members in found:
             cost += len(members)
@@ -185,4 +185,4 @@ class SubscriptionTree:
         groups = [group for shares in self._groups.matching(levels)[0] for group in shares.values()]
         if cost > _CHEAP and self._turn is not None:
             self._turn.spend(cost)
-        return Route(tuple(Target.of(session, found) for session, found in matched.items()), tuple(groups))
+        return Recipients(tuple(Target.of(session, found) for session, found in matched.items()), tuple(groups))

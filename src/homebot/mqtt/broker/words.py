@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-__all__ = ["client_words", "host_of", "short"]
+__all__ = ["client_text", "host_of", "short"]
 
 _IPV6_PREFIX = 4  # groups of 16 bits; a household has all addresses behind them
 _LONGEST = 100  # a client may choose a name or topic of 65,535 bytes
 
 
-def client_words(client_id: str | None, address: str) -> str:
+def client_text(client_id: str | None, address: str) -> str:
     """Return ``client 'lamp' (10.0.0.5:50000)``, or the address alone before the login."""
     return address if client_id is None else f"client {short(client_id)!r} ({address})"
 

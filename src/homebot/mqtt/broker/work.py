@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Final, final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.deadlines import Deadlines
+from homebot.mqtt.broker.deadlines import BrokerTimers
 
 __all__ = ["WorkBudget"]
 
@@ -30,7 +30,7 @@ class WorkBudget:
         units: What is left of this slice, however long ago it began; not above 0 where it is used up.
     """
 
-    def __init__(self, clock: Clock, deadlines: Deadlines, slice: int = SLICE, period: float = PERIOD) -> None:  # noqa: A002 - the word for it
+    def __init__(self, clock: Clock, deadlines: BrokerTimers, slice: int = SLICE, period: float = PERIOD) -> None:  # noqa: A002 - the word for it
         self._clock = clock
         self._deadlines = deadlines
         self._slice = slice

@@ -143,7 +143,7 @@ def encode_properties(properties: Properties, packet: PacketType) -> bytes:
     return encode_varint(len(out)) + out
 
 
-class _Kind(NamedTuple):
+class _PropertyKind(NamedTuple):
     read: Callable[[Cursor], object]
     write: Callable[..., bytes]
 
@@ -164,13 +164,13 @@ def _encode_pair(pair: tuple[str, str]) -> bytes:
     return encode_text(pair[0]) + encode_text(pair[1])
 
 
-_UINT8 = _Kind(Cursor.uint8, _encode_uint8)
-_UINT16 = _Kind(Cursor.uint16, encode_uint16)
-_UINT32 = _Kind(Cursor.uint32, _encode_uint32)
-_VARINT = _Kind(Cursor.varint, encode_varint)
-_TEXT = _Kind(Cursor.text, encode_text)
-_BINARY = _Kind(Cursor.binary, encode_binary)
-_PAIR = _Kind(Cursor.text, _encode_pair)
+_UINT8 = _PropertyKind(Cursor.uint8, _encode_uint8)
+_UINT16 = _PropertyKind(Cursor.uint16, encode_uint16)
+_UINT32 = _PropertyKind(Cursor.uint32, _encode_uint32)
+_VARINT = _PropertyKind(Cursor.varint, encode_varint)
+_TEXT = _PropertyKind(Cursor.text, encode_text)
+_BINARY = _PropertyKind(Cursor.binary, encode_binary)
+_PAIR = _PropertyKind(Cursor.text, _encode_pair)
 
 
 def _not_allowed(problem: str, cursor: Cursor) -> PacketError:
@@ -200,7 +200,7 @@ def _plain_topic(name: str, value: object, cursor: Cursor) -> None:
 class _Row(NamedTuple):
     number: int
     name: str
-    kind: _Kind
+    kind: _PropertyKind
     packets: frozenset[PacketType]
     check: Callable[[str, object, Cursor], None] | None = None
 

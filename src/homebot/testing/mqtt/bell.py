@@ -6,11 +6,11 @@ from typing import final
 
 import anyio
 
-__all__ = ["Bell"]
+__all__ = ["PulseEvent"]
 
 
 @final
-class Bell:
+class PulseEvent:
     """Wakes everybody who waits at the moment it rings; remembers nothing."""
 
     def __init__(self) -> None:

@@ -10,8 +10,8 @@ from homebot.mqtt.packets import NO_PROPERTIES, Properties
 from homebot.mqtt.topics import validate_filter
 from homebot.testing.mqtt.core import BrokerCore
 from homebot.testing.mqtt.fault_control import BlockingFaults
-from homebot.testing.mqtt.seen import Payload, SeenMessage, Wanted
-from homebot.testing.mqtt.side import BrokerSide
+from homebot.testing.mqtt.seen import Payload, RecordedMessage, Wanted
+from homebot.testing.mqtt.side import BrokerView
 from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["BlockingTestBroker"]
@@ -20,7 +20,7 @@ _PATIENCE = 5.0
 
 
 @final
-class BlockingTestBroker(BrokerSide):
+class BlockingTestBroker(BrokerView):
     """As :class:`~homebot.testing.mqtt.TestBroker`, but every method blocks: for tests without an event loop.
 
     Attributes:
@@ -42,7 +42,7 @@ class BlockingTestBroker(BrokerSide):
         """As :meth:`TestBroker.publish`."""
         self._thread.call(self._core.publish, topic, payload, qos, retain, properties)
 
-    def expect(self, filter: str, payload: Wanted = None, timeout: float = 1.0) -> SeenMessage:  # noqa: A002 - as above
+    def expect(self, filter: str, payload: Wanted = None, timeout: float = 1.0) -> RecordedMessage:  # noqa: A002 - as above
         """As :meth:`TestBroker.expect`."""
         validate_filter(filter)
         journal = self._core.journal

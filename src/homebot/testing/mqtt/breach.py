@@ -8,7 +8,7 @@ from typing import final
 
 from homebot.mqtt.packets import PacketError, ReasonCode
 
-__all__ = ["Breach", "Breaches"]
+__all__ = ["ProtocolViolation", "ViolationLog"]
 
 _MAX_KEPT = 20
 _NO_BREACH = (
@@ -19,7 +19,7 @@ _NO_BREACH = (
 
 
 @dataclass(frozen=True, slots=True)
-class Breach:
+class ProtocolViolation:
     """One connection that the broker closed because its client broke the protocol.
 
     Attributes:
@@ -37,7 +37,7 @@ class Breach:
 
 
 @final
-class Breaches:
+class ViolationLog:
     """The first 20 breaches that nobody has taken; written on the broker's thread, read in any.
 
     Attributes:
@@ -46,10 +46,10 @@ class Breaches:
 
     def __init__(self) -> None:
         self.untold = 0
-        self._kept: deque[Breach] = deque()
+        self._kept: deque[ProtocolViolation] = deque()
 
     @property
-    def kept(self) -> tuple[Breach, ...]:
+    def kept(self) -> tuple[ProtocolViolation, ...]:
         """In their order."""
         return tuple(self._kept.copy())
 
@@ -60,7 +60,7 @@ class Breaches:
         if len(self._kept) == _MAX_KEPT:
             self.untold += 1
         else:
-            self._kept.append(Breach(client, error.code, error.problem))
+            self._kept.append(ProtocolViolation(client, error.code, error.problem))
 
     def clear(self) -> None:
         """Forget them, those that were not kept too."""

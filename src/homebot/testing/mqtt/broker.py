@@ -14,8 +14,8 @@ from homebot.mqtt.packets import NO_PROPERTIES, Properties
 from homebot.mqtt.topics import validate_filter
 from homebot.testing.mqtt.core import BrokerCore
 from homebot.testing.mqtt.fault_control import Faults
-from homebot.testing.mqtt.seen import Payload, SeenMessage, Wanted
-from homebot.testing.mqtt.side import BrokerSide
+from homebot.testing.mqtt.seen import Payload, RecordedMessage, Wanted
+from homebot.testing.mqtt.side import BrokerView
 from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["TestBroker"]
@@ -25,7 +25,7 @@ _PATIENCE = 5.0
 
 
 @final
-class TestBroker(BrokerSide):
+class TestBroker(BrokerView):
     """A real MQTT broker for one test, watched and ready to fail on demand.
 
     Attributes:
@@ -59,13 +59,13 @@ class TestBroker(BrokerSide):
         """
         await self._thread.run(self._core.publish, topic, payload, qos, retain, properties)
 
-    async def expect(self, filter: str, payload: Wanted = None, timeout: float = 1.0) -> SeenMessage:  # noqa: A002, ASYNC109 - the words that users look for
+    async def expect(self, filter: str, payload: Wanted = None, timeout: float = 1.0) -> RecordedMessage:  # noqa: A002, ASYNC109 - the words that users look for
         """Return the first message of a client that fits and was not returned before; wait for it if need be.
 
         Args:
             filter: Topic filter.
             payload: None for any; bytes or text to be equal; a dict or list to be equal as JSON; or a function
-                that is given the :class:`SeenMessage`, on the broker's thread, and says whether this is it.
+                that is given the :class:`RecordedMessage`, on the broker's thread, and says whether this is it.
             timeout: Seconds to wait.
 
         Raises:

@@ -11,13 +11,13 @@ import anyio
 import anyio.lowlevel
 
 from homebot.errors import LinkError, UsageError
-from homebot.mqtt.broker import Broker, Hub, Link, RefusedFilters
-from homebot.mqtt.broker.message import Message
-from homebot.mqtt.broker.session import Session
+from homebot.mqtt.broker import Broker, BrokerState, RefusedFilters, Transport
+from homebot.mqtt.broker.message import BrokerMessage
+from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.packets import Packet, Properties, ReasonCode
 from homebot.mqtt.topics import validate_topic
-from homebot.testing.mqtt.bell import Bell
-from homebot.testing.mqtt.breach import Breaches
+from homebot.testing.mqtt.bell import PulseEvent
+from homebot.testing.mqtt.breach import ViolationLog
 from homebot.testing.mqtt.faults import Fault, FaultPolicy, FaultRules
 from homebot.testing.mqtt.journal import Journal
 from homebot.testing.mqtt.packet_log import PacketLog
@@ -51,7 +51,7 @@ class ClientView:
     queued: int
 
     @classmethod
-    def of(cls, session: Session) -> Self:
+    def of(cls, session: BrokerSession) -> Self:
         """Look at a session."""
         outbound = session.outbound
         return cls(
@@ -90,16 +90,16 @@ class BrokerCore:
         loop = asyncio.get_running_loop()
         self.settings = settings
         self.ca_file = tls.ca_file if tls is not None and settings.tls else None
-        self.breaches = Breaches()
+        self.breaches = ViolationLog()
         self.journal = Journal()
         self.log = PacketLog(loop.time)
         self.rules = FaultRules(self._fault_lifted)
         self._loop = loop
-        self._stir = Bell()
+        self._stir = PulseEvent()
         self._taps: set[Tap] = set()
         duties = TapDuties(self.rules, self._note, self.breaches.record, self._taps)
 
-        def endpoint(hub: Hub, link: Link) -> Tap:
+        def endpoint(hub: BrokerState, link: Transport) -> Tap:
             return Tap(duties, hub, link)
 
         self.broker = Broker(
@@ -131,7 +131,7 @@ class BrokerCore:
         hub = self.broker.hub
         interval = properties.message_expiry_interval
         expires_at = None if interval is None else hub.clock.monotonic() + interval
-        message = Message(topic, encode_payload(payload), qos, retain, properties, "", expires_at)
+        message = BrokerMessage(topic, encode_payload(payload), qos, retain, properties, "", expires_at)
         self._note("note", "the test", f"publishes {len(message.payload)} bytes on {topic}, QoS {qos}")
         receipt = hub.exchange.publish(message)
         if receipt.reason.failed:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Self, TypeVar, final
 
 from homebot.errors import UsageError
-from homebot.mqtt.broker import Policy
+from homebot.mqtt.broker import BrokerPolicy
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import topic_matches, validate_filter
 
@@ -196,14 +196,14 @@ class FaultRules:
 
 @final
 class FaultPolicy:
-    """Fills the broker's :class:`Policy` port from the faults in force.
+    """Fills the broker's :class:`BrokerPolicy` port from the faults in force.
 
     Args:
         rules: The faults.
         otherwise: Asked where no fault refuses.
     """
 
-    def __init__(self, rules: FaultRules, otherwise: Policy) -> None:
+    def __init__(self, rules: FaultRules, otherwise: BrokerPolicy) -> None:
         self._rules = rules
         self._otherwise = otherwise
 

@@ -9,10 +9,10 @@ from typing import final
 
 import anyio
 
-from homebot.mqtt.broker.message import Message
+from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.topics import topic_matches
-from homebot.testing.mqtt.bell import Bell
-from homebot.testing.mqtt.seen import SeenMessage, Wanted, payload_matches
+from homebot.testing.mqtt.bell import PulseEvent
+from homebot.testing.mqtt.seen import RecordedMessage, Wanted, payload_matches
 
 __all__ = ["Journal"]
 
@@ -22,7 +22,7 @@ _MAX_SHOWN = 5
 
 @dataclass(slots=True)
 class _Entry:
-    message: SeenMessage
+    message: RecordedMessage
     taken: bool = False
 
 
@@ -37,16 +37,16 @@ class Journal:
     def __init__(self) -> None:
         self.forgotten = 0
         self._entries: deque[_Entry] = deque()
-        self._grown = Bell()
+        self._grown = PulseEvent()
 
-    def record(self, message: Message) -> None:
+    def record(self, message: BrokerMessage) -> None:
         """Keep a message of a client; those that the test published itself have no origin and are left out."""
         if not message.origin:
             return
         if len(self._entries) == _MAX_MESSAGES:
             self._entries.popleft()
             self.forgotten += 1
-        seen = SeenMessage(
+        seen = RecordedMessage(
             message.topic, message.payload, message.qos, message.retain, message.properties, message.origin
         )
         self._entries.append(_Entry(seen))
@@ -57,7 +57,7 @@ class Journal:
         self._entries.clear()
         self.forgotten = 0
 
-    async def take(self, filter: str, wanted: Wanted, timeout: float) -> SeenMessage | None:  # noqa: A002, ASYNC109 - the user's words
+    async def take(self, filter: str, wanted: Wanted, timeout: float) -> RecordedMessage | None:  # noqa: A002, ASYNC109 - the user's words
         """Take the first message that fits and was not taken before; wait for it if need be; None if none came."""
         with anyio.move_on_after(timeout):
             while (found := self._take(filter, wanted)) is None:
@@ -65,7 +65,7 @@ class Journal:
             return found
         return None
 
-    def waiting(self, filter: str) -> list[SeenMessage]:  # noqa: A002 - the protocol's own word
+    def waiting(self, filter: str) -> list[RecordedMessage]:  # noqa: A002 - the protocol's own word
         """All messages on *filter* that nobody has taken, in their order."""
         return [
             each.message
@@ -76,7 +76,7 @@ class Journal:
     def near_misses(self, filter: str, wanted: Wanted, timeout: float) -> str:  # noqa: A002 - as above
         """Say that nothing came, and what came instead."""
         here: list[_Entry] = []
-        elsewhere: dict[str, SeenMessage] = {}
+        elsewhere: dict[str, RecordedMessage] = {}
         for entry in self._entries.copy():
             if topic_matches(filter, entry.message.topic):
                 here.append(entry)
@@ -96,7 +96,7 @@ class Journal:
             lines.append("no client published anything at all")
         return "\n".join(lines)
 
-    def _take(self, filter: str, wanted: Wanted) -> SeenMessage | None:  # noqa: A002 - as above
+    def _take(self, filter: str, wanted: Wanted) -> RecordedMessage | None:  # noqa: A002 - as above
         for entry in self._entries:
             message = entry.message
             if not entry.taken and topic_matches(filter, message.topic) and payload_matches(wanted, message):
@@ -105,7 +105,7 @@ class Journal:
         return None
 
 
-def _section(title: str, messages: list[SeenMessage]) -> list[str]:
+def _section(title: str, messages: list[RecordedMessage]) -> list[str]:
     if not messages:
         return []
     more = len(messages) - _MAX_SHOWN

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, final
 
 from homebot.mqtt.packets import Packet
-from homebot.testing.mqtt.words import packet_words
+from homebot.testing.mqtt.words import packet_text
 
 __all__ = ["PacketLog", "PacketRecord"]
 
@@ -33,7 +33,7 @@ class PacketRecord:
     what: Packet | str
 
     def __str__(self) -> str:
-        words = self.what if isinstance(self.what, str) else packet_words(self.what)
+        words = self.what if isinstance(self.what, str) else packet_text(self.what)
         return f"{self.at:9.4f} s  {self.client:20}  {_ARROWS[self.direction]}  {words}"
 
 

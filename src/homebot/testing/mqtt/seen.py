@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 
-__all__ = ["Payload", "SeenMessage", "Wanted", "encode_payload", "payload_matches"]
+__all__ = ["Payload", "RecordedMessage", "Wanted", "encode_payload", "payload_matches"]
 
 Payload = bytes | str | Mapping[str, object] | Sequence[object]
 """What can be published: bytes as they are, text as UTF-8, a dict or list as JSON."""
@@ -17,7 +17,7 @@ _MAX_WORDS = 200
 
 
 @dataclass(frozen=True, slots=True)
-class SeenMessage:
+class RecordedMessage:
     """A message that a client published through the broker; a will counts as its client's.
 
     Attributes:
@@ -57,7 +57,7 @@ class SeenMessage:
         return f"{self.topic} {text} (QoS {self.qos}{retain}, from {self.client_id})"
 
 
-Wanted = Payload | Callable[[SeenMessage], bool] | None
+Wanted = Payload | Callable[[RecordedMessage], bool] | None
 """What a test expects: None is anything, a dict or list is compared as JSON, a function decides by itself."""
 
 
@@ -74,7 +74,7 @@ def encode_payload(payload: Payload) -> bytes:
     return json.dumps(payload).encode()
 
 
-def payload_matches(wanted: Wanted, message: SeenMessage) -> bool:
+def payload_matches(wanted: Wanted, message: RecordedMessage) -> bool:
     """Whether *message* carries what is wanted."""
     if wanted is None:
         return True

@@ -6,16 +6,16 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from homebot.mqtt.topics import validate_filter
-from homebot.testing.mqtt.breach import Breach
+from homebot.testing.mqtt.breach import ProtocolViolation
 from homebot.testing.mqtt.core import BrokerCore, ClientView
 from homebot.testing.mqtt.packet_log import PacketLog
 from homebot.testing.mqtt.settings import BrokerSettings
 from homebot.testing.mqtt.thread import BrokerThread
 
-__all__ = ["BrokerSide"]
+__all__ = ["BrokerView"]
 
 
-class BrokerSide:
+class BrokerView:
     """The base of both kinds of brokers that fixtures give."""
 
     __test__ = False  # no collection of tests, whatever the name
@@ -60,7 +60,7 @@ class BrokerSide:
         return self._core.log
 
     @property
-    def protocol_errors(self) -> tuple[Breach, ...]:
+    def protocol_errors(self) -> tuple[ProtocolViolation, ...]:
         """What clients did that MQTT does not allow, in its order; the first 20, those that a fault led to left out."""
         return self._core.breaches.kept
 

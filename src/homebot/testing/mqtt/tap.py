@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal, final
 
-from homebot.mqtt.broker import Hub, Link, Peer
+from homebot.mqtt.broker import BrokerState, Peer, Transport
 from homebot.mqtt.packets import Connect, Packet, PacketError, PacketReader, PacketType, ProtocolVersion, ReasonCode
 from homebot.testing.mqtt.faults import DelayedAcks, DroppedAcks, Fault, FaultRules, HalfPacket, SlowReader
 
@@ -35,12 +35,12 @@ class TapDuties:
 
 @final
 class Tap:
-    """One connection: an :class:`Endpoint` for its carrier, and the :class:`Link` of its peer.
+    """One connection: an :class:`ConnectionHandler` for its carrier, and the :class:`Transport` of its peer.
 
     What waits for a slow reader is bounded by ``limits.write_buffer`` bytes; beyond it the connection is closed.
     """
 
-    def __init__(self, duties: TapDuties, hub: Hub, link: Link) -> None:
+    def __init__(self, duties: TapDuties, hub: BrokerState, link: Transport) -> None:
         self._duties = duties
         self._link = link
         self._limit = hub.limits.write_buffer
@@ -68,9 +68,9 @@ class Tap:
         return self._link.address
 
     @property
-    def choked(self) -> bool:
+    def write_blocked(self) -> bool:
         """Whether nothing more should be written that can wait."""
-        return self._stalled or self._link.choked
+        return self._stalled or self._link.write_blocked
 
     def receive(self, data: bytes) -> None:
         """Note what came and pass it on."""
@@ -109,7 +109,7 @@ class Tap:
         if self._stalled:
             return
         self._flush()
-        if not self._link.choked:
+        if not self._link.write_blocked:
             self._peer.writable()
 
     def write(self, data: bytes) -> None:

@@ -23,7 +23,7 @@ from homebot.mqtt.packets import (
     Unsubscribe,
 )
 
-__all__ = ["PROTOCOL_NAMES", "packet_words"]
+__all__ = ["PROTOCOL_NAMES", "packet_text"]
 
 PROTOCOL_NAMES = {ProtocolVersion.V31: "3.1", ProtocolVersion.V311: "3.1.1", ProtocolVersion.V5: "5"}
 """What people call the versions."""
@@ -32,10 +32,10 @@ _MAX_PAYLOAD = 120
 _SECRET = ("authentication_data",)
 
 
-def packet_words(packet: Packet) -> str:
+def packet_text(packet: Packet) -> str:
     """One line about *packet*; passwords are left out, long payloads cut."""
     properties = getattr(packet, "properties", NO_PROPERTIES)
-    return f"{type(packet).__name__.upper()}{_facts(packet)}{_property_words(properties)}"
+    return f"{type(packet).__name__.upper()}{_facts(packet)}{_property_text(properties)}"
 
 
 def _facts(packet: Packet) -> str:
@@ -78,7 +78,7 @@ def _connect(packet: Connect) -> str:
     return f" {name}, {clean}, keep-alive {packet.keep_alive} s{user}{will}"
 
 
-def _property_words(properties: Properties) -> str:
+def _property_text(properties: Properties) -> str:
     if properties == NO_PROPERTIES:
         return ""
     known = {each.name: getattr(properties, each.name) for each in fields(properties) if each.name not in _SECRET}

@@ -11,7 +11,7 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 
 from homebot.errors import UsageError
 from homebot.testing.day import Day
-from homebot.testing.day_happening import HAPPENINGS, Happening, What
+from homebot.testing.day_happening import HAPPENINGS, DayEvent, What
 from homebot.testing.strategies.choices import chosen, moments, one_of, several, target
 from homebot.testing.strategies.devices import commands
 from homebot.testing.strategies.houses import houses
@@ -80,18 +80,18 @@ def _days(
 
 
 @st.composite
-def _happenings(draw: DrawFn, whats: tuple[What, ...], kinds: Mapping[str, str], length: float) -> Happening:
+def _happenings(draw: DrawFn, whats: tuple[What, ...], kinds: Mapping[str, str], length: float) -> DayEvent:
     """Happenings, with their time since the start."""
     what = draw(one_of((*whats, *whats[:2])))  # the first are likelier: most of what goes wrong needs commands
     at = draw(moments(length))
     if what == "restart":
-        return Happening(at, what, lasts=draw(_lasts), forget=draw(st.booleans()))
+        return DayEvent(at, what, lasts=draw(_lasts), forget=draw(st.booleans()))
     device = draw(target(tuple(kinds)))
     if what == "cut":
-        return Happening(at, what, device)
+        return DayEvent(at, what, device)
     if what == "pull":
-        return Happening(at, what, device, lasts=draw(_lasts))
-    return Happening(at, what, device, draw(commands(kinds[device])))
+        return DayEvent(at, what, device, lasts=draw(_lasts))
+    return DayEvent(at, what, device, draw(commands(kinds[device])))
 
 
 def _hours(low: int, high: int) -> SearchStrategy[float]:

@@ -6,7 +6,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
 from homebot.gateways.mqtt.description import DescribedPart, TakesCode
 from homebot.gateways.mqtt.homeassistant.alarm_control_panel import build_alarm_control_panel
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 
 RING = {"command_topic": "ring/alarm/command", "state_topic": "ring/alarm/state"}
 OWN = {
@@ -20,7 +20,7 @@ CODED = {**RING, "code": "1234", "code_arm_required": False}
 
 
 def alarm(fields: Mapping[str, object]) -> DescribedPart:
-    return build_alarm_control_panel(Config("alarm_control_panel", "node_1", fields))
+    return build_alarm_control_panel(DiscoveryConfig("alarm_control_panel", "node_1", fields))
 
 
 @pytest.mark.parametrize(

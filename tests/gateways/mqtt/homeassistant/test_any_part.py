@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 
 LINES = Path(__file__).with_name("parts.jsonl").read_text().splitlines()
@@ -59,7 +59,7 @@ def described(one: Mapping[str, Any], changed: Mapping[str, object]) -> tuple[De
         (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(topic, payload, retained=True)
     except WireError:
         return ()
-    assert isinstance(found, Described)
+    assert isinstance(found, DeviceAnnounced)
     return found.parts
 
 

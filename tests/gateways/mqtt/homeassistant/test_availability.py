@@ -5,11 +5,11 @@ import pytest
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import Availability
 from homebot.gateways.mqtt.homeassistant.availability import MAX_SOURCES, read_availability
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 
 
 def availability(fields: Mapping[str, object]) -> Availability | None:
-    return read_availability(Config("light", "x", fields))
+    return read_availability(DiscoveryConfig("light", "x", fields))
 
 
 def test_without_topics_nobody_tells() -> None:

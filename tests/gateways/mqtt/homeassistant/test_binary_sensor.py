@@ -5,9 +5,9 @@ import pytest
 
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import DescribedPart, Fade
+from homebot.gateways.mqtt.description import AutoExpiry, DescribedPart
 from homebot.gateways.mqtt.homeassistant.binary_sensor import build_binary_sensor
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 
 ZIGBEE_DOOR = {
     "device_class": "door",
@@ -29,7 +29,7 @@ PLAIN = {"state_topic": "b"}
 
 
 def sensor(fields: Mapping[str, object]) -> DescribedPart:
-    return build_binary_sensor(Config("binary_sensor", "node_1", fields))
+    return build_binary_sensor(DiscoveryConfig("binary_sensor", "node_1", fields))
 
 
 def heard(fields: Mapping[str, object], said: object) -> Mapping[str, PlainValue]:
@@ -90,11 +90,11 @@ def test_its_class_says_what_on_means(device_class: str | None, service_type: st
 
 
 def test_a_sensor_that_says_only_on_is_off_after_its_delay() -> None:
-    assert sensor(SHELLY_MOTION).fades == (Fade("occupancy", 30.0, value=False, only=True),)
+    assert sensor(SHELLY_MOTION).expiries == (AutoExpiry("occupancy", 30.0, value=False, only=True),)
 
 
 def test_a_sensor_that_expires_is_unknown_then() -> None:
-    assert sensor({**PLAIN, "expire_after": 5}).fades == (Fade("state", 5.0),)
+    assert sensor({**PLAIN, "expire_after": 5}).expiries == (AutoExpiry("state", 5.0),)
 
 
 @pytest.mark.parametrize("fields", [{}, {**PLAIN, "off_delay": -1}, {**PLAIN, "payload_on": {}}])

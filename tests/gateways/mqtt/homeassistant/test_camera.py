@@ -3,15 +3,15 @@ import pytest
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.camera import build_camera, build_image
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 
 
 @pytest.mark.parametrize(
     ("part", "service_type"),
     [
-        (build_camera(Config("camera", "door", {"topic": "frigate/door/snapshot"})), "camera"),
-        (build_image(Config("image", "map", {"image_topic": "frigate/door/snapshot"})), "camera"),
-        (build_image(Config("image", "map", {"url_topic": "frigate/door/snapshot"})), "camera"),
+        (build_camera(DiscoveryConfig("camera", "door", {"topic": "frigate/door/snapshot"})), "camera"),
+        (build_image(DiscoveryConfig("image", "map", {"image_topic": "frigate/door/snapshot"})), "camera"),
+        (build_image(DiscoveryConfig("image", "map", {"url_topic": "frigate/door/snapshot"})), "camera"),
     ],
 )
 def test_a_picture_is_known_to_be_there_but_not_listened_to(part: DescribedPart, service_type: str) -> None:
@@ -25,6 +25,6 @@ def test_a_picture_is_known_to_be_there_but_not_listened_to(part: DescribedPart,
 
 def test_a_picture_without_a_topic_is_refused() -> None:
     with pytest.raises(WireError, match="topic"):
-        build_camera(Config("camera", "door", {}))
+        build_camera(DiscoveryConfig("camera", "door", {}))
     with pytest.raises(WireError, match="image_topic"):
-        build_image(Config("image", "map", {}))
+        build_image(DiscoveryConfig("image", "map", {}))

@@ -7,7 +7,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.climate import build_climate
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 
 ZIGBEE_VALVE = {
     "action_template": "{% set values = {None:None,'idle':'idle','heat':'heating'} %}"
@@ -69,7 +69,7 @@ AMERICAN = {
 
 
 def climate(fields: Mapping[str, object]) -> DescribedPart:
-    return build_climate(Config("climate", "node_1", fields))
+    return build_climate(DiscoveryConfig("climate", "node_1", fields))
 
 
 def told(fields: Mapping[str, object], capability: str, value: PlainValue) -> list[tuple[str, bytes]]:

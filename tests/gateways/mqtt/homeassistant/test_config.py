@@ -6,12 +6,12 @@ from hypothesis import strategies as st
 
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.config import MAX_OPTIONS, Config
+from homebot.gateways.mqtt.homeassistant.config import MAX_OPTIONS, DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.said import Said
 
 
-def config(**fields: object) -> Config:
-    return Config("light", "lamp", fields)
+def config(**fields: object) -> DiscoveryConfig:
+    return DiscoveryConfig("light", "lamp", fields)
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_options_are_texts_and_one_needs_no_list(value: object, options: tuple[s
         (lambda one: one.required_source("k"), None),
     ],
 )
-def test_a_field_that_cannot_be_is_refused_shortly(read: Callable[[Config], object], value: object) -> None:
+def test_a_field_that_cannot_be_is_refused_shortly(read: Callable[[DiscoveryConfig], object], value: object) -> None:
     with pytest.raises(WireError) as refused:
         read(config(k=value))
     assert len(str(refused.value)) < 200
@@ -140,7 +140,7 @@ def test_a_command_is_never_retained_unless_the_config_says_so() -> None:
 )
 def test_any_fields_make_a_config_or_a_wire_error(fields: dict[str, object]) -> None:
     try:
-        one = Config("light", "lamp", fields)
+        one = DiscoveryConfig("light", "lamp", fields)
         (one.text("k"), one.flag("k"), one.integer("k", 0), one.number("k", 0), one.template("k"), one.command("k"))
     except WireError:
         return
@@ -148,5 +148,5 @@ def test_any_fields_make_a_config_or_a_wire_error(fields: dict[str, object]) -> 
 
 
 def test_a_command_without_template_takes_none_from_a_nameless_field() -> None:
-    command = Config("light", "lamp", {"command_topic": "a", "": "{{ 1 }}"}).required_command(template_key="")
+    command = DiscoveryConfig("light", "lamp", {"command_topic": "a", "": "{{ 1 }}"}).required_command(template_key="")
     assert command.template is None

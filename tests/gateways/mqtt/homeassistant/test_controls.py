@@ -20,7 +20,7 @@ import pytest
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described, DescribedPart, Publication
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 
 Answer: TypeAlias = dict[str, Any]
@@ -39,7 +39,7 @@ def described(answer: Answer) -> DescribedPart:
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
     topic = f"homeassistant/{answer['component']}/device/config"
     (device,) = convention.take(topic, json.dumps(answer["config"]).encode(), retained=True)
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     return device.parts[0]
 
 

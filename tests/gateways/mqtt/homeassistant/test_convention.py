@@ -5,7 +5,7 @@ from pydantic import ValidationError
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homeassistant.components import BUILDERS
 
@@ -43,7 +43,7 @@ def convention() -> HomeAssistantDiscovery:
     return HomeAssistantDiscovery(HomeAssistantSettings())
 
 
-def take(convention: HomeAssistantDiscovery, topic: str, fields: object) -> Heard:
+def take(convention: HomeAssistantDiscovery, topic: str, fields: object) -> AnnouncementEvent:
     payload = fields.encode() if isinstance(fields, str) else json.dumps(fields).encode()
     (heard,) = convention.take(f"homeassistant/{topic}/config", payload, retained=True)
     return heard
@@ -57,14 +57,14 @@ def test_it_is_a_convention(convention: HomeAssistantDiscovery) -> None:
 
 def test_a_config_describes_a_device(convention: HomeAssistantDiscovery) -> None:
     device = take(convention, "light/0x1/light", LAMP)
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert (device.key, device.convention, device.topic) == (
         "light/0x1/light",
         "homeassistant",
         "homeassistant/light/0x1/light/config",
     )
     assert device.identifiers[0] == "eui64:00158d0001abcdef"
-    assert (device.name, device.area, device.is_sighting) == ("Kitchen lamp", "Kitchen", False)
+    assert (device.name, device.area, device.implies_alive) == ("Kitchen lamp", "Kitchen", False)
     assert device.facts == {"model": "LED1545G12", "origin": "Zigbee2MQTT", "origin_sw_version": "2.14.1"}
     assert device.availability is not None
     (part,) = device.parts
@@ -81,13 +81,13 @@ def test_a_config_describes_a_device(convention: HomeAssistantDiscovery) -> None
 
 def test_without_a_device_the_part_names_it(convention: HomeAssistantDiscovery) -> None:
     device = take(convention, "switch/relay1", SWITCH)
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert (device.name, device.identifiers, device.availability) == ("Relay", (), None)
 
 
 def test_a_whole_device_is_one_description(convention: HomeAssistantDiscovery) -> None:
     device = take(convention, "device/0AFFD2", WHOLE)
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert (device.key, device.name) == ("device/0AFFD2", "Kitchen")
     assert [(one.part.id, one.part.service_type) for one in device.parts] == [("a", "light"), ("b", "switch")]
     assert device.availability is not None
@@ -96,13 +96,13 @@ def test_a_whole_device_is_one_description(convention: HomeAssistantDiscovery) -
 
 def test_a_component_that_is_taken_back_is_gone(convention: HomeAssistantDiscovery) -> None:
     device = take(convention, "device/0AFFD2", {**WHOLE, "cmps": {**WHOLE["cmps"], "lamp": {"p": "light"}}})  # type: ignore[dict-item]  # cmps is a mapping
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert [one.part.id for one in device.parts] == ["b"]
 
 
 def test_a_device_without_components_left_is_withdrawn(convention: HomeAssistantDiscovery) -> None:
     gone = take(convention, "device/0AFFD2", {**WHOLE, "cmps": {"lamp": {"p": "light"}}})
-    assert gone == Withdrawn("device/0AFFD2", "no component of it is left")
+    assert gone == DeviceWithdrawn("device/0AFFD2", "no component of it is left")
 
 
 def test_in_a_whole_device_a_broken_component_costs_itself_alone(convention: HomeAssistantDiscovery) -> None:
@@ -111,7 +111,7 @@ def test_in_a_whole_device_a_broken_component_costs_itself_alone(convention: Hom
         "good": {"p": "switch", "uniq_id": "b", "cmd_t": "s"},
     }
     device = take(convention, "device/0AFFD2", {**WHOLE, "cmps": cmps})
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert [one.part.id for one in device.parts] == ["b"]
     assert convention.rejected == 1
 
@@ -126,18 +126,18 @@ def test_a_whole_device_of_broken_components_is_refused_once(convention: HomeAss
 def test_two_components_with_one_unique_id_are_two_parts(convention: HomeAssistantDiscovery) -> None:
     cmps = {one: {"p": "switch", "uniq_id": "same", "cmd_t": one} for one in ("left", "right")}
     device = take(convention, "device/0AFFD2", {**WHOLE, "cmps": cmps})
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert [one.part.id for one in device.parts] == ["same", "device/0AFFD2/right"]
 
 
 def test_an_empty_config_withdraws(convention: HomeAssistantDiscovery) -> None:
-    assert take(convention, "light/0x1/light", "") == Withdrawn("light/0x1/light", "its config was removed")
+    assert take(convention, "light/0x1/light", "") == DeviceWithdrawn("light/0x1/light", "its config was removed")
 
 
 @pytest.mark.parametrize("topic", ["light/0x1/light", "device/0AFFD2"])
 def test_a_move_to_another_form_withdraws_for_a_moment(convention: HomeAssistantDiscovery, topic: str) -> None:
     moved = take(convention, topic, {"migrate_discovery": True})
-    assert isinstance(moved, Withdrawn)
+    assert isinstance(moved, DeviceWithdrawn)
     assert not moved.is_final
 
 
@@ -153,7 +153,7 @@ def test_unknown_components_and_keys_in_a_whole_device_are_ignored(convention: H
         "relay": {"p": "switch", "uniq_id": "b", "cmd_t": "r", "cmd_t ": 3},
     }
     device = take(convention, "device/0AFFD2", {**WHOLE, "cmps": cmps})
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert len(device.parts) == 1
     assert convention.rejected == 0
 
@@ -167,7 +167,7 @@ def test_what_is_refused_is_counted(convention: HomeAssistantDiscovery) -> None:
 
 def test_a_hidden_part_and_a_group_are_facts(convention: HomeAssistantDiscovery) -> None:
     device = take(convention, "switch/x", {**SWITCH, "enabled_by_default": False, "group": ["0x1_light", "0x2_light"]})
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert device.facts == {"hidden s": "by default", "group s": "0x1_light 0x2_light"}
 
 
@@ -185,9 +185,9 @@ def test_every_prefix_is_understood() -> None:
 
 
 def test_only_where_wanted_devices_are_asked_to_announce_themselves() -> None:
-    assert HomeAssistantDiscovery(HomeAssistantSettings()).births() == ()
+    assert HomeAssistantDiscovery(HomeAssistantSettings()).birth_messages() == ()
     settings = HomeAssistantSettings(prefixes=("homeassistant", "ha"), announce_please=True)
-    assert HomeAssistantDiscovery(settings).births() == (
+    assert HomeAssistantDiscovery(settings).birth_messages() == (
         Publication("homeassistant/status", b"online"),
         Publication("ha/status", b"online"),
     )
@@ -201,5 +201,5 @@ def test_a_prefix_that_cannot_be_is_refused(prefix: str) -> None:
 
 def test_a_part_without_unique_id_is_named_by_its_announcement(convention: HomeAssistantDiscovery) -> None:
     device = take(convention, "switch/node/relay", {"command_topic": "r"})
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert device.parts[0].part.id == device.key == "switch/node/relay"

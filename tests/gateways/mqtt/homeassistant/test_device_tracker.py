@@ -5,7 +5,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.device_tracker import build_device_tracker
 
 THEENGS = {
@@ -17,7 +17,7 @@ PHONE = {"state_topic": "phone", "payload_home": "in", "payload_not_home": "out"
 
 
 def tracker(fields: Mapping[str, object]) -> DescribedPart:
-    return build_device_tracker(Config("device_tracker", "node_1", fields))
+    return build_device_tracker(DiscoveryConfig("device_tracker", "node_1", fields))
 
 
 @pytest.mark.parametrize(

@@ -1,39 +1,39 @@
 import pytest
 
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Fade
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.description import AutoExpiry
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of, numbers_of, whole_of
 from homebot.gateways.mqtt.homeassistant.scale import Scale
 
 
 def entity(**fields: object) -> Entity:
-    return Entity(Config("sensor", "node x", fields), "x_sensor")
+    return Entity(DiscoveryConfig("sensor", "node x", fields), "x_sensor")
 
 
 def test_a_part_carries_what_its_config_says() -> None:
     making = entity(name="Door\n1", device_class="door", entity_category="diagnostic", state_topic="a")
-    making.offers("state")
-    making.fades(Fade("state", 5.0))
-    described = making.described()
+    making.add_capability("state")
+    making.add_expiry(AutoExpiry("state", 5.0))
+    described = making.build()
     part = described.part
     assert (part.id, part.name, part.tag, part.category) == ("node x", "Door 1", "door", "diagnostic")
-    assert described.fades == (Fade("state", 5.0),)
+    assert described.expiries == (AutoExpiry("state", 5.0),)
 
 
 def test_what_can_neither_be_read_nor_told_is_not_offered() -> None:
     making = entity()
-    making.offers("level", readable=False)
-    assert making.described().part.capabilities == ()
+    making.add_capability("level", readable=False)
+    assert making.build().part.capabilities == ()
 
 
 def test_all_readers_of_a_topic_are_asked_also_those_of_a_filter() -> None:
     making = entity()
-    making.reads("a/b", lambda said: {"value": said.text()})
-    making.reads("a/b", lambda _: {"state": True})
-    making.reads("+/b", lambda _: {"measurement": 3.0})
-    codec = making.described().codec
+    making.read_from("a/b", lambda said: {"value": said.text()})
+    making.read_from("a/b", lambda _: {"state": True})
+    making.read_from("+/b", lambda _: {"measurement": 3.0})
+    codec = making.build().codec
     assert codec.topics() == ("a/b", "+/b")
     assert codec.read("a/b", b"x", retained=False) == {"value": "x", "state": True, "measurement": 3.0}
     assert codec.read("c/b", b"x", retained=False) == {"measurement": 3.0}
@@ -42,15 +42,15 @@ def test_all_readers_of_a_topic_are_asked_also_those_of_a_filter() -> None:
 
 def test_a_reader_learns_whether_the_broker_had_kept_the_message() -> None:
     making = entity()
-    making.reads("a", lambda said: {"state": said.retained})
-    assert making.described().codec.read("a", b"", retained=True) == {"state": True}
+    making.read_from("a", lambda said: {"state": said.retained})
+    assert making.build().codec.read("a", b"", retained=True) == {"state": True}
 
 
 def test_what_a_part_does_not_take_is_refused_with_what_it_takes() -> None:
     making = entity()
-    making.offers("push", readable=False, writer=lambda _value, _transition: ())
+    making.add_capability("push", readable=False, writer=lambda _value, _transition: ())
     with pytest.raises(RefusedError, match="takes push"):
-        making.described().codec.write("on_off", value=True)
+        making.build().codec.write("on_off", value=True)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.event import build_event, build_tag, build_trigger
 
 DOORBELL = {
@@ -33,11 +33,11 @@ READER = {"topic": "tags/scanned", "value_template": "{{ value_json.UID }}"}
 
 
 def event(fields: Mapping[str, object]) -> DescribedPart:
-    return build_event(Config("event", "node_1", fields))
+    return build_event(DiscoveryConfig("event", "node_1", fields))
 
 
 def trigger(fields: Mapping[str, object]) -> DescribedPart:
-    return build_trigger(Config("device_automation", "node_1", fields))
+    return build_trigger(DiscoveryConfig("device_automation", "node_1", fields))
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_another_payload_is_another_event() -> None:
 
 
 def test_a_reader_tells_which_tag_it_read() -> None:
-    part = build_tag(Config("tag", "node_1", READER))
+    part = build_tag(DiscoveryConfig("tag", "node_1", READER))
     assert part.part.service_type == "x_tag_reader"
     assert part.codec.read("tags/scanned", b'{"UID": "E9F35959"}', retained=False) == {"scan": "E9F35959"}
     assert part.codec.read("tags/scanned", b'{"UID": ""}', retained=False) == {}
@@ -88,7 +88,7 @@ def test_a_reader_tells_which_tag_it_read() -> None:
 def test_what_the_broker_had_kept_happened_before_and_is_not_told() -> None:
     assert event(DOORBELL).codec.read(DOORBELL["state_topic"], b'{"event_type": "press"}', retained=True) == {}  # type: ignore[arg-type] # the table has lists too
     assert trigger(ZIGBEE_SINGLE).codec.read("zigbee2mqtt/remote/action", b"single", retained=True) == {}
-    reader = build_tag(Config("tag", "node_1", READER))
+    reader = build_tag(DiscoveryConfig("tag", "node_1", READER))
     assert reader.codec.read("tags/scanned", b'{"UID": "E9F35959"}', retained=True) == {}
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homeassistant.components import BUILDERS
 
@@ -120,7 +120,7 @@ def use(topic: str, payload: bytes, heard: bytes, value: PlainValue, transition:
     except WireError:
         return
     for one in found:
-        for described in one.parts if isinstance(one, Described) else ():
+        for described in one.parts if isinstance(one, DeviceAnnounced) else ():
             for spoken in described.codec.topics():
                 described.codec.read(spoken.replace("+", "x").replace("#", "x"), heard, retained=False)
             for capability in described.part.capabilities:
@@ -175,7 +175,7 @@ def test_a_name_of_any_length_and_content_is_cut_to_a_line() -> None:
     (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(
         "homeassistant/switch/x/config", payload, retained=True
     )
-    assert isinstance(found, Described)
+    assert isinstance(found, DeviceAnnounced)
     assert (found.name[:4], len(found.name)) == ("d nn", 120)
     assert (found.parts[0].part.name[:8], len(found.parts[0].part.name)) == ("<b> [31m", 120)
 
@@ -185,7 +185,7 @@ def test_a_long_state_is_not_looked_at() -> None:
     (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(
         "homeassistant/switch/x/config", payload, retained=True
     )
-    assert isinstance(found, Described)
+    assert isinstance(found, DeviceAnnounced)
     assert found.parts[0].codec.read("a", b"ON" + b" " * 300_000, retained=False) == {}
 
 
@@ -195,7 +195,7 @@ def test_a_valve_that_has_no_stop_says_so_with_null() -> None:
     (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(
         "homeassistant/valve/x/config", payload, retained=True
     )
-    assert isinstance(found, Described)
+    assert isinstance(found, DeviceAnnounced)
     (told,) = found.parts[0].codec.write("valve", "open")
     assert told.payload == b"OPEN"
     with pytest.raises(RefusedError):

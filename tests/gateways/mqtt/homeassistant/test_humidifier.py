@@ -5,7 +5,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.humidifier import build_humidifier
 
 DRYER = {
@@ -29,7 +29,7 @@ BARE = {"command_topic": "h/set", "target_humidity_command_topic": "h/target"}
 
 
 def humidifier(fields: Mapping[str, object]) -> DescribedPart:
-    return build_humidifier(Config("humidifier", "node_1", fields))
+    return build_humidifier(DiscoveryConfig("humidifier", "node_1", fields))
 
 
 @pytest.mark.parametrize(

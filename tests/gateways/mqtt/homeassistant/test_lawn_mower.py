@@ -2,7 +2,7 @@ import pytest
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.lawn_mower import build_lawn_mower
 
 MOWER = {
@@ -12,7 +12,7 @@ MOWER = {
     "start_mowing_command_template": '{"do": "{{ value }}"}',
     "dock_command_topic": "mower/dock",
 }
-PART = build_lawn_mower(Config("lawn_mower", "node_1", MOWER))
+PART = build_lawn_mower(DiscoveryConfig("lawn_mower", "node_1", MOWER))
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.light import build_light
 
 JSON = {
@@ -26,7 +26,7 @@ TEMPLATE = {**BASIC, "schema": "template", "command_on_template": "on", "command
 
 
 def lamp(fields: Mapping[str, object]) -> DescribedPart:
-    return build_light(Config("light", "x", fields))
+    return build_light(DiscoveryConfig("light", "x", fields))
 
 
 def payload(part: DescribedPart, capability: str, value: PlainValue, transition: float = 0.0) -> bytes:

@@ -2,14 +2,14 @@ import pytest
 
 from homebot.errors import RefusedError, WrongCodeError
 from homebot.gateways.mqtt.description import TakesCode
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.lock import build_lock
 
 
 def test_a_lock_that_wants_a_code_is_told_with_one() -> None:
     template = '{"do": "{{ value }}", "code": "{{ code }}"}'
     fields = {"command_topic": "l/set", "code_format": "^\\d{4}$", "command_template": template}
-    codec = build_lock(Config("lock", "x", fields)).codec
+    codec = build_lock(DiscoveryConfig("lock", "x", fields)).codec
     with pytest.raises(WrongCodeError, match="it wants a code"):
         codec.write("lock", "unlocked")
     assert isinstance(codec, TakesCode)
@@ -18,6 +18,6 @@ def test_a_lock_that_wants_a_code_is_told_with_one() -> None:
 
 
 def test_a_lock_without_a_latch_is_not_told_to_open() -> None:
-    part = build_lock(Config("lock", "x", {"command_topic": "l/set"}))
+    part = build_lock(DiscoveryConfig("lock", "x", {"command_topic": "l/set"}))
     with pytest.raises(RefusedError, match="locked, unlocked"):
         part.codec.write("lock", "open")

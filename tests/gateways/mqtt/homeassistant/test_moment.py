@@ -5,12 +5,12 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.moment import build_moment
 
 
 def moment(component: str) -> DescribedPart:
-    return build_moment(Config(component, "node_1", {"command_topic": "m/set", "state_topic": "m"}))
+    return build_moment(DiscoveryConfig(component, "node_1", {"command_topic": "m/set", "state_topic": "m"}))
 
 
 @pytest.mark.parametrize(

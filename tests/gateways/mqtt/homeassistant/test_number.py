@@ -5,7 +5,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.number import build_number
 
 CALIBRATION = {
@@ -22,7 +22,7 @@ LIMIT = {"command_topic": "limit/set", "command_template": '{"limit": {{ value }
 
 
 def number(fields: Mapping[str, object]) -> DescribedPart:
-    return build_number(Config("number", "node_1", fields))
+    return build_number(DiscoveryConfig("number", "node_1", fields))
 
 
 @pytest.mark.parametrize(

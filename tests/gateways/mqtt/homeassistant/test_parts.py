@@ -20,7 +20,7 @@ import pytest
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.description import Described, DescribedPart, Publication
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.mqtt.topics import topic_matches
 
@@ -38,7 +38,7 @@ def described(answer: Answer) -> DescribedPart:
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
     topic = f"homeassistant/{answer['component']}/device/config"
     (device,) = convention.take(topic, json.dumps(answer["config"]).encode(), retained=True)
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     return device.parts[0]
 
 

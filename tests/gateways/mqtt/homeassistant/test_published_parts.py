@@ -16,11 +16,11 @@ from hypothesis import strategies as st
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.offer import Offer
+from homebot.devices.offer import ExposedDevice
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homeassistant.publisher import HomeAssistantPublisher
 
@@ -101,7 +101,7 @@ class Way:
     def __init__(self, part: Part) -> None:
         self.part = part
         self.ours = HomeAssistantPublisher("homeassistant", "hub", "homebot/hub/status")
-        self.offer = Offer(id="thing", name="Thing", parts=(part,))
+        self.offer = ExposedDevice(id="thing", name="Thing", parts=(part,))
         self.configs = self.ours.publications(self.offer)
         self.back = [
             (one.topic.split("/")[1], read) for one in self.configs for read in understood(one.topic, one.payload)
@@ -142,7 +142,7 @@ SCHEMAS = Path(__file__).with_name("home_assistant_schemas.py")
 
 def understood(topic: str, payload: bytes) -> list[DescribedPart]:
     (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(topic, payload, retained=True)
-    assert isinstance(heard, Described)
+    assert isinstance(heard, DeviceAnnounced)
     assert len(heard.parts) == 1, payload
     return list(heard.parts)
 

@@ -7,10 +7,10 @@ import json
 import pytest
 
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.offer import Offer
+from homebot.devices.offer import ExposedDevice
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.description import Described, Publication, Withdrawn
+from homebot.gateways.mqtt.description import DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homeassistant.publisher import HomeAssistantPublisher
 
@@ -23,14 +23,14 @@ def publisher() -> HomeAssistantPublisher:
     return made
 
 
-def offer(*capabilities: Capability, name: str = "Robot", **fields: object) -> Offer:
+def offer(*capabilities: Capability, name: str = "Robot", **fields: object) -> ExposedDevice:
     part = Part(id="robot", service_type="x_robot", capabilities=capabilities)
-    return Offer.model_validate({"id": "robot1", "name": name, "parts": (part,), **fields})
+    return ExposedDevice.model_validate({"id": "robot1", "name": name, "parts": (part,), **fields})
 
 
-def understood(config: Publication) -> Described:
+def understood(config: Publication) -> DeviceAnnounced:
     (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(config.topic, config.payload, retained=True)
-    assert isinstance(heard, Described)
+    assert isinstance(heard, DeviceAnnounced)
     return heard
 
 
@@ -112,7 +112,7 @@ def test_what_is_withdrawn_is_gone_and_takes_no_command() -> None:
     assert (state.topic, state.payload, state.retain) == (json.loads(config.payload)["state_topic"], b"", True)
     assert ours.take(command_topic, b"ON") == ()
     (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(gone.topic, b"", retained=False)
-    assert isinstance(heard, Withdrawn)
+    assert isinstance(heard, DeviceWithdrawn)
 
 
 @pytest.mark.parametrize("payload", [b"", b"on", b"\xff", b"x" * 2000, b"1"])
@@ -136,6 +136,6 @@ def test_names_and_ids_of_any_kind_stay_apart() -> None:
     topics = {ours.publications(offer(capability, id=one, name="+/#\0"))[0].topic for one in ids}
     assert len(topics) == len(ids)
     for topic in topics:
-        assert ours.owns(topic)
+        assert ours.is_own_topic(topic)
         assert not set(topic) & set("+#\0 ")
-    assert not ours.owns("homeassistant/switch/other/config")
+    assert not ours.is_own_topic("homeassistant/switch/other/config")

@@ -5,7 +5,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.select import build_select
 
 POWER_ON = {
@@ -19,7 +19,7 @@ EFFECT = {"command_topic": "lamp/effect", "options": ["blink", "none", True], "r
 
 
 def select(fields: Mapping[str, object]) -> DescribedPart:
-    return build_select(Config("select", "node_1", fields))
+    return build_select(DiscoveryConfig("select", "node_1", fields))
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,8 @@ import pytest
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import DescribedPart, Fade
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.description import AutoExpiry, DescribedPart
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.sensor import build_sensor
 
 ZIGBEE_TEMPERATURE = {
@@ -33,7 +33,7 @@ DAY = {"state_topic": "day", "device_class": "date"}
 
 
 def sensor(fields: Mapping[str, object]) -> DescribedPart:
-    return build_sensor(Config("sensor", "node_1", fields))
+    return build_sensor(DiscoveryConfig("sensor", "node_1", fields))
 
 
 def heard(fields: Mapping[str, object], said: object, topic: str = "") -> Mapping[str, PlainValue]:
@@ -112,12 +112,12 @@ def test_a_sensor_with_few_words_names_them() -> None:
 
 
 def test_a_value_of_a_sensor_that_expires_fades() -> None:
-    assert sensor({**FAHRENHEIT, "expire_after": 600}).fades == (Fade("temperature", 600.0),)
+    assert sensor({**FAHRENHEIT, "expire_after": 600}).expiries == (AutoExpiry("temperature", 600.0),)
 
 
 @pytest.mark.parametrize("after", [0, None, 10**12])
 def test_a_value_that_does_not_expire_stays(after: int | None) -> None:
-    assert sensor({**FAHRENHEIT, "expire_after": after}).fades == ()
+    assert sensor({**FAHRENHEIT, "expire_after": after}).expiries == ()
 
 
 def test_a_template_beyond_us_shows_what_was_said() -> None:

@@ -6,7 +6,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.switch import build_switch
 
 ZIGBEE_PLUG = {
@@ -32,7 +32,7 @@ BARE = {"command_topic": "relay/set"}
 
 
 def switch(fields: Mapping[str, object]) -> DescribedPart:
-    return build_switch(Config("switch", "node_1", fields))
+    return build_switch(DiscoveryConfig("switch", "node_1", fields))
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,14 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.text import build_notify, build_text
 
 DISPLAY = {"command_topic": "display/set", "state_topic": "display", "min": 1, "max": 20, "pattern": "(a+)+$"}
 
 
 def text(fields: Mapping[str, object]) -> DescribedPart:
-    return build_text(Config("text", "node_1", fields))
+    return build_text(DiscoveryConfig("text", "node_1", fields))
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,9 @@ def test_a_password_is_told_but_never_read() -> None:
 
 
 def test_a_message_is_told_to_what_shows_it() -> None:
-    part = build_notify(Config("notify", "node_1", {"command_topic": "tv", "command_template": "msg={{ value }}"}))
+    part = build_notify(
+        DiscoveryConfig("notify", "node_1", {"command_topic": "tv", "command_template": "msg={{ value }}"})
+    )
     assert [one.payload for one in part.codec.write("text", "Tea!")] == [b"msg=Tea!"]
     assert part.part.service_type == "x_setting"
 

@@ -5,7 +5,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.update import build_update
 
 ZIGBEE = {
@@ -22,7 +22,7 @@ OBJECT = {"state_topic": "v"}
 
 
 def update(fields: Mapping[str, object]) -> DescribedPart:
-    return build_update(Config("update", "node_1", fields))
+    return build_update(DiscoveryConfig("update", "node_1", fields))
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.vacuum import build_vacuum
 
 VALETUDO = {
@@ -24,7 +24,7 @@ BARE = {"command_topic": "v/set", "state_topic": "v"}
 
 
 def vacuum(fields: Mapping[str, object]) -> DescribedPart:
-    return build_vacuum(Config("vacuum", "node_1", fields))
+    return build_vacuum(DiscoveryConfig("vacuum", "node_1", fields))
 
 
 @pytest.mark.parametrize(

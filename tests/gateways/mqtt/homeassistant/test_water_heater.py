@@ -5,7 +5,7 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.water_heater import build_water_heater
 
 EMS_ESP = {
@@ -27,7 +27,7 @@ EMS_ESP = {
 
 
 def heater(fields: Mapping[str, object] = EMS_ESP) -> DescribedPart:
-    return build_water_heater(Config("water_heater", "node_1", fields))
+    return build_water_heater(DiscoveryConfig("water_heater", "node_1", fields))
 
 
 def test_one_message_tells_its_mode_and_temperatures() -> None:

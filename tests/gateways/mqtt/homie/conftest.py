@@ -3,10 +3,10 @@ from collections.abc import Callable
 
 import pytest
 
-from homebot.gateways.mqtt.description import Described, DescribedPart, Heard
+from homebot.gateways.mqtt.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
 
-Say = Callable[..., tuple[Heard, ...]]
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 
 @pytest.fixture
@@ -18,7 +18,7 @@ def homie() -> Homie:
 def say(homie: Homie) -> Say:
     """Says a message to the convention; what is no text is spelled in JSON."""
 
-    def say(topic: str, payload: object) -> tuple[Heard, ...]:
+    def say(topic: str, payload: object) -> tuple[AnnouncementEvent, ...]:
         text = payload if isinstance(payload, str) else json.dumps(payload)
         return homie.take(topic, text.encode(), retained=True)
 
@@ -32,7 +32,7 @@ def introduce(say: Say) -> Callable[..., dict[str, DescribedPart]]:
     def introduce(nodes: object, **fields: object) -> dict[str, DescribedPart]:
         say("homie/5/thing/$description", {"homie": "5.0", "version": 1, "nodes": nodes, **fields})
         (device,) = say("homie/5/thing/$state", "ready")
-        assert isinstance(device, Described)
+        assert isinstance(device, DeviceAnnounced)
         return {one.part.id: one for one in device.parts}
 
     return introduce

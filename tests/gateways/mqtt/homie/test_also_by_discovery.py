@@ -13,8 +13,8 @@ import pytest
 
 from homebot.devices import Device, Sighting
 from homebot.discovery import DeviceIndex
-from homebot.gateways.mqtt.claim import Claim
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.claim import StoredAnnouncement
+from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
 from homebot.messages import Time
@@ -100,7 +100,7 @@ ENTITIES: Mapping[str, Mapping[str, object]] = {
 }
 
 
-def by_homie() -> Described:
+def by_homie() -> DeviceAnnounced:
     messages = {"$homie": "4.0.0", "$name": "Rocky", "$nodes": ",".join(NODES), "$extensions": ""}
     for node, (called, properties) in NODES.items():
         messages |= {
@@ -116,10 +116,10 @@ def by_homie() -> Described:
         for suffix, text in {**messages, "$state": "ready"}.items()
         for one in homie.take(f"{ROBOT}/{suffix}", text.encode(), retained=True)
     ]
-    return [one for one in heard if isinstance(one, Described)][-1]
+    return [one for one in heard if isinstance(one, DeviceAnnounced)][-1]
 
 
-def by_discovery(**device: object) -> Iterator[Described]:
+def by_discovery(**device: object) -> Iterator[DeviceAnnounced]:
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
     for place, fields in ENTITIES.items():
         component, _, name = place.partition("/")
@@ -131,17 +131,17 @@ def by_discovery(**device: object) -> Iterator[Described]:
         }
         topic = f"homeassistant/{component}/BigSlowDog/BigSlowDog_{name}/config"
         heard = convention.take(topic, json.dumps(config).encode(), retained=True)
-        yield from (one for one in heard if isinstance(one, Described))
+        yield from (one for one in heard if isinstance(one, DeviceAnnounced))
 
 
-def sighting(one: Described) -> Sighting:
+def sighting(one: DeviceAnnounced) -> Sighting:
     """As the gateway publishes it."""
-    claim = Claim("mqtt", f"{one.convention}:{one.key}", one)
+    claim = StoredAnnouncement("mqtt", f"{one.convention}:{one.key}", one)
     begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
     return claim.sighting("updated", "it was announced", at=begin, until=end, heard_at=0.0, confirmed=False)
 
 
-def devices(*announcements: Described) -> tuple[Device, ...]:
+def devices(*announcements: DeviceAnnounced) -> tuple[Device, ...]:
     index = DeviceIndex(forget_after=1000.0)
     for one in announcements:
         index.observe(sighting(one))
@@ -174,7 +174,7 @@ def test_another_device_with_its_name_is_another_device() -> None:
     elsewhere = HomeAssistantDiscovery(HomeAssistantSettings())
     config = {"state_topic": "zones/BigSlowDog/state", "unique_id": "u", "device": {"identifiers": ["BigSlowDog"]}}
     (other,) = elsewhere.take("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
-    assert isinstance(other, Described)
+    assert isinstance(other, DeviceAnnounced)
     assert len(devices(robot, other)) == 2
 
 
@@ -187,7 +187,7 @@ def test_a_device_that_speaks_partly_elsewhere_is_not_known_by_the_topic() -> No
         "device": {"identifiers": ["BigSlowDog"]},
     }
     (other,) = convention.take("homeassistant/switch/u/config", json.dumps(config).encode(), retained=True)
-    assert isinstance(other, Described)
+    assert isinstance(other, DeviceAnnounced)
     assert len(devices(by_homie(), other)) == 2
 
 
@@ -199,7 +199,7 @@ def test_a_device_that_moves_to_other_topics_is_a_device_of_its_own_again() -> N
     for base in (ROBOT, "elsewhere", ROBOT):
         config = {"state_topic": f"{base}/x", "unique_id": "u", "device": {"identifiers": ["BigSlowDog"]}}
         (other,) = convention.take("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
-        assert isinstance(other, Described)
+        assert isinstance(other, DeviceAnnounced)
         index.observe(sighting(other))
         counts.append(len(index))
     assert counts == [1, 2, 1]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
 
 SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20)
@@ -48,7 +48,7 @@ SPOKEN = st.binary(max_size=30) | st.sampled_from(
 )
 
 
-def use(device: Described, payload: bytes, value: PlainValue, transition: float) -> None:
+def use(device: DeviceAnnounced, payload: bytes, value: PlainValue, transition: float) -> None:
     for one in device.parts:
         for topic in one.codec.topics():
             one.codec.read(topic, payload, retained=False)
@@ -66,7 +66,7 @@ def test_any_document_is_described_read_and_told(
     homie.take("homie/5/x/$state", b"ready", retained=True)
     with contextlib.suppress(WireError):
         for device in homie.take("homie/5/x/$description", json.dumps(document).encode(), retained=True):
-            assert isinstance(device, Described)
+            assert isinstance(device, DeviceAnnounced)
             use(device, payload, value, transition)
 
 
@@ -90,7 +90,7 @@ def test_any_attributes_are_survived(
     for attribute, text in said:
         with contextlib.suppress(WireError):
             for device in homie.take(f"homie/x/{attribute}", text.encode(errors="replace"), retained=True):
-                if isinstance(device, Described):
+                if isinstance(device, DeviceAnnounced):
                     use(device, payload, value, transition)
 
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
 
 FLAG = {"datatype": "boolean", "settable": True}
@@ -40,7 +40,7 @@ def parts_of(nodes: Mapping[str, Mapping[str, object]], name: str = "Thing") -> 
     }
     homie.take("homie/5/thing/$description", json.dumps(document).encode(), retained=True)
     found = homie.take("homie/5/thing/$state", b"ready", retained=True)
-    return [part for one in found if isinstance(one, Described) for part in one.parts]
+    return [part for one in found if isinstance(one, DeviceAnnounced) for part in one.parts]
 
 
 def loads(parts: list[DescribedPart]) -> list[str]:
@@ -93,7 +93,7 @@ def announced(nodes: Mapping[str, tuple[str, Mapping[str, tuple[str, Mapping[str
         for suffix, text in {**messages, "$state": "ready"}.items()
         for one in homie.take(f"homie/robot/{suffix}", text.encode(), retained=True)
     ]
-    described = [one for one in heard if isinstance(one, Described)][-1]
+    described = [one for one in heard if isinstance(one, DeviceAnnounced)][-1]
     return {one.part.id: one for one in described.parts}
 
 

@@ -4,11 +4,11 @@ from itertools import permutations
 import pytest
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Described, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.gateways.mqtt.homie import Homie
 from homebot.mqtt.topics import topic_matches
 
-Say = Callable[..., tuple[Heard, ...]]
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 BASE = "homie/hall-lamp"
 LAMP = {
@@ -29,14 +29,14 @@ LAMP = {
 }
 
 
-def tell(say: Say, attributes: Mapping[str, str], base: str = BASE) -> tuple[Heard, ...]:
+def tell(say: Say, attributes: Mapping[str, str], base: str = BASE) -> tuple[AnnouncementEvent, ...]:
     """Say all attributes, and return all that was heard."""
     return tuple(heard for attribute, value in attributes.items() for heard in say(f"{base}/{attribute}", value))
 
 
-def described(heard: tuple[Heard, ...]) -> Described:
+def described(heard: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
     (device,) = heard
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     return device
 
 
@@ -101,7 +101,7 @@ def test_what_it_says_of_itself_besides_changes_nothing(say: Say) -> None:
 
 def test_an_empty_state_removes_it(say: Say) -> None:
     tell(say, LAMP)
-    assert say(f"{BASE}/$state", "") == (Withdrawn(BASE, "its state was removed", is_final=True),)
+    assert say(f"{BASE}/$state", "") == (DeviceWithdrawn(BASE, "its state was removed", is_final=True),)
     assert tell(say, LAMP) != ()
 
 

@@ -4,27 +4,27 @@ import pytest
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described, Heard, Withdrawn
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.gateways.mqtt.homie import Homie, HomieSettings
 from homebot.mqtt.topics import topic_matches
 
-Say = Callable[..., tuple[Heard, ...]]
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 SWITCH = {"type": "hc-smarthome/v2/cap/switch", "properties": {"state": {"datatype": "boolean", "settable": True}}}
 LAMP = {"homie": "5.0", "version": 1, "name": "Hall lamp", "nodes": {"switch": SWITCH}}
 BASE = "homie/5/lamp-1"
 
 
-def described(heard: tuple[Heard, ...]) -> Described:
+def described(heard: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
     (device,) = heard
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     return device
 
 
 def test_it_is_a_convention(homie: Homie) -> None:
     same: Convention = homie
     assert same.name == "homie"
-    assert same.births() == ()
+    assert same.birth_messages() == ()
     assert Homie.Settings is HomieSettings
 
 
@@ -36,7 +36,7 @@ def test_state_and_description_make_a_device(say: Say) -> None:
     assert device.name == "Hall lamp"
     assert device.identifiers == ("id:homie/lamp-1",)
     assert device.topic == f"{BASE}/$state"
-    assert device.is_sighting
+    assert device.implies_alive
 
 
 def test_the_order_does_not_matter(say: Say) -> None:
@@ -46,7 +46,7 @@ def test_the_order_does_not_matter(say: Say) -> None:
 
 def test_a_lost_one_is_there_but_gives_no_sign_of_life(say: Say) -> None:
     say(f"{BASE}/$description", LAMP)
-    assert not described(say(f"{BASE}/$state", "lost")).is_sighting
+    assert not described(say(f"{BASE}/$state", "lost")).implies_alive
 
 
 def test_the_same_again_says_nothing_new(say: Say) -> None:
@@ -68,14 +68,14 @@ def test_a_new_description_counts_when_it_is_ready_again(say: Say) -> None:
 def test_an_empty_state_removes_it(say: Say) -> None:
     say(f"{BASE}/$description", LAMP)
     say(f"{BASE}/$state", "ready")
-    assert say(f"{BASE}/$state", "") == (Withdrawn(BASE, "its state was removed", is_final=True),)
+    assert say(f"{BASE}/$state", "") == (DeviceWithdrawn(BASE, "its state was removed", is_final=True),)
     assert say(f"{BASE}/$state", "") == ()
 
 
 def test_an_empty_description_withdraws_it(say: Say) -> None:
     say(f"{BASE}/$description", LAMP)
     say(f"{BASE}/$state", "ready")
-    assert say(f"{BASE}/$description", "") == (Withdrawn(BASE, "its description was removed"),)
+    assert say(f"{BASE}/$description", "") == (DeviceWithdrawn(BASE, "its description was removed"),)
 
 
 def test_its_state_says_whether_it_can_be_reached(say: Say) -> None:
@@ -106,7 +106,7 @@ def test_one_that_offers_nothing_any_more_is_withdrawn(say: Say) -> None:
     say(f"{BASE}/$description", LAMP)
     say(f"{BASE}/$state", "ready")
     emptied = {"homie": "5.0", "version": 2}
-    assert say(f"{BASE}/$description", emptied) == (Withdrawn(BASE, "it offers nothing any more"),)
+    assert say(f"{BASE}/$description", emptied) == (DeviceWithdrawn(BASE, "it offers nothing any more"),)
 
 
 def test_a_hardware_address_at_the_end_of_the_id_is_who_it_is(say: Say) -> None:

@@ -3,10 +3,10 @@ from collections.abc import Callable
 
 import pytest
 
-from homebot.gateways.mqtt.description import Described, DescribedPart, Heard
+from homebot.gateways.mqtt.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
 
-Say = Callable[..., tuple[Heard, ...]]
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 
 @pytest.fixture
@@ -18,7 +18,7 @@ def shelly() -> Shelly:
 def say(shelly: Shelly) -> Say:
     """Says a message to the convention; what is no text is spelled in JSON."""
 
-    def say(topic: str, payload: object, *, retained: bool = False) -> tuple[Heard, ...]:
+    def say(topic: str, payload: object, *, retained: bool = False) -> tuple[AnnouncementEvent, ...]:
         text = payload if isinstance(payload, str) else json.dumps(payload)
         return shelly.take(topic, text.encode(), retained=retained)
 
@@ -26,11 +26,11 @@ def say(shelly: Shelly) -> Say:
 
 
 @pytest.fixture
-def part() -> Callable[[tuple[Heard, ...], str], DescribedPart]:
+def part() -> Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]:
     """Finds a part in what was heard last."""
 
-    def part(heard: tuple[Heard, ...], part_id: str) -> DescribedPart:
-        (device,) = [one for one in heard if isinstance(one, Described)]
+    def part(heard: tuple[AnnouncementEvent, ...], part_id: str) -> DescribedPart:
+        (device,) = [one for one in heard if isinstance(one, DeviceAnnounced)]
         (found,) = [one for one in device.parts if one.part.id == part_id]
         return found
 

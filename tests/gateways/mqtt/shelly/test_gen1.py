@@ -5,12 +5,18 @@ import pytest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import Described, DescribedPart, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.description import (
+    AnnouncementEvent,
+    DescribedPart,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+    Publication,
+)
 from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
 from homebot.mqtt.topics import topic_matches
 
-Say = Callable[..., tuple[Heard, ...]]
-Find = Callable[[tuple[Heard, ...], str], DescribedPart]
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
+Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
 
 PLUG = {
     "id": "shellyplug-s-122881",
@@ -24,13 +30,13 @@ ROLLER = {"id": "shellyswitch25-033453", "model": "SHSW-25", "mac": "A8032A03345
 BULB = {"id": "shellybulb-099CF9", "model": "SHBLB-1", "mac": "A8032A099CF9"}
 
 
-def described(heard: tuple[Heard, ...]) -> Described:
+def described(heard: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
     (device,) = heard
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     return device
 
 
-def ids(heard: tuple[Heard, ...]) -> dict[str, str]:
+def ids(heard: tuple[AnnouncementEvent, ...]) -> dict[str, str]:
     return {one.part.id: one.part.service_type for one in described(heard).parts}
 
 
@@ -41,7 +47,7 @@ def test_it_is_a_convention(shelly: Shelly) -> None:
 
 
 def test_all_are_asked_to_announce_themselves_at_the_start(shelly: Shelly) -> None:
-    assert shelly.births() == (
+    assert shelly.birth_messages() == (
         Publication("shellies/command", b"announce"),
         Publication("shellies/command", b"update"),
     )
@@ -57,8 +63,8 @@ def test_an_announcement_describes_a_plug(say: Say) -> None:
     assert device.availability.sources[0].read(b"true") is True
     assert device.availability.sources[0].read(b"false") is False
     assert device.availability.sources[0].read(b"maybe") is None
-    assert device.parts[0].asks == (Publication("shellies/shellyplug-s-122881/command", b"update"),)
-    assert all(not one.asks for one in device.parts[1:])
+    assert device.parts[0].state_requests == (Publication("shellies/shellyplug-s-122881/command", b"update"),)
+    assert all(not one.state_requests for one in device.parts[1:])
 
 
 def test_the_same_announcement_on_its_second_topic_says_nothing_new(say: Say) -> None:
@@ -152,8 +158,8 @@ def test_one_that_does_not_announce_itself_is_known_once_it_is_online(say: Say) 
 def test_a_new_name_takes_the_place_of_the_old_one(say: Say) -> None:
     say("shellies/shellyplug-s-122881/announce", PLUG)
     gone, there = say("shellies/kitchen/announce", PLUG)
-    assert gone == Withdrawn("shellies/shellyplug-s-122881", "it is called kitchen now")
-    assert isinstance(there, Described)
+    assert gone == DeviceWithdrawn("shellies/shellyplug-s-122881", "it is called kitchen now")
+    assert isinstance(there, DeviceAnnounced)
     assert there.key == "shellies/kitchen"
     assert there.identifiers == ("mac:a8032a122881",)
     assert described(say("shellies/announce", {**PLUG, "fw_ver": "2"})).key == "shellies/kitchen"

@@ -5,12 +5,19 @@ import pytest
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described, DescribedPart, Heard, Publication, Question, Withdrawn
+from homebot.gateways.mqtt.description import (
+    AnnouncementEvent,
+    DescribedPart,
+    DeviceAnnounced,
+    DeviceRequest,
+    DeviceWithdrawn,
+    Publication,
+)
 from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
 from homebot.mqtt.topics import topic_matches
 
-Say = Callable[..., tuple[Heard, ...]]
-Find = Callable[[tuple[Heard, ...], str], DescribedPart]
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
+Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
 
 ID = "shellyplus2pm-a8032abe54dc"
 INFO = {
@@ -41,7 +48,7 @@ def answer(result: object, source: str = ID) -> dict[str, object]:
 
 def introduce(
     say: Say, components: dict[str, object], *, config: object = None, info: object = None
-) -> tuple[Heard, ...]:
+) -> tuple[AnnouncementEvent, ...]:
     """Have a device come online and answer all questions."""
     say(f"{ID}/online", "true")
     say(f"homebot/{ID}/rpc", answer(INFO if info is None else info))
@@ -62,7 +69,7 @@ def called(publications: tuple[Publication, ...]) -> tuple[str, object]:
 
 def test_one_that_comes_online_is_asked_who_it_is(say: Say) -> None:
     (question,) = say(f"{ID}/online", "true", retained=True)
-    assert isinstance(question, Question)
+    assert isinstance(question, DeviceRequest)
     assert question.key == ID
     assert question.publications[0] == Publication(
         f"{ID}/rpc", b'{"id":1,"src":"homebot/shellyplus2pm-a8032abe54dc","method":"Shelly.GetDeviceInfo"}'
@@ -73,7 +80,7 @@ def test_one_that_comes_online_is_asked_who_it_is(say: Say) -> None:
 
 def test_its_answers_describe_it(say: Say) -> None:
     (device,) = introduce(say, {"switch:0": SWITCH})
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert device.key == ID
     assert device.name == "Hall"
     assert device.identifiers == ("mac:a8032abe54dc", f"id:{ID}")
@@ -86,7 +93,7 @@ def test_its_answers_describe_it(say: Say) -> None:
     }
     assert device.availability is not None
     assert device.availability.sources[0].topic == f"{ID}/online"
-    (ask,) = device.parts[0].asks
+    (ask,) = device.parts[0].state_requests
     assert ask == Publication(
         f"{ID}/rpc", b'{"id":1,"src":"homebot/shellyplus2pm-a8032abe54dc","method":"Shelly.GetStatus"}'
     )
@@ -101,7 +108,7 @@ def test_answers_to_one_name_for_all_are_known_by_their_source(say: Say) -> None
     say(f"{ID}/online", "true")
     say("homebot/rpc", answer(INFO))
     (device,) = say("homebot/rpc", answer({"sys": SYS, "switch:0": SWITCH}))
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert device.key == ID
 
 
@@ -119,17 +126,17 @@ def test_prefixes_of_several_levels_are_a_setting(part: Find) -> None:
     for topic in ("home/hall/plug/online", "home/hall/plug/events/rpc", "robot/home/hall/plug/rpc", "robot/rpc"):
         assert any(topic_matches(one, topic) for one in shelly.filters()), topic
     (question,) = shelly.take("home/hall/plug/online", b"true", retained=False)
-    assert isinstance(question, Question)
+    assert isinstance(question, DeviceRequest)
     assert question.publications[0].topic == "home/hall/plug/rpc"
 
 
 def test_one_below_shellies_is_known_by_its_notifications(say: Say) -> None:
     frame = {"src": ID, "method": "NotifyStatus", "params": {"switch:0": {"output": True}}}
     (question,) = say("shellies/hall/events/rpc", frame)
-    assert isinstance(question, Question)
+    assert isinstance(question, DeviceRequest)
     say("homebot/shellies/hall/rpc", answer(INFO))
     (device,) = say("homebot/shellies/hall/rpc", answer({"sys": SYS, "switch:0": SWITCH}))
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert device.key == "shellies/hall"
 
 
@@ -143,31 +150,31 @@ def test_one_that_comes_back_is_asked_again(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
     assert say(f"{ID}/online", "true", retained=True) == ()
     (question,) = say(f"{ID}/online", "true")
-    assert isinstance(question, Question)
+    assert isinstance(question, DeviceRequest)
 
 
 def test_a_new_profile_takes_the_place_of_the_old(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH, "switch:1": SWITCH})
     (device,) = say(f"homebot/{ID}/rpc", answer({"sys": SYS, "cover:0": COVER}))
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert [one.part.service_type for one in device.parts] == ["window_covering"]
 
 
 def test_one_of_which_nothing_is_left_is_withdrawn(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
-    assert say(f"homebot/{ID}/rpc", answer({"sys": SYS})) == (Withdrawn(ID, "no component of it is left"),)
+    assert say(f"homebot/{ID}/rpc", answer({"sys": SYS})) == (DeviceWithdrawn(ID, "no component of it is left"),)
 
 
 def test_a_removed_online_topic_withdraws_it(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
-    assert say(f"{ID}/online", "", retained=True) == (Withdrawn(ID, "its online topic was removed"),)
+    assert say(f"{ID}/online", "", retained=True) == (DeviceWithdrawn(ID, "its online topic was removed"),)
 
 
 def test_a_changed_configuration_is_asked_for(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
     event = {"component": "switch:0", "event": "config_changed"}
     frame = {"src": ID, "method": "NotifyEvent", "params": {"events": [event]}}
-    assert isinstance(say(f"{ID}/events/rpc", frame)[0], Question)
+    assert isinstance(say(f"{ID}/events/rpc", frame)[0], DeviceRequest)
     frame = {"src": ID, "method": "NotifyStatus", "params": {"switch:0": {"output": True}}}
     assert say(f"{ID}/events/rpc", frame) == ()
 
@@ -183,7 +190,7 @@ def test_what_wakes_tells_its_whole_status(say: Say, part: Find) -> None:
     frame = {"src": name, "method": "NotifyFullStatus", "params": status}
     heard = say(f"{name}/events/rpc", frame)
     device = heard[0]
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert device.availability is None
     assert device.identifiers == ("mac:a8032a000001", f"id:{name}")
     thermometer = part(heard, "temperature:0").codec
@@ -212,7 +219,7 @@ def test_a_relay_is_switched_and_read_on_three_topics(say: Say, part: Find) -> N
 
 def test_what_a_device_is_there_for_comes_first(say: Say) -> None:
     (device,) = introduce(say, {"input:0": {"state": True}, "switch:1": SWITCH, "switch:0": SWITCH, "wifi": {}})
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     assert [one.part.id for one in device.parts if "/" not in one.part.id] == ["switch:0", "switch:1", "input:0"]
 
 
@@ -362,28 +369,28 @@ def test_there_is_room_for_so_many_strangers(shelly: Shelly, say: Say) -> None:
     for number in range(3000):
         say(f"stranger{number}/online", "true")
     assert shelly.dropped == 1
-    assert isinstance(say(f"{ID}/online", "true")[0], Question)
+    assert isinstance(say(f"{ID}/online", "true")[0], DeviceRequest)
     assert say(f"homebot/{ID}/rpc", answer(INFO)) == ()
 
 
 def test_one_that_never_answers_is_known_by_what_it_tells(say: Say, part: Find) -> None:
     (described, question) = say(f"{ID}/status/switch:0", {"id": 0, "output": True})
-    assert isinstance(question, Question)
-    assert isinstance(described, Described)
+    assert isinstance(question, DeviceRequest)
+    assert isinstance(described, DeviceAnnounced)
     assert "mac:a8032abe54dc" in described.identifiers
     assert part((described,), "switch:0").codec.read(f"{ID}/status/switch:0", b'{"output":false}', retained=False) == {
         "on_off": False
     }
     more = say(f"{ID}/events/rpc", {"src": ID, "method": "NotifyStatus", "params": {"ts": 1.5, "cover:0": COVER}})
-    assert isinstance(more[0], Described)
+    assert isinstance(more[0], DeviceAnnounced)
     assert [one.part.id for one in more[0].parts] == ["switch:0", "cover:0"]
-    assert not any(isinstance(one, Described) for one in say(f"{ID}/status/switch:0", {"id": 0, "output": False}))
+    assert not any(isinstance(one, DeviceAnnounced) for one in say(f"{ID}/status/switch:0", {"id": 0, "output": False}))
 
 
 def test_what_it_answers_counts_more_than_what_it_told(say: Say) -> None:
     say(f"{ID}/status/switch:7", {"id": 7, "output": True})
     (described,) = introduce(say, {"switch:0": SWITCH})
-    assert isinstance(described, Described)
+    assert isinstance(described, DeviceAnnounced)
     assert "switch:7" not in [one.part.id for one in described.parts]
     assert say(f"{ID}/status/switch:7", {"id": 7, "output": True}) == ()
 
@@ -397,6 +404,6 @@ def test_so_much_is_kept_of_what_one_tells_without_answering(shelly: Shelly, say
     for number in range(10):
         say(f"{ID}/status/switch:{number}", {"id": number, "output": True, "x": "y" * 20_000})
     described = say(f"{ID}/status/switch:10", {"id": 10, "output": True})[0]
-    assert isinstance(described, Described)
+    assert isinstance(described, DeviceAnnounced)
     assert {one.part.id for one in described.parts} == {"switch:10", *(f"switch:{number}" for number in range(6))}
     assert shelly.dropped == 4

@@ -3,13 +3,13 @@ from collections.abc import Callable
 
 import pytest
 
-from homebot.gateways.mqtt.description import DescribedPart, Heard
+from homebot.gateways.mqtt.description import AnnouncementEvent, DescribedPart
 
-Say = Callable[..., tuple[Heard, ...]]
-Find = Callable[[tuple[Heard, ...], str], DescribedPart]
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
+Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
 
 
-def introduce(say: Say, key: str, status: object, config: object) -> tuple[Heard, ...]:
+def introduce(say: Say, key: str, status: object, config: object) -> tuple[AnnouncementEvent, ...]:
     say("homebot/rpc", {"id": 1, "src": "x", "result": {"id": "x", "mac": "A8032ABE54DC"}})
     say("homebot/rpc", {"id": 1, "src": "x", "result": {"sys": {"device": {}}, key: config}})
     return say("homebot/rpc", {"id": 1, "src": "x", "result": {"sys": {"mac": "A8"}, key: status}})

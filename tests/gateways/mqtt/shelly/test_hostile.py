@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
 
 KEYS = st.sampled_from(
@@ -79,7 +79,7 @@ VALUES: st.SearchStrategy[PlainValue] = SCALARS.filter(
 ) | st.tuples(st.floats(), st.floats())
 
 
-def use(device: Described, payload: bytes, value: PlainValue, transition: float) -> None:
+def use(device: DeviceAnnounced, payload: bytes, value: PlainValue, transition: float) -> None:
     for one in device.parts:
         for topic in one.codec.topics():
             one.codec.read(topic, payload, retained=False)
@@ -100,7 +100,7 @@ def test_anything_said_is_survived(
         except WireError:
             continue
         for device in heard:
-            if isinstance(device, Described):
+            if isinstance(device, DeviceAnnounced):
                 use(device, payload, value, transition)
 
 
@@ -133,7 +133,7 @@ def test_any_component_is_described_read_and_told(
         except WireError:
             continue
         for device in heard:
-            assert isinstance(device, Described)
+            assert isinstance(device, DeviceAnnounced)
             for key in status:
                 payload = json.dumps({"params": {key: said}, "result": {key: said}}).encode()
                 use(device, payload, value, transition)

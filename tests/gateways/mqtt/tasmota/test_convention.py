@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Described, Heard, Withdrawn
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.gateways.mqtt.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.gateways.mqtt.tasmota.convention import MAX_DEVICES, MAX_WAITING, WordsOfWill
 
@@ -39,24 +39,24 @@ def discovery(prefix: str = "tasmota/discovery") -> TasmotaDiscovery:
     return TasmotaDiscovery(TasmotaSettings(prefix=prefix))
 
 
-def take(convention: TasmotaDiscovery, kind: str, fields: object, mac: str = MAC) -> tuple[Heard, ...]:
+def take(convention: TasmotaDiscovery, kind: str, fields: object, mac: str = MAC) -> tuple[AnnouncementEvent, ...]:
     payload = b"" if fields is None else json.dumps(fields).encode()
     return convention.take(f"tasmota/discovery/{mac}/{kind}", payload, retained=True)
 
 
-def one(found: tuple[Heard, ...]) -> Described:
+def one(found: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
     (device,) = found
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     return device
 
 
-def ids(device: Described) -> list[str]:
+def ids(device: DeviceAnnounced) -> list[str]:
     return [part.part.id for part in device.parts]
 
 
 def test_it_listens_to_both_messages_of_each_device() -> None:
     assert discovery("t/d").filters() == ("t/d/+/config", "t/d/+/sensors")
-    assert discovery().births() == ()
+    assert discovery().birth_messages() == ()
 
 
 def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
@@ -122,7 +122,7 @@ def test_a_config_that_is_removed_withdraws_the_device() -> None:
     convention = discovery()
     assert take(convention, "config", None) == ()
     take(convention, "config", config())
-    assert take(convention, "config", None) == (Withdrawn(MAC, "its config was removed"),)
+    assert take(convention, "config", None) == (DeviceWithdrawn(MAC, "its config was removed"),)
     assert take(convention, "sensors", SENSORS) == ()
 
 
@@ -186,4 +186,4 @@ def test_the_last_will_tells_whether_it_can_be_reached() -> None:
 def test_a_sleeper_has_no_last_will_and_is_not_asked() -> None:
     device = one(take(discovery(), "config", config(dslp=1)))
     assert device.availability is None
-    assert [part.asks for part in device.parts] == [(), ()]
+    assert [part.state_requests for part in device.parts] == [(), ()]

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import pytest
 
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.tasmota import TasmotaDiscovery, TasmotaSettings
 
 Device: TypeAlias = dict[str, Any]
@@ -29,13 +29,13 @@ def name(device: Device) -> str:
     return str(device["config"]["md"])
 
 
-def described(device: Device) -> Described:
+def described(device: Device) -> DeviceAnnounced:
     convention = TasmotaDiscovery(TasmotaSettings())
     topic = f"tasmota/discovery/{device['config']['mac']}"
     convention.take(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
     convention.take(f"{topic}/sensors", json.dumps(device["sensors"]).encode(), retained=True)
     (found,) = convention.take(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
-    assert isinstance(found, Described)
+    assert isinstance(found, DeviceAnnounced)
     return found
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.gateways.mqtt.tasmota import TasmotaDiscovery, TasmotaSettings
 
 LINES = Path(__file__).with_name("devices.jsonl").read_text(encoding="utf-8").splitlines()
@@ -55,7 +55,7 @@ def use(config: bytes, sensors: bytes, heard: bytes, value: PlainValue, transiti
     except WireError:
         return
     for one in found:
-        for described in one.parts if isinstance(one, Described) else ():
+        for described in one.parts if isinstance(one, DeviceAnnounced) else ():
             for topic in described.codec.topics():
                 described.codec.read(topic, heard, retained=False)
             for capability in described.part.capabilities:
@@ -113,5 +113,5 @@ def test_an_attack_is_refused_in_short_words(topic: str, payload: bytes) -> None
 def test_names_are_cut_to_a_line() -> None:
     fields = {**DEVICES[0]["config"], "mac": "2462AB000011", "dn": "<b>\x1b[31m" + "n" * 200}
     (found,) = TasmotaDiscovery(TasmotaSettings()).take(CONFIG, json.dumps(fields).encode(), retained=True)
-    assert isinstance(found, Described)
+    assert isinstance(found, DeviceAnnounced)
     assert (found.name[:8], len(found.name)) == ("<b> [31m", 120)

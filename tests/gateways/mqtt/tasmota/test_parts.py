@@ -7,7 +7,7 @@ import pytest
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.description import DescribedPart, Fade, Publication
+from homebot.gateways.mqtt.description import AutoExpiry, DescribedPart, Publication
 from homebot.gateways.mqtt.tasmota.config import read_config
 from homebot.gateways.mqtt.tasmota.fading import Change, Shown, speed
 from homebot.gateways.mqtt.tasmota.parts import build_parts
@@ -55,7 +55,7 @@ def test_relays_are_numbered_and_the_first_may_go_without() -> None:
     assert said(parts["power_2"], "s/RESULT", {"POWER": "ON"}) == {}
     assert said(parts["power_2"], "t/STATE", {"POWER1": "ON", "POWER2": "OFF"}) == {"on_off": False}
     assert told(parts["power_2"], "on_off", value=True) == ("c/Power2", "ON")
-    assert parts["power_1"].asks == (Publication("c/STATE", b""),)
+    assert parts["power_1"].state_requests == (Publication("c/STATE", b""),)
 
 
 def test_a_device_has_words_of_its_own() -> None:
@@ -175,7 +175,7 @@ def test_a_shutter_is_read_and_told() -> None:
     assert told(shutter, "movement", "stopped") == ("c/ShutterStop1", "")
     assert told(shutter, "position", 30.0) == ("c/ShutterPosition1", "30")
     assert told(shutter, "tilt", 75.0) == ("c/ShutterTilt1", "45")
-    assert shutter.asks == (Publication("c/STATUS", b"10"),)
+    assert shutter.state_requests == (Publication("c/STATUS", b"10"),)
 
 
 def test_a_shutter_may_be_the_wrong_way_round() -> None:
@@ -213,7 +213,7 @@ def test_a_switch_that_is_followed_is_a_state() -> None:
 
 def test_a_pulse_ends_by_itself_and_is_no_pulse_when_kept() -> None:
     switch = only(swc=[13])
-    assert switch.fades == (Fade("state", 1.0, value=False, only=True),)
+    assert switch.expiries == (AutoExpiry("state", 1.0, value=False, only=True),)
     assert said(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}) == {"state": True}
     assert said(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}, retained=True) == {}
 

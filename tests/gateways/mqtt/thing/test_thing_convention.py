@@ -16,7 +16,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.thing import CONTEXT, to_thing
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described, Publication, Withdrawn
+from homebot.gateways.mqtt.description import DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.gateways.mqtt.payload import parse_json
 from homebot.gateways.mqtt.thing import ThingDescriptions, ThingSettings
 from homebot.messages import Time
@@ -44,10 +44,10 @@ def prop(topic: str, kind: str = "boolean", **more: Any) -> dict[str, Any]:
     return {"type": kind, "forms": forms} | more
 
 
-def take(description: object) -> Described:
+def take(description: object) -> DeviceAnnounced:
     payload = json.dumps(description).encode()
     (heard,) = ThingDescriptions(ThingSettings()).take(TOPIC, payload, retained=True)
-    assert isinstance(heard, Described)
+    assert isinstance(heard, DeviceAnnounced)
     return heard
 
 
@@ -73,7 +73,7 @@ def test_a_description_is_a_device() -> None:
         "id:x",
         "id:urn:dev:mac:00158d0001abcdef",
     )
-    assert heard.is_sighting
+    assert heard.implies_alive
     assert heard.facts == {"model": "X1", "description": "On the desk"}
     (lamp,) = heard.parts
     assert (lamp.part.service_type, lamp.part.reads, lamp.part.writes) == ("light", ("lamp/on",), ("lamp/on/set",))
@@ -81,7 +81,7 @@ def test_a_description_is_a_device() -> None:
 
 def test_the_empty_payload_takes_a_description_back() -> None:
     convention = ThingDescriptions(ThingSettings())
-    assert convention.take(TOPIC, b"", retained=False) == (Withdrawn("lamp", "its description was taken back"),)
+    assert convention.take(TOPIC, b"", retained=False) == (DeviceWithdrawn("lamp", "its description was taken back"),)
     assert convention.take("homebot/things/a/b/td", b"{", retained=False) == ()
     assert convention.take("homebot/things/td", b"{", retained=False) == ()
 
@@ -89,8 +89,8 @@ def test_the_empty_payload_takes_a_description_back() -> None:
 def test_prefixes_can_be_chosen() -> None:
     convention = ThingDescriptions(ThingSettings(prefixes=("wot", "other/things")))
     assert convention.filters() == ("wot/+/td", "other/things/+/td")
-    assert convention.births() == ()
-    assert isinstance(convention.take("other/things/x/td", b"", retained=True)[0], Withdrawn)
+    assert convention.birth_messages() == ()
+    assert isinstance(convention.take("other/things/x/td", b"", retained=True)[0], DeviceWithdrawn)
     with pytest.raises(ValidationError):
         ThingSettings(prefixes=("wot/#",))
 
@@ -298,7 +298,7 @@ def test_nothing_that_is_said_or_told_breaks_a_part(
         (heard,) = convention.take(TOPIC, json.dumps(thing({"p": schema})).encode(), retained=True)
     except WireError:
         return
-    assert isinstance(heard, Described)
+    assert isinstance(heard, DeviceAnnounced)
     for part in heard.parts:
         for said in (payload, json.dumps(value).encode()):
             read = part.codec.read("t", said, retained=False)

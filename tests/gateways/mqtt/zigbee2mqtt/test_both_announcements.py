@@ -24,8 +24,8 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.claim import Claim
-from homebot.gateways.mqtt.description import Described, DescribedPart, Publication
+from homebot.gateways.mqtt.claim import StoredAnnouncement
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.messages import Time
@@ -69,7 +69,7 @@ class Model:
         return frozenset[str]().union(*(self.properties[way.key, way.part] for way in part.routes))
 
 
-def described(row: Row) -> Iterator[Described]:
+def described(row: Row) -> Iterator[DeviceAnnounced]:
     own = Zigbee2Mqtt(Zigbee2MqttSettings())
     yield from found(own.take("zigbee2mqtt/bridge/devices", json.dumps([row["entry"]]).encode(), retained=True))
     foreign = HomeAssistantDiscovery(HomeAssistantSettings())
@@ -78,13 +78,13 @@ def described(row: Row) -> Iterator[Described]:
         yield from found(foreign.take(f"homeassistant/{place}/config", payload, retained=True))
 
 
-def found(heard: Sequence[object]) -> list[Described]:
-    return [one for one in heard if isinstance(one, Described)]
+def found(heard: Sequence[object]) -> list[DeviceAnnounced]:
+    return [one for one in heard if isinstance(one, DeviceAnnounced)]
 
 
-def sighting(one: Described) -> Sighting:
+def sighting(one: DeviceAnnounced) -> Sighting:
     """As the gateway publishes it."""
-    claim = Claim("mqtt", f"{one.convention}:{one.key}", one)
+    claim = StoredAnnouncement("mqtt", f"{one.convention}:{one.key}", one)
     begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
     return claim.sighting("updated", "it was announced", at=begin, until=end, heard_at=0.0, confirmed=False)
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Described, Heard, Withdrawn
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.gateways.mqtt.zigbee2mqtt.availability import StateWord
 from homebot.gateways.mqtt.zigbee2mqtt.convention import MAX_DEVICES, _read
@@ -38,21 +38,21 @@ def bridge(*bases: str) -> Zigbee2Mqtt:
     return Zigbee2Mqtt(Zigbee2MqttSettings(bases=bases or ("zigbee2mqtt",)))
 
 
-def heard(convention: Zigbee2Mqtt, *entries: object, base: str = "zigbee2mqtt") -> tuple[Heard, ...]:
+def heard(convention: Zigbee2Mqtt, *entries: object, base: str = "zigbee2mqtt") -> tuple[AnnouncementEvent, ...]:
     return convention.take(f"{base}/bridge/devices", json.dumps(entries).encode(), retained=True)
 
 
-def info(convention: Zigbee2Mqtt, config: object) -> tuple[Heard, ...]:
+def info(convention: Zigbee2Mqtt, config: object) -> tuple[AnnouncementEvent, ...]:
     return convention.take("zigbee2mqtt/bridge/info", json.dumps({"config": config}).encode(), retained=True)
 
 
-def one(found: tuple[Heard, ...]) -> Described:
+def one(found: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
     (device,) = found
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     return device
 
 
-def sources(device: Described) -> list[str]:
+def sources(device: DeviceAnnounced) -> list[str]:
     assert device.availability is not None
     return [source.topic for source in device.availability.sources]
 
@@ -60,15 +60,15 @@ def sources(device: Described) -> list[str]:
 def test_a_bridge_whose_list_does_not_come_is_in_trouble() -> None:
     """As where the list is larger than a broker may send."""
     convention = bridge("zigbee2mqtt", "attic")
-    assert convention.troubles() == ()
+    assert convention.problems() == ()
     info(convention, {})
-    (trouble,) = convention.troubles()
+    (trouble,) = convention.problems()
     assert trouble.startswith("zigbee2mqtt/bridge/info came, but zigbee2mqtt/bridge/devices did not")
     with pytest.raises(WireError):
         convention.take("zigbee2mqtt/bridge/devices", b"{", retained=True)
-    assert convention.troubles() == ()
+    assert convention.problems() == ()
     info(convention, {})
-    assert convention.troubles() == ()
+    assert convention.problems() == ()
 
 
 def test_it_listens_to_the_two_topics_of_each_bridge_and_not_to_groups() -> None:
@@ -78,7 +78,7 @@ def test_it_listens_to_the_two_topics_of_each_bridge_and_not_to_groups() -> None
         "attic/z2m/bridge/info",
         "attic/z2m/bridge/devices",
     )
-    assert bridge().births() == ()
+    assert bridge().birth_messages() == ()
 
 
 def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
@@ -105,8 +105,8 @@ def test_a_device_that_is_missing_from_the_next_list_is_gone() -> None:
     convention = bridge()
     heard(convention, entry(), entry(PLUG, "plug"))
     gone, rest = heard(convention, entry(PLUG, "plug"))
-    assert gone == Withdrawn(LAMP, "it left its bridge", is_final=True)
-    assert isinstance(rest, Described)
+    assert gone == DeviceWithdrawn(LAMP, "it left its bridge", is_final=True)
+    assert isinstance(rest, DeviceAnnounced)
     assert rest.key == PLUG
 
 
@@ -121,7 +121,7 @@ def test_a_list_that_is_removed_withdraws_its_devices_but_not_for_good() -> None
     convention = bridge()
     heard(convention, entry())
     assert convention.take("zigbee2mqtt/bridge/devices", b"", retained=False) == (
-        Withdrawn(LAMP, "its bridge's list was removed"),
+        DeviceWithdrawn(LAMP, "its bridge's list was removed"),
     )
     assert convention.take("zigbee2mqtt/bridge/devices", b"", retained=False) == ()
 
@@ -129,7 +129,7 @@ def test_a_list_that_is_removed_withdraws_its_devices_but_not_for_good() -> None
 def test_a_device_that_is_disabled_is_withdrawn_and_comes_back() -> None:
     convention = bridge()
     heard(convention, entry())
-    assert heard(convention, entry(disabled=True)) == (Withdrawn(LAMP, "it was disabled, or its name was taken"),)
+    assert heard(convention, entry(disabled=True)) == (DeviceWithdrawn(LAMP, "it was disabled, or its name was taken"),)
     assert one(heard(convention, entry())).key == LAMP
 
 
@@ -153,8 +153,8 @@ def test_a_device_whose_entry_is_broken_now_stays_as_it_was() -> None:
     convention = bridge()
     heard(convention, entry(), entry(PLUG, "plug"))
     lamp, plug = heard(convention, entry(name="#"), entry(PLUG, "plug"))
-    assert isinstance(lamp, Described)
-    assert isinstance(plug, Described)
+    assert isinstance(lamp, DeviceAnnounced)
+    assert isinstance(plug, DeviceAnnounced)
     assert (lamp.key, lamp.name) == (LAMP, "kitchen/lamp")
 
 
@@ -162,8 +162,8 @@ def test_a_name_is_not_kept_for_who_is_broken_now_and_another_has_it() -> None:
     convention = bridge()
     heard(convention, entry())
     gone, plug = heard(convention, entry(PLUG), entry(name="#"))
-    assert gone == Withdrawn(LAMP, "it was disabled, or its name was taken")
-    assert isinstance(plug, Described)
+    assert gone == DeviceWithdrawn(LAMP, "it was disabled, or its name was taken")
+    assert isinstance(plug, DeviceAnnounced)
     assert plug.key == PLUG
 
 
@@ -189,7 +189,7 @@ def test_a_list_that_is_none_is_refused_and_nothing_changes(payload: bytes) -> N
     with pytest.raises(WireError):
         convention.take("zigbee2mqtt/bridge/devices", payload, retained=True)
     assert convention.rejected == 1
-    assert heard(convention) == (Withdrawn(LAMP, "it left its bridge", is_final=True),)
+    assert heard(convention) == (DeviceWithdrawn(LAMP, "it left its bridge", is_final=True),)
 
 
 def test_other_topics_say_nothing() -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 
 LINES = Path(__file__).with_name("models.jsonl").read_text(encoding="utf-8").splitlines()
@@ -63,7 +63,7 @@ def use(payload: bytes, heard: bytes, value: PlainValue, transition: float) -> N
     except WireError:
         return
     for one in found:
-        for described in one.parts if isinstance(one, Described) else ():
+        for described in one.parts if isinstance(one, DeviceAnnounced) else ():
             for topic in described.codec.topics():
                 described.codec.read(topic, heard, retained=False)
             for capability in described.part.capabilities:
@@ -114,7 +114,7 @@ def test_a_device_with_ten_thousand_exposes_has_a_bounded_number_of_parts() -> N
     entry = {**ENTRIES[0], "definition": {"exposes": [*lamps, *many]}}
     payload = json.dumps([entry]).encode()
     (found,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
-    assert isinstance(found, Described)
+    assert isinstance(found, DeviceAnnounced)
     assert len(found.parts) == 500
 
 
@@ -122,13 +122,13 @@ def test_names_are_cut_to_a_line() -> None:
     entry = {**ENTRIES[0], "friendly_name": "<b>\x1b[31m" + "n" * 400}
     payload = json.dumps([entry]).encode()
     (found,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
-    assert isinstance(found, Described)
+    assert isinstance(found, DeviceAnnounced)
     assert (found.name[:8], len(found.name)) == ("<b> [31m", 120)
 
 
 def test_a_long_state_is_not_looked_at() -> None:
     payload = json.dumps([ENTRIES[0]]).encode()
     (found,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
-    assert isinstance(found, Described)
+    assert isinstance(found, DeviceAnnounced)
     part = found.parts[0]
     assert part.codec.read(part.codec.topics()[0], b'{"state":"ON"}' + b" " * 300_000, retained=False) == {}

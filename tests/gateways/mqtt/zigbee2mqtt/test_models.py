@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import pytest
 
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.description import Described, DescribedPart
+from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 
 Model: TypeAlias = dict[str, Any]
@@ -29,10 +29,10 @@ def name(model: Model) -> str:
     return f"{model['entry']['definition']['vendor']}-{model['entry']['definition']['model']}"
 
 
-def described(model: Model) -> Described:
+def described(model: Model) -> DeviceAnnounced:
     payload = json.dumps([model["entry"]]).encode()
     (device,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
-    assert isinstance(device, Described)
+    assert isinstance(device, DeviceAnnounced)
     return device
 
 

@@ -124,14 +124,14 @@ def test_lamps_of_one_device_have_their_own_properties() -> None:
     assert (first.part.id, first.part.name, second.part.id) == ("light_l1", "l1", "light_l2")
     assert said(second, state_l1="ON", state_l2="OFF", brightness_l2=254) == {"on_off": False, "level": 100.0}
     assert told(second, "level", 100.0) == {"state_l2": "ON", "brightness_l2": 254}
-    assert first.asks == (Publication("zigbee2mqtt/a/get", b'{"state_l1":"","brightness_l1":""}'),)
+    assert first.state_requests == (Publication("zigbee2mqtt/a/get", b'{"state_l1":"","brightness_l1":""}'),)
 
 
 def test_only_what_can_be_asked_for_is_and_only_of_who_is_awake() -> None:
     exposes = {"type": "light", "features": [onoff(access=3), level()]}
-    assert only(exposes).asks == (Publication("zigbee2mqtt/a/get", b'{"brightness":""}'),)
-    assert only({"type": "switch", "features": [onoff(access=3)]}).asks == ()
-    assert only(exposes, power="Battery").asks == ()
+    assert only(exposes).state_requests == (Publication("zigbee2mqtt/a/get", b'{"brightness":""}'),)
+    assert only({"type": "switch", "features": [onoff(access=3)]}).state_requests == ()
+    assert only(exposes, power="Battery").state_requests == ()
 
 
 def test_a_switch_is_no_plug_unless_it_says_so() -> None:
@@ -442,7 +442,7 @@ def test_an_endpoint_that_the_bridge_has_no_name_for_is_named_in_the_topic() -> 
     (setpoint,) = valve.codec.write("heating_setpoint", 20.0)
     assert setpoint == Publication(f"{TOPIC}/3/set", b'{"occupied_heating_setpoint":20}')
     assert valve.part.writes == (f"{TOPIC}/3/set",)
-    assert valve.asks == (Publication(f"{TOPIC}/3/get", b'{"occupied_heating_setpoint":""}'),)
+    assert valve.state_requests == (Publication(f"{TOPIC}/3/get", b'{"occupied_heating_setpoint":""}'),)
     assert said(valve, occupied_heating_setpoint_3=19.5) == {"heating_setpoint": 19.5}
     assert floor.codec.write("number", 5.0) == (Publication(f"{TOPIC}/3/set", b'{"floor_min":5}'),)
     assert code.codec.write("number", 5.0) == (Publication(f"{TOPIC}/set", b'{"code_1":5}'),)

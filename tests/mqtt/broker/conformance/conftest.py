@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from homebot.mqtt.broker import Hub, RefusedFilters
+from homebot.mqtt.broker import BrokerState, RefusedFilters
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
     Connack,
@@ -125,7 +125,7 @@ Meet = Callable[..., Talker]
 
 
 @pytest.fixture
-def hub(new_hub: NewHub) -> Hub:
+def hub(new_hub: NewHub) -> BrokerState:
     """With the settings that the Paho tests ask of a server."""
     return new_hub(keep_alive=60, policy=RefusedFilters({"test/nosubscribe"}))
 

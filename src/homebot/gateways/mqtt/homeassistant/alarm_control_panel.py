@@ -13,22 +13,22 @@ from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_option
 
 __all__ = ["build_alarm_control_panel"]
 
 
-def build_alarm_control_panel(config: Config) -> DescribedPart:
+def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
     """Describe an alarm. One that wants a code is told with one.
 
     A code that the config names must be that one; where it says ``REMOTE_CODE`` the alarm itself judges any.
     """
     source = config.required_source("state_topic")
     features = frozenset(config.options("supported_features") if config.has("supported_features") else _FEATURES)
-    listens = _Listening(
+    listens = _AlarmCommands(
         config.required_command(),
         {
             word: config.text(f"payload_{action}", action.upper())
@@ -46,12 +46,12 @@ def build_alarm_control_panel(config: Config) -> DescribedPart:
     def read(text: str) -> Readings:
         if text == "None":
             return {"alarm": None}
-        return {"alarm": text} if text in _STATES else NOTHING
+        return {"alarm": text} if text in _STATES else NO_READINGS
 
     entity = Entity(config, "x_alarm_panel")
     entity.offers_coded("alarm", listens.set, readable=entity.hears(source, read), options=_STATES)
     entity.listens_at(listens.command)
-    return entity.described()
+    return entity.build()
 
 
 _TOLD = {
@@ -69,7 +69,7 @@ _STATES = (*_TOLD, "pending", "arming", "disarming")
 
 
 @dataclass(frozen=True, slots=True)
-class _Listening:
+class _AlarmCommands:
     """Tells the alarm."""
 
     command: CommandTopic
@@ -78,7 +78,7 @@ class _Listening:
     code: str = field(repr=False)
 
     def set(self, value: PlainValue, code: str) -> tuple[Publication, ...]:
-        word = wanted_option("alarm", value, self.payloads)
+        word = require_option("alarm", value, self.payloads)
         if word in self.coded:
             self._check(word, code)
         action = self.payloads[word]

@@ -15,7 +15,7 @@ from homebot.gateways.mqtt.homeassistant.abbreviations import ABBREVIATIONS, DEV
 from homebot.gateways.mqtt.homeassistant.topic import DEVICE, ConfigTopic
 from homebot.gateways.mqtt.payload import MAX_ANNOUNCEMENT_BYTES, parse_object, shown
 
-__all__ = ["MAX_COMPONENTS", "Announced", "Component", "read_announcement"]
+__all__ = ["MAX_COMPONENTS", "Announced", "AnnouncedComponent", "read_announcement"]
 
 MAX_COMPONENTS = 300
 """Most components of one device: each may bring templates, which cost a millisecond at worst."""
@@ -24,7 +24,7 @@ Fields: TypeAlias = Mapping[str, object]
 
 
 @dataclass(frozen=True, slots=True)
-class Component:
+class AnnouncedComponent:
     """One component that a message announces.
 
     Attributes:
@@ -54,7 +54,7 @@ class Announced:
     is_migrating: bool
     device: Fields
     origin: Fields
-    components: tuple[Component, ...]
+    components: tuple[AnnouncedComponent, ...]
     common: Fields
 
 
@@ -74,7 +74,7 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
         components = tuple(_components(topic, fields))
     else:
         fields = _with_base(fields)
-        components = (Component(topic.component, topic.key, fields),)
+        components = (AnnouncedComponent(topic.component, topic.key, fields),)
     return Announced(is_migrating=False, device=device, origin=origin, components=components, common=fields)
 
 
@@ -158,7 +158,7 @@ def _based(base: str, topic: object) -> object:
     return topic
 
 
-def _components(topic: ConfigTopic, fields: Fields) -> list[Component]:
+def _components(topic: ConfigTopic, fields: Fields) -> list[AnnouncedComponent]:
     """Return the components of a whole device and of its child devices."""
     families = [fields.get("components")]
     children = fields.get("child_devices")
@@ -169,7 +169,7 @@ def _components(topic: ConfigTopic, fields: Fields) -> list[Component]:
     if all(family is None for family in families):
         raise WireError("a device's message has no components")
     common = {key: fields[key] for key in _SHARED if key in fields}
-    found: list[Component] = []
+    found: list[AnnouncedComponent] = []
     for family in families:
         if family is None:
             continue
@@ -185,7 +185,7 @@ def _components(topic: ConfigTopic, fields: Fields) -> list[Component]:
     return found
 
 
-def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> Component | None:
+def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> AnnouncedComponent | None:
     """Return one component; None for one that the message takes back."""
     if not isinstance(entry, dict):
         raise WireError(f"component {shown(name)} is {shown(entry)}, not an object")
@@ -195,4 +195,4 @@ def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> 
         raise WireError(f"component {shown(name)}: platform is {shown(platform)}, not a text")
     if not full:
         return None
-    return Component(platform, f"{topic.key}/{name}", _with_base({**common, **full}))
+    return AnnouncedComponent(platform, f"{topic.key}/{name}", _with_base({**common, **full}))

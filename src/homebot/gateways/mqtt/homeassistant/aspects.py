@@ -11,10 +11,10 @@ from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import read_number
-from homebot.gateways.mqtt.homeassistant.source import Source
+from homebot.gateways.mqtt.homeassistant.source import ValueSource
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_bool, require_number, require_option
 
 __all__ = ["offer_choice", "offer_flag", "offer_number", "offer_push"]
 
@@ -24,7 +24,7 @@ _WIDE = (-1e15, 1e15)
 def offer_choice(
     entity: Entity,
     name: str,
-    source: Source | None,
+    source: ValueSource | None,
     command: CommandTopic | None,
     options: tuple[str, ...],
     words: Mapping[str, str | None] | None = None,
@@ -46,22 +46,22 @@ def offer_choice(
     known: dict[str, str | None] = {**{word: word for word in options}, **(_UNKNOWN if words is None else words)}
 
     def read(text: str) -> Readings:
-        return {name: known[text]} if text and text in known else NOTHING
+        return {name: known[text]} if text and text in known else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        word = wanted_option(name, value, options)
+        word = require_option(name, value, options)
         told = (command.publication(word),) if command else ()
         on_told(word)
         return told
 
-    entity.offers(name, readable=entity.hears(source, read), writer=write if command else None, options=options)
+    entity.add_capability(name, readable=entity.hears(source, read), writer=write if command else None, options=options)
     entity.listens_at(command)
 
 
 def offer_flag(
     entity: Entity,
     name: str,
-    source: Source | None,
+    source: ValueSource | None,
     command: CommandTopic | None,
     payloads: Mapping[bool, str],
 ) -> None:
@@ -69,20 +69,20 @@ def offer_flag(
     states: dict[str, bool | None] = {"None": None, payloads[False]: False, payloads[True]: True}
 
     def read(text: str) -> Readings:
-        return {name: states[text]} if text and text in states else NOTHING
+        return {name: states[text]} if text and text in states else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        payload = payloads[wanted_flag(name, value)]
+        payload = payloads[require_bool(name, value)]
         return (command.publication(payload),) if command else ()
 
-    entity.offers(name, readable=entity.hears(source, read), writer=write if command else None)
+    entity.add_capability(name, readable=entity.hears(source, read), writer=write if command else None)
     entity.listens_at(command)
 
 
 def offer_number(
     entity: Entity,
     name: str,
-    source: Source | None,
+    source: ValueSource | None,
     command: CommandTopic | None,
     *,
     bounds: tuple[float, float] = _WIDE,
@@ -107,10 +107,10 @@ def offer_number(
     read = partial(read_number, name, unknown=unknown, heard=heard)
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        number = told(wanted_number(name, value, *bounds, unit))
+        number = told(require_number(name, value, *bounds, unit))
         return (command.publication(number),) if command else ()
 
-    entity.offers(
+    entity.add_capability(
         name,
         readable=entity.hears(source, read),
         writer=write if command else None,
@@ -128,7 +128,7 @@ def offer_push(entity: Entity, name: str, command: CommandTopic, payload: str) -
             raise RefusedError(f"{name} {shown(value)}", "it takes true alone")
         return (command.publication(payload),)
 
-    entity.offers(name, readable=False, writer=write)
+    entity.add_capability(name, readable=False, writer=write)
     entity.listens_at(command)
 
 

@@ -12,9 +12,9 @@ from typing import get_args
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import Availability, AvailabilityMode
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.said import Said
-from homebot.gateways.mqtt.homeassistant.source import Source
+from homebot.gateways.mqtt.homeassistant.source import ValueSource
 from homebot.gateways.mqtt.payload import shown
 
 __all__ = ["MAX_SOURCES", "WordsOfAvailability", "read_availability"]
@@ -35,7 +35,7 @@ class WordsOfAvailability:
     """
 
     topic: str
-    source: Source
+    source: ValueSource
     available: str
     unavailable: str
 
@@ -47,7 +47,7 @@ class WordsOfAvailability:
         return False if word == self.unavailable else None
 
 
-def read_availability(config: Config) -> Availability | None:
+def read_availability(config: DiscoveryConfig) -> Availability | None:
     """Return how the device tells whether it can be reached; None where it does not.
 
     Raises:
@@ -66,7 +66,7 @@ def read_availability(config: Config) -> Availability | None:
     return Availability(sources, _mode(config.text("availability_mode", "latest"))) if sources else None
 
 
-def _entry(config: Config, entry: object) -> WordsOfAvailability:
+def _entry(config: DiscoveryConfig, entry: object) -> WordsOfAvailability:
     if not isinstance(entry, dict):
         raise WireError(f"availability has {shown(entry)}, not an object")
     if all(type(value) is str for value in entry.values()):
@@ -75,7 +75,7 @@ def _entry(config: Config, entry: object) -> WordsOfAvailability:
 
 
 def _new_entry(entry: Mapping[str, object], encoding: str) -> WordsOfAvailability:
-    config = Config("availability", "", {**entry, "encoding": encoding} if "encoding" in entry else entry)
+    config = DiscoveryConfig("availability", "", {**entry, "encoding": encoding} if "encoding" in entry else entry)
     config.encoding = encoding
     topic = config.state_topic("topic")
     if not topic:
@@ -89,10 +89,10 @@ def _known_entry(fields: tuple[tuple[str, str], ...], encoding: str) -> WordsOfA
     return _new_entry(dict(fields), encoding)
 
 
-def _words(config: Config, topic: str, template_key: str) -> WordsOfAvailability:
+def _words(config: DiscoveryConfig, topic: str, template_key: str) -> WordsOfAvailability:
     return WordsOfAvailability(
         topic,
-        Source(topic, config.template(template_key), config.encoding),
+        ValueSource(topic, config.template(template_key), config.encoding),
         config.text("payload_available", "online"),
         config.text("payload_not_available", "offline"),
     )

@@ -8,16 +8,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from homebot.gateways.mqtt.description import DescribedPart, Fade
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.description import AutoExpiry, DescribedPart
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.expiry import expire, seconds_of
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["CONDITION_CLASSES", "build_binary_sensor"]
 
 
-def build_binary_sensor(config: Config) -> DescribedPart:
+def build_binary_sensor(config: DiscoveryConfig) -> DescribedPart:
     """Describe a sensor of one condition; its class says which. One of no known class has a ``state``."""
     source = config.required_source("state_topic")
     service_type, capability = _CLASSES.get(config.words("device_class"), _OTHER)
@@ -28,16 +28,16 @@ def build_binary_sensor(config: Config) -> DescribedPart:
     }
 
     def read(text: str) -> Readings:
-        return {capability: states[text]} if text in states and text.strip() else NOTHING
+        return {capability: states[text]} if text in states and text.strip() else NO_READINGS
 
     entity = Entity(config, service_type)
     if entity.hears(source, read):
-        entity.offers(capability)
+        entity.add_capability(capability)
         delay = seconds_of(config, "off_delay")
         if delay is not None:
-            entity.fades(Fade(capability, delay, value=False, only=True))
+            entity.add_expiry(AutoExpiry(capability, delay, value=False, only=True))
         expire(entity, config, capability)
-    return entity.described()
+    return entity.build()
 
 
 _OTHER = ("x_binary_sensor", "state")

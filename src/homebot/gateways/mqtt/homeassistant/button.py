@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.aspects import offer_push
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 
 __all__ = ["build_button", "build_scene"]
 
 
-def build_button(config: Config) -> DescribedPart:
+def build_button(config: DiscoveryConfig) -> DescribedPart:
     """Describe a button. One that makes the device show or sound where it is can be told ``locate`` as well."""
     command = config.required_command()
     payload = config.text("payload_press", "PRESS")
@@ -21,11 +21,11 @@ def build_button(config: Config) -> DescribedPart:
     offer_push(entity, "push", command, payload)
     if config.text("device_class") == "identify":
         offer_push(entity, "locate", command, payload)
-    return entity.described()
+    return entity.build()
 
 
-def build_scene(config: Config) -> DescribedPart:
+def build_scene(config: DiscoveryConfig) -> DescribedPart:
     """Describe a scene."""
     entity = Entity(config, "x_scene")
     offer_push(entity, "scene", config.required_command(template_key=""), config.text("payload_on", "ON"))
-    return entity.described()
+    return entity.build()

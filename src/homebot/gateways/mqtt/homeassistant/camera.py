@@ -10,18 +10,18 @@ from dataclasses import replace
 from homebot.devices.part import Capability
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 
 __all__ = ["build_camera", "build_image"]
 
 
-def build_camera(config: Config) -> DescribedPart:
+def build_camera(config: DiscoveryConfig) -> DescribedPart:
     """Describe a camera: its part names the topic of its pictures, and its codec does not listen there."""
     return _seen(config, "camera", config.required_source("topic").topic)
 
 
-def build_image(config: Config) -> DescribedPart:
+def build_image(config: DiscoveryConfig) -> DescribedPart:
     """Describe a picture, such as the map of a vacuum cleaner, in the same way."""
     topic = config.state_topic("image_topic") or config.state_topic("url_topic")
     if not topic:
@@ -32,6 +32,6 @@ def build_image(config: Config) -> DescribedPart:
 _IMAGE = Capability(name="image", readable=False)
 
 
-def _seen(config: Config, service_type: str, topic: str) -> DescribedPart:
-    described = Entity(config, service_type, config.words("device_class") or "image").described()
+def _seen(config: DiscoveryConfig, service_type: str, topic: str) -> DescribedPart:
+    described = Entity(config, service_type, config.words("device_class") or "image").build()
     return replace(described, part=described.part.model_copy(update={"capabilities": (_IMAGE,), "reads": (topic,)}))

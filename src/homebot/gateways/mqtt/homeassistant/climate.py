@@ -14,16 +14,16 @@ from homebot.gateways.mqtt.homeassistant.aspects import offer_choice, offer_numb
 from homebot.gateways.mqtt.homeassistant.climate_source import source_at, source_of
 from homebot.gateways.mqtt.homeassistant.climate_targets import TargetMode, offer_temperatures
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_flag
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_bool
 
 __all__ = ["build_climate"]
 
 
-def build_climate(config: Config) -> DescribedPart:
+def build_climate(config: DiscoveryConfig) -> DescribedPart:
     """Describe a thermostat, or an air conditioner where it can cool and also dry or only blow."""
     modes = _modes(config)
     is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
@@ -40,7 +40,7 @@ def build_climate(config: Config) -> DescribedPart:
         options = config.options(f"{name}s") if config.has(f"{name}s") else default
         offer_choice(entity, name, source_of(config, f"{name}_state"), command, options)
     _offer_preset(entity, config)
-    return entity.described()
+    return entity.build()
 
 
 _MODES = ("auto", "off", "cool", "heat", "dry", "fan_only")
@@ -53,7 +53,7 @@ _SHOWN = 200
 _SWITCHED_ON = ("heat_cool", "heat", "cool")
 
 
-def _modes(config: Config) -> tuple[str, ...]:
+def _modes(config: DiscoveryConfig) -> tuple[str, ...]:
     """Return its modes; those of Home Assistant where it has a mode and does not say which.
 
     A valve without a mode has none: that Home Assistant shows it with all of its own makes it no air conditioner.
@@ -63,7 +63,7 @@ def _modes(config: Config) -> tuple[str, ...]:
     return _MODES if config.has("mode_command_topic") or config.has("mode_state_topic") else ()
 
 
-def _offer_humidity(entity: Entity, config: Config) -> None:
+def _offer_humidity(entity: Entity, config: DiscoveryConfig) -> None:
     offer_number(entity, "humidity", source_of(config, "current_humidity"), None, unit="%")
     command = config.command("target_humidity_command_topic", "target_humidity_command_template")
     source = source_of(config, "target_humidity_state")
@@ -76,7 +76,7 @@ def _offer_humidity(entity: Entity, config: Config) -> None:
 
 
 def _offer_switch(
-    entity: Entity, config: Config, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: TargetMode
+    entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: TargetMode
 ) -> None:
     """Offer on and off: with a topic of its own, and else as Home Assistant does, by changing the mode."""
     power = config.command("power_command_topic", "power_command_template")
@@ -86,7 +86,7 @@ def _offer_switch(
     source = source_of(config, "mode_state") if "off" in modes else None
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        is_on = wanted_flag("on_off", value)
+        is_on = require_bool("on_off", value)
         if is_on not in words:
             raise RefusedError(f"on_off {shown(value)}", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")
         told = (command.publication(words[is_on]),) if command else ()
@@ -95,7 +95,7 @@ def _offer_switch(
         return told
 
     is_readable = entity.hears(source, partial(_read_switch, modes))
-    entity.offers("on_off", readable=is_readable, writer=write if command and words else None)
+    entity.add_capability("on_off", readable=is_readable, writer=write if command and words else None)
     entity.listens_at(power)
 
 
@@ -109,10 +109,10 @@ def _modes_of_switch(modes: tuple[str, ...]) -> dict[bool, str]:
 def _read_switch(modes: tuple[str, ...], text: str) -> Readings:
     if text == "None":
         return {"on_off": None}
-    return {"on_off": text != "off"} if text in modes else NOTHING
+    return {"on_off": text != "off"} if text in modes else NO_READINGS
 
 
-def _offer_preset(entity: Entity, config: Config) -> None:
+def _offer_preset(entity: Entity, config: DiscoveryConfig) -> None:
     presets = config.options("preset_modes")
     if "none" in presets:
         raise WireError("climate: preset_modes has none, which means that there is no preset")

@@ -15,12 +15,12 @@ from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.homeassistant.aspects import offer_number
 from homebot.gateways.mqtt.homeassistant.climate_source import source_of
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import read_number
 from homebot.gateways.mqtt.homeassistant.temperature import Limits, read_thermometer
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_number
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_number
 
 __all__ = ["TargetMode", "offer_temperatures"]
 
@@ -48,7 +48,7 @@ class TargetMode:
         return self.mode == "heat_cool"
 
 
-def offer_temperatures(entity: Entity, config: Config, modes: tuple[str, ...], mode: TargetMode) -> None:
+def offer_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], mode: TargetMode) -> None:
     """Offer what it measures and what it shall reach.
 
     A single target is a ``heating_setpoint`` where it can heat or does not say what it can, and a ``cooling_setpoint``
@@ -83,7 +83,7 @@ _HEATS = frozenset({"heat", "heat_cool", "auto"})
 _COOLS = frozenset({"cool", "heat_cool"})
 
 
-def _is_there(config: Config, key: str) -> bool:
+def _is_there(config: DiscoveryConfig, key: str) -> bool:
     return config.has(f"{key}_command_topic") or config.has(f"{key}_state_topic")
 
 
@@ -93,13 +93,13 @@ def _by_single(modes: tuple[str, ...]) -> tuple[str, ...]:
     return (*cools, "heating_setpoint") if not cools or _HEATS.intersection(modes) else cools
 
 
-def _command(config: Config, key: str) -> CommandTopic | None:
+def _command(config: DiscoveryConfig, key: str) -> CommandTopic | None:
     return config.command(f"{key}_command_topic", f"{key}_command_template")
 
 
 def _offer_both(
     entity: Entity,
-    config: Config,
+    config: DiscoveryConfig,
     modes: tuple[str, ...],
     mode: TargetMode,
     limits: Limits,
@@ -118,7 +118,7 @@ def _offer_both(
             continue
         is_told = any(way in commands for way in ways)
         targets.names.append(name)
-        entity.offers(
+        entity.add_capability(
             name,
             readable=any(heard[way] for way in ways),
             writer=partial(targets.write, name) if is_told else None,
@@ -143,23 +143,23 @@ class _Targets:
     def read_mode(self, modes: frozenset[str], text: str) -> Readings:
         """Take the mode; with it other targets may count, which were said before."""
         if text != "None" and text not in modes:
-            return NOTHING
+            return NO_READINGS
         was_pair = self.mode.is_pair
         self.mode.mode = None if text == "None" else text
         if self.mode.is_pair == was_pair:
-            return NOTHING
+            return NO_READINGS
         return {name: self.said.get(self._key(name)) for name in self.names}
 
     def read(self, key: str, text: str) -> Readings:
         """Take the target *key*."""
         found = read_number(key, text, heard=self.limits.thermometer.celsius)
         if not found:
-            return NOTHING
+            return NO_READINGS
         self.said[key] = found[key]
         return {name: found[key] for name in self.names if self._key(name) == key}
 
     def write(self, name: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        number = self.limits.number(wanted_number(name, value, *self.limits.bounds, "°C"))
+        number = self.limits.number(require_number(name, value, *self.limits.bounds, "°C"))
         command = self.commands.get(self._key(name))
         if command is None:
             raise RefusedError(f"{name} in mode {self.mode.mode or 'unknown'}", "it has no such target in that mode")

@@ -12,7 +12,7 @@ from homebot.gateways.mqtt.homeassistant.binary_sensor import build_binary_senso
 from homebot.gateways.mqtt.homeassistant.button import build_button, build_scene
 from homebot.gateways.mqtt.homeassistant.camera import build_camera, build_image
 from homebot.gateways.mqtt.homeassistant.climate import build_climate
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.cover import build_cover
 from homebot.gateways.mqtt.homeassistant.device_tracker import build_device_tracker
 from homebot.gateways.mqtt.homeassistant.event import build_event, build_tag, build_trigger
@@ -35,7 +35,7 @@ from homebot.gateways.mqtt.homeassistant.water_heater import build_water_heater
 
 __all__ = ["BUILDERS", "Builder"]
 
-Builder: TypeAlias = Callable[[Config], DescribedPart]
+Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]
 """Makes a part of a component's config; raises WireError where Home Assistant would refuse the config."""
 
 BUILDERS: Mapping[str, Builder] = MappingProxyType(

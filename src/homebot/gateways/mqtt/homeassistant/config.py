@@ -13,12 +13,12 @@ from collections.abc import Mapping
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.source import Source
+from homebot.gateways.mqtt.homeassistant.source import ValueSource
 from homebot.gateways.mqtt.homeassistant.topic import command_topic, state_topic
 from homebot.gateways.mqtt.payload import clean_text, shown
 from homebot.gateways.mqtt.templates import Template, compile_template
 
-__all__ = ["MAX_OPTIONS", "Config"]
+__all__ = ["MAX_OPTIONS", "DiscoveryConfig"]
 
 MAX_OPTIONS = 2_000
 """Most entries of a list in a config, such as the effects of a lamp."""
@@ -27,7 +27,7 @@ _MAX_TEXT = 8 * 1024
 _MAX_OPTION = 255
 
 
-class Config:
+class DiscoveryConfig:
     """One component of an announcement, in full keys.
 
     Every getter raises a :class:`WireError` that names field and value where the field is there but cannot be what it
@@ -150,7 +150,7 @@ class Config:
         topic_key: str,
         template_key: str = "value_template",
         variables: Mapping[str, object] | None = None,
-    ) -> Source | None:
+    ) -> ValueSource | None:
         """Return where a value is said, and how it is found in the message; None where it is not said.
 
         Args:
@@ -159,9 +159,9 @@ class Config:
             variables: What the template may name beside the message.
         """
         topic = self.state_topic(topic_key)
-        return Source(topic, self.template(template_key), self.encoding, variables) if topic else None
+        return ValueSource(topic, self.template(template_key), self.encoding, variables) if topic else None
 
-    def required_source(self, topic_key: str, template_key: str = "value_template") -> Source:
+    def required_source(self, topic_key: str, template_key: str = "value_template") -> ValueSource:
         """As :meth:`source`, but the topic must be there."""
         source = self.source(topic_key, template_key)
         if source is None:

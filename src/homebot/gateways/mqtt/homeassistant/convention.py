@@ -11,11 +11,17 @@ from typing import Annotated, ClassVar, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Described, DescribedPart, Heard, Publication, Withdrawn
-from homebot.gateways.mqtt.homeassistant.announcement import Announced, Component, read_announcement
+from homebot.gateways.mqtt.description import (
+    AnnouncementEvent,
+    DescribedPart,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+    Publication,
+)
+from homebot.gateways.mqtt.homeassistant.announcement import Announced, AnnouncedComponent, read_announcement
 from homebot.gateways.mqtt.homeassistant.availability import read_availability
 from homebot.gateways.mqtt.homeassistant.components import BUILDERS
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.device import DeviceInfo, DeviceReader
 from homebot.gateways.mqtt.homeassistant.publisher import HomeAssistantPublisher
 from homebot.gateways.mqtt.homeassistant.topic import DEVICE, ConfigTopic, parse_config_topic
@@ -46,8 +52,8 @@ class HomeAssistantSettings(BaseModel):
 class HomeAssistantDiscovery:
     """Understands configs below the discovery prefixes, each by itself.
 
-    Each config message is one :class:`Described`; those of one device share its identifiers. A later message with the
-    same component and ids takes the place of the earlier one, and a component of a whole-device message that is
+    Each config message is one :class:`DeviceAnnounced`; those of one device share its identifiers. A later message with
+    the same component and ids takes the place of the earlier one, and a component of a whole-device message that is
     missing there later is gone.
 
     What a part has no field for is a fact of the device: ``hidden PART``, where it is not shown by default, and
@@ -78,13 +84,13 @@ class HomeAssistantDiscovery:
         """Return where Home Assistant says that it is there, on which many devices act."""
         return tuple(f"{prefix}/status" for prefix in self._settings.prefixes)
 
-    def births(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> tuple[Publication, ...]:
         """Return Home Assistant's birth message per prefix, where the settings want it."""
         if not self._settings.announce_please:
             return ()
         return tuple(Publication(f"{prefix}/status", b"online") for prefix in self._settings.prefixes)
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:  # noqa: ARG002 - a config counts as much when it was kept
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - a config counts as much when it was kept
         """Take a config and return what it tells of its device."""
         try:
             return self._taken(topic, payload)
@@ -98,18 +104,18 @@ class HomeAssistantDiscovery:
             return None
         return HomeAssistantPublisher(self._settings.prefixes[0], owner, status_topic)
 
-    def _taken(self, topic: str, payload: bytes) -> tuple[Heard, ...]:
+    def _taken(self, topic: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         where = self._where(topic)
         if where is None or (where.component != DEVICE and where.component not in BUILDERS):
             return ()
         if not payload:
-            return (Withdrawn(where.key, "its config was removed"),)
+            return (DeviceWithdrawn(where.key, "its config was removed"),)
         announced = read_announcement(where, payload)
         if announced.is_migrating:
-            return (Withdrawn(where.key, "it changes to another form of announcement"),)
+            return (DeviceWithdrawn(where.key, "it changes to another form of announcement"),)
         parts = self._parts(where, announced)
         if not parts:
-            return (Withdrawn(where.key, "no component of it is left"),)
+            return (DeviceWithdrawn(where.key, "no component of it is left"),)
         device = self._devices.read(announced.device, announced.origin)
         return (_described(topic, where, announced, device, parts),)
 
@@ -128,7 +134,7 @@ class HomeAssistantDiscovery:
             builder = BUILDERS.get(component.platform)
             if builder is None:
                 continue
-            config = Config(component.platform, component.discovery_id, component.fields)
+            config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
             try:
                 part = builder(config)
                 if where.component == DEVICE:
@@ -148,17 +154,19 @@ class HomeAssistantDiscovery:
         return parts
 
 
-_Parts: TypeAlias = dict[str, tuple[DescribedPart, Component]]
+_Parts: TypeAlias = dict[str, tuple[DescribedPart, AnnouncedComponent]]
 _MAX_MEMBERS = 100
 
 
-def _described(topic: str, where: ConfigTopic, announced: Announced, device: DeviceInfo, parts: _Parts) -> Described:
-    whole = read_availability(Config(where.component, where.object_id, announced.common))
+def _described(
+    topic: str, where: ConfigTopic, announced: Announced, device: DeviceInfo, parts: _Parts
+) -> DeviceAnnounced:
+    whole = read_availability(DiscoveryConfig(where.component, where.object_id, announced.common))
     described = tuple(part for part, _ in parts.values())
     if whole is None and described and all(one.availability == described[0].availability for one in described):
         whole = described[0].availability
     described = tuple(part if part.availability != whole else replace(part, availability=None) for part in described)
-    return Described(
+    return DeviceAnnounced(
         key=where.key,
         convention=HomeAssistantDiscovery.name,
         identifiers=device.identifiers,

@@ -12,26 +12,26 @@ from functools import partial
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
 from homebot.gateways.mqtt.homeassistant.said import Said
 from homebot.gateways.mqtt.homeassistant.scale import Scale
-from homebot.gateways.mqtt.homeassistant.source import Source
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.homeassistant.source import ValueSource
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 from homebot.gateways.mqtt.table_codec import Writer
-from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
+from homebot.gateways.mqtt.wanted import require_number, require_option
 
 __all__ = ["build_cover"]
 
 
-def build_cover(config: Config) -> DescribedPart:
+def build_cover(config: DiscoveryConfig) -> DescribedPart:
     """Describe a window covering, or a closure where its class is one."""
     steps = _Steps(
         Scale(config.integer("position_closed", 0), config.integer("position_open", 100)),
         Scale(config.integer("tilt_min", 0), config.integer("tilt_max", 100)),
     )
-    speaks = _Speaking(
+    speaks = _CoverStateDecoder(
         steps,
         words={config.text(f"state_{state}", state): state for state in _STATES} | {"None": None},
         state=config.source("state_topic"),
@@ -46,15 +46,15 @@ def build_cover(config: Config) -> DescribedPart:
     move = config.command("command_topic", template_key="")
     set_position = config.command("set_position_topic", "set_position_template")
     set_tilt = config.command("tilt_command_topic", "tilt_command_template")
-    entity.offers("movement", readable=says_state or says_position, writer=_mover(config, move))
-    entity.offers(
+    entity.add_capability("movement", readable=says_state or says_position, writer=_mover(config, move))
+    entity.add_capability(
         "position",
         readable=says_position,
         writer=_setter("position", set_position, steps.position, steps.variables),
     )
-    entity.offers("tilt", readable=says_tilt, writer=_setter("tilt", set_tilt, steps.tilt, steps.variables))
+    entity.add_capability("tilt", readable=says_tilt, writer=_setter("tilt", set_tilt, steps.tilt, steps.variables))
     entity.listens_at(move, set_position, set_tilt)
-    return entity.described()
+    return entity.build()
 
 
 _CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
@@ -83,18 +83,18 @@ class _Steps:
 
 
 @dataclass(frozen=True, slots=True)
-class _Speaking:
+class _CoverStateDecoder:
     """Reads what the cover says."""
 
     steps: _Steps
     words: Mapping[str, str | None]
-    state: Source | None
-    position: Source | None
+    state: ValueSource | None
+    position: ValueSource | None
 
     def read_state(self, said: Said, text: str) -> Readings:
         """One that stopped is closed where the same message says that it is at 0, and else open."""
         if text not in self.words:
-            return NOTHING
+            return NO_READINGS
         movement = self.words[text]
         if movement == "stopped" and self.position is not None and self.state is not None:
             beside = self.position.text(said) if self.position.topic == self.state.topic else None
@@ -110,12 +110,12 @@ class _Speaking:
         if text.startswith("{"):
             message = fields_of(text)
             if "position" not in message:
-                return NOTHING
+                return NO_READINGS
             found.update(self.read_tilt(message.get("tilt_position")))
             value = message["position"]
         number = number_of(value)
         if number is None:
-            return NOTHING
+            return NO_READINGS
         percent = min(100.0, max(0.0, self.steps.position.percent(number)))
         found["position"] = percent
         if self.state is None:
@@ -126,11 +126,11 @@ class _Speaking:
         number = number_of(value)
         scale = self.steps.tilt
         if number is None or not min(scale.zero, scale.full) <= round(number) <= max(scale.zero, scale.full):
-            return NOTHING
+            return NO_READINGS
         return {"tilt": scale.percent(round(number))}
 
 
-def _mover(config: Config, command: CommandTopic | None) -> Writer | None:
+def _mover(config: DiscoveryConfig, command: CommandTopic | None) -> Writer | None:
     payloads = {
         word: payload for word, (key, default) in _TOLD.items() if (payload := config.payload(key, default)) is not None
     }
@@ -140,7 +140,7 @@ def _mover(config: Config, command: CommandTopic | None) -> Writer | None:
 def _move(
     command: CommandTopic, payloads: Mapping[str, str], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    return (command.publication(payloads[wanted_option("movement", value, payloads)]),)
+    return (command.publication(payloads[require_option("movement", value, payloads)]),)
 
 
 def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Mapping[str, object]) -> Writer | None:
@@ -150,7 +150,7 @@ def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Ma
     seen_as = "tilt_position" if name == "tilt" else name
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        percent = round(wanted_number(name, value, 0, 100, "%"))
+        percent = round(require_number(name, value, 0, 100, "%"))
         return (command.publication(round(scale.value(percent)), {seen_as: percent, **variables}),)
 
     return write

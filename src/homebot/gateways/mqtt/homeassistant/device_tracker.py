@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["build_device_tracker"]
 
 
-def build_device_tracker(config: Config) -> DescribedPart:
+def build_device_tracker(config: DiscoveryConfig) -> DescribedPart:
     """Describe what tells where somebody is. One that tells only coordinates has no place to say."""
     source = config.source("state_topic")
     if source is None and not config.has("json_attributes_topic"):
@@ -28,12 +28,12 @@ def build_device_tracker(config: Config) -> DescribedPart:
 
     def read(text: str) -> Readings:
         if not text.strip():
-            return NOTHING
+            return NO_READINGS
         return {"place": places[text] if text in places else clean_text(text, _LONGEST)}
 
     entity = Entity(config, "x_tracker", config.words("source_type"))
-    entity.offers("place", readable=entity.hears(source, read))
-    return entity.described()
+    entity.add_capability("place", readable=entity.hears(source, read))
+    return entity.build()
 
 
 _LONGEST = 120

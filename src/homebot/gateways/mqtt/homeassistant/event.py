@@ -9,17 +9,17 @@ from __future__ import annotations
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of
 from homebot.gateways.mqtt.homeassistant.said import Said
 from homebot.gateways.mqtt.payload import clean_text, shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["build_event", "build_tag", "build_trigger"]
 
 
-def build_event(config: Config) -> DescribedPart:
+def build_event(config: DiscoveryConfig) -> DescribedPart:
     """Describe something that tells events of declared types, such as a doorbell."""
     source = config.required_source("state_topic").without_payload()
     if not config.has("event_types"):
@@ -30,15 +30,15 @@ def build_event(config: Config) -> DescribedPart:
         event = None if said.retained else fields_of(text).get("event_type")
         if isinstance(event, (bool, int, float)):
             event = str(event)
-        return {"press": event} if isinstance(event, str) and event in types else NOTHING
+        return {"press": event} if isinstance(event, str) and event in types else NO_READINGS
 
     entity = Entity(config, "generic_switch")
     if entity.hears_message(source, read):
-        entity.offers("press", options=types)
-    return entity.described()
+        entity.add_capability("press", options=types)
+    return entity.build()
 
 
-def build_trigger(config: Config) -> DescribedPart:
+def build_trigger(config: DiscoveryConfig) -> DescribedPart:
     """Describe one event of a remote: ``single`` where its type is only ``action``, and else ``type subtype``."""
     kind, subtype = (config.words(key) for key in ("type", "subtype"))
     automation = config.text("automation_type")
@@ -51,26 +51,26 @@ def build_trigger(config: Config) -> DescribedPart:
     press = subtype if kind == "action" else f"{kind} {subtype}"
 
     def read(said: Said, text: str) -> Readings:
-        return {"press": press} if not said.retained and wanted in ("", text) else NOTHING
+        return {"press": press} if not said.retained and wanted in ("", text) else NO_READINGS
 
     entity = Entity(config, "generic_switch", kind)
     if entity.hears_message(source, read):
-        entity.offers("press", options=(press,))
-    return entity.described()
+        entity.add_capability("press", options=(press,))
+    return entity.build()
 
 
-def build_tag(config: Config) -> DescribedPart:
+def build_tag(config: DiscoveryConfig) -> DescribedPart:
     """Describe a reader of tags: each of its messages is one that it read."""
     source = config.required_source("topic").without_payload()
 
     def read(said: Said, text: str) -> Readings:
         tag = "" if said.retained else clean_text(text, _LONGEST)
-        return {"scan": tag} if tag else NOTHING
+        return {"scan": tag} if tag else NO_READINGS
 
     entity = Entity(config, "x_tag_reader")
     if entity.hears_message(source, read):
-        entity.offers("scan")
-    return entity.described()
+        entity.add_capability("scan")
+    return entity.build()
 
 
 _LONGEST = 255

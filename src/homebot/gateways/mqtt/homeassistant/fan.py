@@ -11,18 +11,18 @@ from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import whole_of
 from homebot.gateways.mqtt.homeassistant.scale import Scale
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_bool, require_number, require_option
 
 __all__ = ["build_fan"]
 
 
-def build_fan(config: Config) -> DescribedPart:
+def build_fan(config: DiscoveryConfig) -> DescribedPart:
     """Describe a fan."""
     entity = Entity(config, "fan")
     _offer_switch(
@@ -47,7 +47,7 @@ def build_fan(config: Config) -> DescribedPart:
         },
     )
     _offer_direction(entity, config)
-    return entity.described()
+    return entity.build()
 
 
 _DIRECTIONS = ("forward", "reverse")
@@ -55,7 +55,7 @@ _DIRECTIONS = ("forward", "reverse")
 
 def _offer_switch(
     entity: Entity,
-    config: Config,
+    config: DiscoveryConfig,
     name: str,
     command: CommandTopic | None,
     source: tuple[str, str],
@@ -64,16 +64,16 @@ def _offer_switch(
     payloads = {flag: word for word, flag in words.items()}
 
     def read(text: str) -> Readings:
-        return {name: words[text]} if text in words else NOTHING
+        return {name: words[text]} if text in words else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (command.publication(payloads[wanted_flag(name, value)]),) if command else ()
+        return (command.publication(payloads[require_bool(name, value)]),) if command else ()
 
-    entity.offers(name, readable=entity.hears(config.source(*source), read), writer=write if command else None)
+    entity.add_capability(name, readable=entity.hears(config.source(*source), read), writer=write if command else None)
     entity.listens_at(command)
 
 
-def _offer_speed(entity: Entity, config: Config) -> None:
+def _offer_speed(entity: Entity, config: DiscoveryConfig) -> None:
     least = config.integer("speed_range_min", 1, least=1)
     most = config.integer("speed_range_max", 100, least=1)
     if least >= most:
@@ -87,18 +87,18 @@ def _offer_speed(entity: Entity, config: Config) -> None:
             return {"fan_speed": None}
         speed = whole_of(text)
         percent = -1.0 if speed is None else scale.percent(speed)
-        return {"fan_speed": percent} if 0 <= percent <= 100 else NOTHING
+        return {"fan_speed": percent} if 0 <= percent <= 100 else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        percent = round(wanted_number("fan_speed", value, 0, 100, "%"))
+        percent = round(require_number("fan_speed", value, 0, 100, "%"))
         return (command.publication(math.ceil(scale.value(percent))),) if command else ()
 
     source = config.source("percentage_state_topic", "percentage_value_template")
-    entity.offers("fan_speed", readable=entity.hears(source, read), writer=write if command else None)
+    entity.add_capability("fan_speed", readable=entity.hears(source, read), writer=write if command else None)
     entity.listens_at(command)
 
 
-def _offer_preset(entity: Entity, config: Config) -> None:
+def _offer_preset(entity: Entity, config: DiscoveryConfig) -> None:
     modes = config.options("preset_modes")
     unknown = config.text("payload_reset_preset_mode", "None")
     command = config.command("preset_mode_command_topic", "preset_mode_command_template")
@@ -108,27 +108,27 @@ def _offer_preset(entity: Entity, config: Config) -> None:
     def read(text: str) -> Readings:
         if text == unknown:
             return {"preset_mode": None}
-        return {"preset_mode": text} if text in modes else NOTHING
+        return {"preset_mode": text} if text in modes else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (command.publication(wanted_option("preset_mode", value, modes)),) if command else ()
+        return (command.publication(require_option("preset_mode", value, modes)),) if command else ()
 
     source = config.source("preset_mode_state_topic", "preset_mode_value_template") if modes else None
-    entity.offers(
+    entity.add_capability(
         "preset_mode", readable=entity.hears(source, read), writer=write if command and modes else None, options=modes
     )
     entity.listens_at(command)
 
 
-def _offer_direction(entity: Entity, config: Config) -> None:
+def _offer_direction(entity: Entity, config: DiscoveryConfig) -> None:
     command = config.command("direction_command_topic", "direction_command_template")
 
     def read(text: str) -> Readings:
-        return {"direction": text} if text in _DIRECTIONS else NOTHING
+        return {"direction": text} if text in _DIRECTIONS else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (command.publication(wanted_option("direction", value, _DIRECTIONS)),) if command else ()
+        return (command.publication(require_option("direction", value, _DIRECTIONS)),) if command else ()
 
     source = config.source("direction_state_topic", "direction_value_template")
-    entity.offers("direction", readable=entity.hears(source, read), writer=write if command else None)
+    entity.add_capability("direction", readable=entity.hears(source, read), writer=write if command else None)
     entity.listens_at(command)

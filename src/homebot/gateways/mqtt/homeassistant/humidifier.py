@@ -10,14 +10,14 @@ from collections.abc import Callable
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.aspects import offer_choice, offer_flag, offer_number
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.payload import shown
 
 __all__ = ["build_humidifier"]
 
 
-def build_humidifier(config: Config) -> DescribedPart:
+def build_humidifier(config: DiscoveryConfig) -> DescribedPart:
     """Describe a humidifier; its tag says whether it takes the water out."""
     entity = Entity(config, "x_humidifier", config.words("device_class") or "humidifier")
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
@@ -60,7 +60,7 @@ def build_humidifier(config: Config) -> DescribedPart:
         modes,
         words={no_mode: None},
     )
-    return entity.described()
+    return entity.build()
 
 
 def _whole_within(least: float, most: float) -> Callable[[float], float | None]:

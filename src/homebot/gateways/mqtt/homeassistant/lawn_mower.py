@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_option
 
 __all__ = ["build_lawn_mower"]
 
 
-def build_lawn_mower(config: Config) -> DescribedPart:
+def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
     """Describe a robot that mows; each of its commands has a topic of its own."""
     commands = {
         word: (command, action)
@@ -26,17 +26,17 @@ def build_lawn_mower(config: Config) -> DescribedPart:
     def read(text: str) -> Readings:
         if text.lower() == "none":
             return {"mower": None}
-        return {"mower": text} if text in _STATES else NOTHING
+        return {"mower": text} if text in _STATES else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        command, action = commands[wanted_option("mower", value, commands)]
+        command, action = commands[require_option("mower", value, commands)]
         return (command.publication(action),)
 
     entity = Entity(config, "x_lawn_mower")
     source = config.source("activity_state_topic", "activity_value_template")
-    entity.offers("mower", readable=entity.hears(source, read), writer=write if commands else None)
+    entity.add_capability("mower", readable=entity.hears(source, read), writer=write if commands else None)
     entity.listens_at(*(command for command, _ in commands.values()))
-    return entity.described()
+    return entity.build()
 
 
 _TOLD = {"mowing": "start_mowing", "paused": "pause", "docked": "dock"}

@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.light_basic import build_basic_light
 from homebot.gateways.mqtt.homeassistant.light_json import build_json_light
 from homebot.gateways.mqtt.homeassistant.light_template import build_template_light
@@ -19,7 +19,7 @@ from homebot.gateways.mqtt.payload import shown
 __all__ = ["build_light"]
 
 
-def build_light(config: Config) -> DescribedPart:
+def build_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp."""
     schema = config.text("schema", "basic")
     builder = _SCHEMAS.get(schema.lower())
@@ -28,6 +28,6 @@ def build_light(config: Config) -> DescribedPart:
     return builder(config)
 
 
-_SCHEMAS: Mapping[str, Callable[[Config], DescribedPart]] = MappingProxyType(
+_SCHEMAS: Mapping[str, Callable[[DiscoveryConfig], DescribedPart]] = MappingProxyType(
     {"basic": build_basic_light, "json": build_json_light, "template": build_template_light}
 )

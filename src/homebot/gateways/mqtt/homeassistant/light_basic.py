@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.light_basic_state import BasicState, Remembered
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
@@ -21,9 +21,9 @@ from homebot.gateways.mqtt.payload import shown
 __all__ = ["build_basic_light"]
 
 
-def build_basic_light(config: Config) -> DescribedPart:
+def build_basic_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that has a topic for each thing."""
-    listens = _Listening(
+    listens = _BasicLightCommands(
         command=config.required_command(template_key=""),
         payload_on=config.text("payload_on", "ON"),
         payload_off=config.text("payload_off", "OFF"),
@@ -48,7 +48,7 @@ def build_basic_light(config: Config) -> DescribedPart:
     lamp.offer(entity, BasicState(lamp, listens.remembered).hear(config, entity).__contains__)
     entity.remembers()
     entity.listens_at(listens.command, listens.brightness, listens.white, listens.effect, *listens.colors.values())
-    return entity.described()
+    return entity.build()
 
 
 _BYTE = 255
@@ -66,14 +66,14 @@ _DIMMED = ("rgb", "rgbw", "rgbww")
 """Modes whose channels carry the brightness where it has no topic of its own."""
 
 
-def _order(config: Config) -> str:
+def _order(config: DiscoveryConfig) -> str:
     order = config.text("on_command_type", "last")
     if order not in _ORDERS:
         raise WireError(f"light: on_command_type is {shown(order)}, not last, first or brightness")
     return order
 
 
-def _assumed(config: Config) -> frozenset[str]:
+def _assumed(config: DiscoveryConfig) -> frozenset[str]:
     """Return what the lamp does not say, so that what it was told counts: ``brightness`` and colour modes."""
     if config.flag("optimistic"):
         return frozenset({"brightness", *CHANNELS})
@@ -85,7 +85,7 @@ def _assumed(config: Config) -> frozenset[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Listening:
+class _BasicLightCommands:
     """Tells the lamp: the values on their topics, and that it shall be on before, after, or not at all."""
 
     command: CommandTopic

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp
 from homebot.gateways.mqtt.homeassistant.rendered import number_of, numbers_of, whole_of
 from homebot.gateways.mqtt.light_color import CHANNELS, Channels, to_hue_saturation, white_kelvin
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["BasicState", "Remembered"]
 
@@ -54,7 +54,7 @@ class BasicState:
     lamp: Lamp
     remembered: Remembered
 
-    def hear(self, config: Config, entity: Entity) -> frozenset[str]:
+    def hear(self, config: DiscoveryConfig, entity: Entity) -> frozenset[str]:
         """Have *entity* read all topics of the lamp's config; return the capabilities that can be read."""
         words: dict[str, bool | None] = {
             config.text("payload_off", "OFF"): False,
@@ -70,7 +70,7 @@ class BasicState:
             if entity.hears(source, read):
                 readable.add(capability)
 
-        hear("on_off", "", lambda text: {"on_off": words[text]} if text in words else NOTHING)
+        hear("on_off", "", lambda text: {"on_off": words[text]} if text in words else NO_READINGS)
         if self.lamp.has_level:
             hear("level", "brightness", partial(self._level, config.integer("brightness_scale", _BYTE, least=1)))
         mode_source = config.source("color_mode_state_topic", "color_mode_value_template")
@@ -85,28 +85,28 @@ class BasicState:
                 if not own_level and mode not in ("hs", "xy") and "color" in readable:
                     readable.add("level")
         if self.lamp.effects or self.lamp.any_effect:
-            hear("effect", "effect", lambda text: {"effect": clean_text(text)} if text else NOTHING)
+            hear("effect", "effect", lambda text: {"effect": clean_text(text)} if text else NO_READINGS)
         return frozenset(readable)
 
     def _white(self, in_kelvin: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
         kelvin = white_kelvin(whole_of(text), in_kelvin=in_kelvin)
         if kelvin is None:
-            return NOTHING
+            return NO_READINGS
         return self._shows("color_temp", kelvin)
 
     def _mode(self, text: str) -> Readings:
         """Take which of its values it shows; the others were said before, or will be."""
         if text not in self.lamp.modes:
-            return NOTHING
+            return NO_READINGS
         self.remembered.mode = text
         shown = self.remembered.shown.get(text)
-        return NOTHING if shown is None else self._shows(text, shown)
+        return NO_READINGS if shown is None else self._shows(text, shown)
 
     def _shows(self, mode: str, value: PlainValue) -> Readings:
         """Take what it says in a colour mode; where it says the mode too, that decides whether it counts."""
         self.remembered.shown[mode] = value
         if self.remembered.has_mode and self.remembered.mode not in (None, mode):
-            return NOTHING
+            return NO_READINGS
         if mode == "color_temp":
             return {"color_temperature": value} | ({"color": None} if self.lamp.color_mode else {})
         return {"color": value} | ({"color_temperature": None} if self.lamp.has_white else {})
@@ -114,7 +114,7 @@ class BasicState:
     def _level(self, scale: int, text: str) -> Readings:
         value = number_of(text) or 0
         if value <= 0:
-            return NOTHING
+            return NO_READINGS
         self.remembered.brightness = max(round(min(value / scale, 1) * _BYTE), 1)
         return {"level": self.remembered.brightness * 100 / _BYTE}
 
@@ -123,12 +123,12 @@ class BasicState:
         channels = numbers_of(text, len(CHANNELS[mode]))
         most = _MOST.get(mode, (_BYTE,) * len(CHANNELS[mode]))
         if channels is None or not all(0 <= one <= limit for one, limit in zip(channels, most, strict=True)):
-            return NOTHING
+            return NO_READINGS
         found: dict[str, PlainValue] = {}
         if not own_level:
             brightness = int(max(channels))
             if not brightness:
-                return NOTHING
+                return NO_READINGS
             channels = tuple(min(round(one / brightness * _BYTE), _BYTE) for one in channels)
             self.remembered.brightness = brightness
             found["level"] = brightness * 100 / _BYTE

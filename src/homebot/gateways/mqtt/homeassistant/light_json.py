@@ -14,7 +14,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
 from homebot.gateways.mqtt.homeassistant.rendered import number_of
@@ -27,12 +27,12 @@ from homebot.gateways.mqtt.light_color import (
     white_kelvin,
 )
 from homebot.gateways.mqtt.payload import clean_text, shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["build_json_light"]
 
 
-def build_json_light(config: Config) -> DescribedPart:
+def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that speaks JSON."""
     command = config.required_command(template_key="")
     scale = config.integer("brightness_scale", 255, least=1)
@@ -48,12 +48,12 @@ def build_json_light(config: Config) -> DescribedPart:
     state_topic = config.state_topic()
     lamp.offer(entity, lambda _capability: bool(state_topic))
     if state_topic:
-        entity.reads(state_topic, _State(lamp, scale, in_kelvin, config.encoding).read)
+        entity.read_from(state_topic, _State(lamp, scale, in_kelvin, config.encoding).read)
     entity.listens_at(command)
-    return entity.described()
+    return entity.build()
 
 
-def _modes(config: Config) -> frozenset[str]:
+def _modes(config: DiscoveryConfig) -> frozenset[str]:
     modes = frozenset(config.options("supported_color_modes"))
     if not modes:
         return frozenset({"brightness" if config.flag("brightness") else "onoff"})
@@ -93,7 +93,7 @@ class _State:
     def read(self, said: Said) -> Readings:
         message = said.json_object(self.encoding)
         if message is None:
-            return NOTHING
+            return NO_READINGS
         found: dict[str, PlainValue] = {}
         state = message.get("state", "")
         if isinstance(state, str | None) and state in _STATES:
@@ -122,11 +122,11 @@ class _State:
         if mode == "color_temp":
             kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self.in_kelvin)
             if kelvin is None:
-                return NOTHING
+                return NO_READINGS
             return {"color_temperature": kelvin} | ({"color": None} if self.lamp.color_mode else {})
         color = _hue_saturation(mode, message.get("color"), self.lamp.white.kelvins) if mode in CHANNELS else None
         if color is None:
-            return NOTHING
+            return NO_READINGS
         return {"color": color} | ({"color_temperature": None} if self.lamp.has_white else {})
 
 

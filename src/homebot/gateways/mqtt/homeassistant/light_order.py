@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.light_color import (
     Channels,
@@ -20,7 +20,7 @@ from homebot.gateways.mqtt.light_color import (
     kelvin_mired,
     mired_bounds,
 )
-from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number, wanted_option, wanted_transition
+from homebot.gateways.mqtt.wanted import require_bool, require_color, require_number, require_option, require_transition
 
 __all__ = ["Lamp", "LightOrder", "WhiteRange", "read_white_range"]
 
@@ -107,50 +107,52 @@ class Lamp:
             entity: The part in the making.
             readable: Tells of a capability whether the lamp says it.
         """
-        entity.offers("on_off", readable=readable("on_off"), writer=self._on_off)
+        entity.add_capability("on_off", readable=readable("on_off"), writer=self._on_off)
         if self.has_level:
-            entity.offers("level", readable=readable("level"), writer=self._level)
+            entity.add_capability("level", readable=readable("level"), writer=self._level)
         if self.has_white:
-            entity.offers(
+            entity.add_capability(
                 "color_temperature",
                 readable=readable("color_temperature"),
                 writer=self._white,
                 bounds=self.white.bounds,
             )
         if self.color_mode:
-            entity.offers("color", readable=readable("color"), writer=self._color)
+            entity.add_capability("color", readable=readable("color"), writer=self._color)
         if self.effects or self.any_effect:
-            entity.offers("effect", readable=readable("effect"), writer=self._effect, options=self.effects)
+            entity.add_capability("effect", readable=readable("effect"), writer=self._effect, options=self.effects)
 
     def _tell(self, order: LightOrder, transition: float) -> tuple[Publication, ...]:
-        seconds = wanted_transition(transition, _MOST_SECONDS)
+        seconds = require_transition(transition, _MOST_SECONDS)
         return self.publish(replace(order, transition=seconds) if seconds else order)
 
     def _on_off(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        return self._tell(LightOrder(on=wanted_flag("on_off", value)), transition)
+        return self._tell(LightOrder(on=require_bool("on_off", value)), transition)
 
     def _level(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        brightness = round(255 * wanted_number("level", value, 0, 100, "%") / 100)
+        brightness = round(255 * require_number("level", value, 0, 100, "%") / 100)
         order = LightOrder(on=True, brightness=brightness) if brightness else LightOrder(on=False)
         return self._tell(order, transition)
 
     def _white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         low, high = self.white.bounds
-        kelvin = wanted_number("color_temperature", value, min(low, _LEAST_KELVIN), max(high, _MOST_WANTED_KELVIN), "K")
+        kelvin = require_number(
+            "color_temperature", value, min(low, _LEAST_KELVIN), max(high, _MOST_WANTED_KELVIN), "K"
+        )
         return self._tell(LightOrder(on=True, kelvin=int(kelvin)), transition)
 
     def _color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_color(value)
+        hue, saturation = require_color(value)
         color = from_hue_saturation(self.color_mode, hue, saturation, self.white.kelvins)
         return self._tell(LightOrder(on=True, mode=self.color_mode, color=color), transition)
 
     def _effect(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         if self.effects or not isinstance(value, str):
-            wanted_option("effect", value, self.effects)
+            require_option("effect", value, self.effects)
         return self._tell(LightOrder(on=True, effect=str(value)), transition)
 
 
-def read_white_range(config: Config) -> WhiteRange:
+def read_white_range(config: DiscoveryConfig) -> WhiteRange:
     """Return warmest and coldest white, whichever way the config tells them."""
     most = config.integer("max_mireds", 0, least=0, most=_MOST_MIRED)
     least = config.integer("min_mireds", 0, least=0, most=_MOST_MIRED)

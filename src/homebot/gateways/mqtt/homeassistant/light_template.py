@@ -13,19 +13,19 @@ from functools import partial
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.light_order import Lamp, LightOrder, read_white_range
 from homebot.gateways.mqtt.homeassistant.rendered import whole_of
 from homebot.gateways.mqtt.homeassistant.said import Said
-from homebot.gateways.mqtt.homeassistant.source import Source
+from homebot.gateways.mqtt.homeassistant.source import ValueSource
 from homebot.gateways.mqtt.light_color import kelvin_mired, to_hue_saturation, white_kelvin
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["build_template_light"]
 
 
-def build_template_light(config: Config) -> DescribedPart:
+def build_template_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that templates speak for."""
     for key in ("command_on_template", "command_off_template"):
         if not config.has(key):
@@ -41,7 +41,7 @@ def build_template_light(config: Config) -> DescribedPart:
     )
     sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
     entity = Entity(config, "light")
-    reader = _Reader(sources, lamp, in_kelvin)
+    reader = _TemplateLightReader(sources, lamp, in_kelvin)
     readable = {
         name
         for name, key, read in (
@@ -55,7 +55,7 @@ def build_template_light(config: Config) -> DescribedPart:
     }
     lamp.offer(entity, readable.__contains__)
     entity.listens_at(on)
-    return entity.described()
+    return entity.build()
 
 
 _TEMPLATES = ("state", "brightness", "color_temp", "red", "green", "blue", "effect")
@@ -64,12 +64,12 @@ _STATES: Mapping[str, bool | None] = {"on": True, "off": False, "None": None}
 _BYTE = 255
 
 
-def _source(config: Config, key: str) -> Source | None:
+def _source(config: DiscoveryConfig, key: str) -> ValueSource | None:
     template_key = f"{key}_template"
     return config.source("state_topic", template_key) if config.has(template_key) else None
 
 
-def _modes(config: Config) -> frozenset[str]:
+def _modes(config: DiscoveryConfig) -> frozenset[str]:
     modes = set()
     if config.has("color_temp_template"):
         modes.add("color_temp")
@@ -99,25 +99,25 @@ def _publish(on: CommandTopic, off: CommandTopic, in_kelvin: bool, order: LightO
 
 
 @dataclass(frozen=True, slots=True)
-class _Reader:
+class _TemplateLightReader:
     """Reads what the lamp says, one template at a time; the colour needs three."""
 
-    sources: Mapping[str, Source]
+    sources: Mapping[str, ValueSource]
     lamp: Lamp
     in_kelvin: bool
 
     def state(self, _said: Said, text: str) -> Readings:
-        return {"on_off": _STATES[text]} if text in _STATES else NOTHING
+        return {"on_off": _STATES[text]} if text in _STATES else NO_READINGS
 
     def level(self, _said: Said, text: str) -> Readings:
         brightness = whole_of(text) or 0
-        return {"level": brightness * 100 / _BYTE} if 0 < brightness <= _BYTE else NOTHING
+        return {"level": brightness * 100 / _BYTE} if 0 < brightness <= _BYTE else NO_READINGS
 
     def white(self, _said: Said, text: str) -> Readings:
         if text == "None":
             return {"color_temperature": None}
         kelvin = white_kelvin(whole_of(text), in_kelvin=self.in_kelvin)
-        return NOTHING if kelvin is None else {"color_temperature": kelvin}
+        return NO_READINGS if kelvin is None else {"color_temperature": kelvin}
 
     def color(self, said: Said, red: str) -> Readings:
         green, blue = (self.sources[one].text(said) if one in self.sources else None for one in ("green", "blue"))
@@ -125,8 +125,8 @@ class _Reader:
             return {"color": None}
         channels = [value for one in (red, green, blue) if one and (value := whole_of(one)) is not None]
         if len(channels) != len(_RGB) or not all(0 <= one <= _BYTE for one in channels):
-            return NOTHING
+            return NO_READINGS
         return {"color": to_hue_saturation("rgb", tuple(channels), self.lamp.white.kelvins)}
 
     def effect(self, _said: Said, text: str) -> Readings:
-        return {"effect": text} if text in self.lamp.effects else NOTHING
+        return {"effect": text} if text in self.lamp.effects else NO_READINGS

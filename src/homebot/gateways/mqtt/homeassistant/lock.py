@@ -8,11 +8,11 @@ from __future__ import annotations
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_option
 
 __all__ = ["build_lock"]
 
@@ -20,7 +20,7 @@ _STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jam
 """Where two states have the same word, the later one counts."""
 
 
-def build_lock(config: Config) -> DescribedPart:
+def build_lock(config: DiscoveryConfig) -> DescribedPart:
     """Describe a door lock. One that wants a code is told with one, and judges it itself.
 
     Of the config's ``code_format`` nothing is checked but that it is there: it is a stranger's regular expression.
@@ -35,14 +35,14 @@ def build_lock(config: Config) -> DescribedPart:
     wants_code = config.has("code_format")
 
     def read(text: str) -> Readings:
-        return {"lock": states[text]} if text.strip() and text in states else NOTHING
+        return {"lock": states[text]} if text.strip() and text in states else NO_READINGS
 
     def write(value: PlainValue, code: str) -> tuple[Publication, ...]:
         if wants_code and not code:
             raise WrongCodeError(f"lock {shown(value)}", "it wants a code")
-        return (command.publication_with_code(payloads[wanted_option("lock", value, payloads)], code),)
+        return (command.publication_with_code(payloads[require_option("lock", value, payloads)], code),)
 
     entity = Entity(config, "door_lock")
     entity.offers_coded("lock", write, readable=entity.hears(config.source("state_topic"), read))
     entity.listens_at(command)
-    return entity.described()
+    return entity.build()

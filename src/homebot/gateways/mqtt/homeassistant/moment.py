@@ -13,15 +13,15 @@ from typing import TypeAlias
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["build_moment"]
 
 
-def build_moment(config: Config) -> DescribedPart:
+def build_moment(config: DiscoveryConfig) -> DescribedPart:
     """Describe a date, a time of day, or both, as the component says; what is none is neither heard nor told."""
     kind = config.component
     parse = _PARSERS[kind]
@@ -37,7 +37,7 @@ def build_moment(config: Config) -> DescribedPart:
         if text == "None":
             return {"text": None}
         moment = spelled(text)
-        return NOTHING if moment is None else {"text": moment}
+        return NO_READINGS if moment is None else {"text": moment}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         moment = spelled(value) if isinstance(value, str) else None
@@ -48,9 +48,9 @@ def build_moment(config: Config) -> DescribedPart:
         return (command.publication(moment),)
 
     entity = Entity(config, "x_setting", kind)
-    entity.offers("text", readable=entity.hears(config.source("state_topic"), read), writer=write)
+    entity.add_capability("text", readable=entity.hears(config.source("state_topic"), read), writer=write)
     entity.listens_at(command)
-    return entity.described()
+    return entity.build()
 
 
 _LONGEST = 64

@@ -8,13 +8,13 @@ from __future__ import annotations
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.aspects import offer_number
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 
 __all__ = ["build_number"]
 
 
-def build_number(config: Config) -> DescribedPart:
+def build_number(config: DiscoveryConfig) -> DescribedPart:
     """Describe a number in its own unit; what lies outside of its bounds is neither heard nor told."""
     least, most = config.number("min", 0.0), config.number("max", 100.0)
     if least > most:
@@ -35,7 +35,7 @@ def build_number(config: Config) -> DescribedPart:
         heard=heard,
         told=_shortest,
     )
-    return entity.described()
+    return entity.build()
 
 
 def _shortest(number: float) -> float:

@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from homebot.devices.command import Command
-from homebot.devices.offer import Offer
+from homebot.devices.offer import ExposedDevice
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.mqtt.description import Publication
@@ -56,11 +56,11 @@ class HomeAssistantPublisher:
         """Return where Home Assistant's commands come."""
         return (f"{self._base}/+/+/+/set",)
 
-    def owns(self, topic: str) -> bool:
+    def is_own_topic(self, topic: str) -> bool:
         """Whether *topic* holds a config of this homebot, which it must not take for a device."""
         return topic.startswith(f"{self._prefix}/") and f"/{self._owner}/" in topic
 
-    def publications(self, offer: Offer) -> tuple[Publication, ...]:
+    def publications(self, offer: ExposedDevice) -> tuple[Publication, ...]:
         """Return what makes *offer* be there, or be gone, with all that the broker kept of it."""
         entities = tuple((part, self._entities(offer, part)) for part in offer.parts)
         publish = self._withdrawal if offer.is_withdrawn else self._config
@@ -71,7 +71,7 @@ class HomeAssistantPublisher:
         return tuple(one for part, found in entities for entity in found for one in publish(offer, part, entity))
 
     def states(
-        self, offer: Offer, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
+        self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
     ) -> tuple[Publication, ...]:
         """Return what tells what is *known* of *offer* now that *changed* are news, by part and capability."""
         found: list[Publication] = []
@@ -100,10 +100,10 @@ class HomeAssistantPublisher:
             for name, value in order.read(text).items()
         )
 
-    def _entities(self, offer: Offer, part: Part) -> tuple[PublishedEntity, ...]:
+    def _entities(self, offer: ExposedDevice, part: Part) -> tuple[PublishedEntity, ...]:
         return publish_part(part, EntityTopics(f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"))
 
-    def _config(self, offer: Offer, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
+    def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
         for topic, read in entity.commands.items():
             self._orders[topic] = _Order(offer.id, part.id, read)
         config: dict[str, object] = {
@@ -122,7 +122,7 @@ class HomeAssistantPublisher:
         payload = json.dumps(config, ensure_ascii=False).encode()
         return (Publication(self._config_topic(offer, part, entity), payload, qos=1, retain=True),)
 
-    def _withdrawal(self, offer: Offer, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
+    def _withdrawal(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
         for topic in entity.commands:
             self._orders.pop(topic, None)
         kept = [state.topic for state in entity.states if not state.is_event]
@@ -130,14 +130,14 @@ class HomeAssistantPublisher:
             Publication(topic, b"", qos=1, retain=True) for topic in (self._config_topic(offer, part, entity), *kept)
         )
 
-    def _config_topic(self, offer: Offer, part: Part, entity: PublishedEntity) -> str:
+    def _config_topic(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> str:
         return f"{self._prefix}/{entity.component}/{self._owner}/{self._object_id(offer, part, entity)}/config"
 
-    def _object_id(self, offer: Offer, part: Part, entity: PublishedEntity) -> str:
+    def _object_id(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> str:
         """Two ``_`` part what it is made of, because no piece has them."""
         return "__".join(_slug(one) for one in (offer.id, part.id, entity.name or entity.component) if one)
 
-    def _device(self, offer: Offer) -> dict[str, object]:
+    def _device(self, offer: ExposedDevice) -> dict[str, object]:
         facts = {
             "identifiers": [f"{self._owner}_{_slug(offer.id)}"],
             "name": offer.name,

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.payload import parse_json
-from homebot.gateways.mqtt.readings import NOTHING, Readings, is_unknown
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, is_unknown
 
 __all__ = ["fields_of", "number_of", "numbers_of", "read_number", "whole_of"]
 
@@ -39,7 +39,7 @@ def read_number(
         return {capability: None}
     number = number_of(text)
     value = None if number is None else heard(number)
-    return NOTHING if value is None else {capability: value}
+    return NO_READINGS if value is None else {capability: value}
 
 
 def whole_of(text: str) -> int | None:

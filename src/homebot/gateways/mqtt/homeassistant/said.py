@@ -29,7 +29,7 @@ class Said:
         """Return what a template sees; None where the payload is no such text, or longer than what is looked at.
 
         Args:
-            encoding: As :attr:`Config.encoding` has it; empty where payloads are no text.
+            encoding: As :attr:`DiscoveryConfig.encoding` has it; empty where payloads are no text.
         """
         return _context(self.payload, encoding)
 

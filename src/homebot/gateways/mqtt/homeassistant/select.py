@@ -8,15 +8,15 @@ from __future__ import annotations
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_option
 
 __all__ = ["build_select"]
 
 
-def build_select(config: Config) -> DescribedPart:
+def build_select(config: DiscoveryConfig) -> DescribedPart:
     """Describe a choice. Where it says ``none``, however that is written, the option is unknown."""
     if not config.has("options"):
         raise WireError("select: options is None, not a list of texts")
@@ -27,12 +27,14 @@ def build_select(config: Config) -> DescribedPart:
     def read(text: str) -> Readings:
         if text.lower() == "none":
             return {"option": None}
-        return {"option": text} if text.strip() and text in known else NOTHING
+        return {"option": text} if text.strip() and text in known else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (command.publication(wanted_option("option", value, options)),)
+        return (command.publication(require_option("option", value, options)),)
 
     entity = Entity(config, "x_setting")
-    entity.offers("option", readable=entity.hears(config.source("state_topic"), read), writer=write, options=options)
+    entity.add_capability(
+        "option", readable=entity.hears(config.source("state_topic"), read), writer=write, options=options
+    )
     entity.listens_at(command)
-    return entity.described()
+    return entity.build()

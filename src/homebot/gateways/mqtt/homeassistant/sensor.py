@@ -10,19 +10,19 @@ from datetime import UTC, datetime
 from functools import partial
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.expiry import expire
 from homebot.gateways.mqtt.homeassistant.quantities import is_quantity, quantity_of
 from homebot.gateways.mqtt.homeassistant.rendered import read_number
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.quantity import Quantity
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["build_sensor"]
 
 
-def build_sensor(config: Config) -> DescribedPart:
+def build_sensor(config: DiscoveryConfig) -> DescribedPart:
     """Describe a sensor: of numbers where class, unit or statistics say so, and else of texts.
 
     A number is reported in the unit of the vocabulary; where its own cannot be converted, in that. One of a class that
@@ -34,16 +34,16 @@ def build_sensor(config: Config) -> DescribedPart:
         quantity = quantity_of(device_class, config.words("unit_of_measurement", _MAX_UNIT))
         entity = Entity(config, quantity.service_type)
         if entity.hears(source, partial(_read_number, quantity)):
-            entity.offers(quantity.capability, unit=quantity.unit)
+            entity.add_capability(quantity.capability, unit=quantity.unit)
             expire(entity, config, quantity.capability)
-        return entity.described()
+        return entity.build()
     entity = Entity(config, "x_sensor")
     options = config.options("options")
     read = _MOMENTS.get(device_class) or partial(_read_text, frozenset(options))
     if entity.hears(source, read):
-        entity.offers("value", options=options)
+        entity.add_capability("value", options=options)
         expire(entity, config, "value")
-    return entity.described()
+    return entity.build()
 
 
 _TEXTS = frozenset({"date", "enum", "timestamp"})
@@ -60,7 +60,7 @@ def _read_text(options: frozenset[str], text: str) -> Readings:
     if text == "None":
         return _UNKNOWN
     if len(text) > _MAX_TEXT or (options and text not in options):
-        return NOTHING
+        return NO_READINGS
     return {"value": clean_text(text, _MAX_TEXT)}
 
 
@@ -75,9 +75,9 @@ def _read_timestamp(text: str) -> Readings:
     if moment is None:
         return _UNKNOWN
     try:
-        return {"value": moment.astimezone(UTC).isoformat(timespec="seconds")} if moment.tzinfo else NOTHING
+        return {"value": moment.astimezone(UTC).isoformat(timespec="seconds")} if moment.tzinfo else NO_READINGS
     except OverflowError:
-        return NOTHING
+        return NO_READINGS
 
 
 def _moment(text: str) -> datetime | None:

@@ -13,23 +13,23 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
 from homebot.gateways.mqtt.readings import Readings
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.wanted import require_bool, require_number, require_option
 
 __all__ = ["build_siren"]
 
 
-def build_siren(config: Config) -> DescribedPart:
+def build_siren(config: DiscoveryConfig) -> DescribedPart:
     """Describe a siren, which is told in JSON where it has no template."""
     on = config.required_command()
     off = config.required_command(template_key="command_off_template")
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
     tones = config.options("available_tones")
-    listens = _Listening(on, off if off.template is not None else on, payloads, tones)
-    speaks = _Speaking(
+    listens = _SirenCommands(on, off if off.template is not None else on, payloads, tones)
+    speaks = _SirenStateDecoder(
         {
             config.text("state_on") or payloads[True]: True,
             config.text("state_off") or payloads[False]: False,
@@ -40,17 +40,17 @@ def build_siren(config: Config) -> DescribedPart:
     )
     entity = Entity(config, "siren")
     readable = entity.hears(config.source("state_topic", "state_value_template"), speaks.read)
-    entity.offers("on_off", readable=readable, writer=listens.switch)
+    entity.add_capability("on_off", readable=readable, writer=listens.switch)
     if tones:
-        entity.offers("siren_tone", readable=readable, writer=listens.sound, options=tones)
+        entity.add_capability("siren_tone", readable=readable, writer=listens.sound, options=tones)
     if speaks.has_volume:
-        entity.offers("volume", readable=readable, writer=listens.set_volume)
+        entity.add_capability("volume", readable=readable, writer=listens.set_volume)
     entity.listens_at(on)
-    return entity.described()
+    return entity.build()
 
 
 @dataclass(frozen=True, slots=True)
-class _Listening:
+class _SirenCommands:
     """Tells the siren. Tone and volume also turn it on, as they do in Home Assistant."""
 
     on: CommandTopic
@@ -59,13 +59,13 @@ class _Listening:
     tones: tuple[str, ...]
 
     def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._tell(on=wanted_flag("on_off", value))
+        return self._tell(on=require_bool("on_off", value))
 
     def sound(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._tell(tone=wanted_option("siren_tone", value, self.tones))
+        return self._tell(tone=require_option("siren_tone", value, self.tones))
 
     def set_volume(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._tell(volume_level=wanted_number("volume", value, 0, 100, "%") / 100)
+        return self._tell(volume_level=require_number("volume", value, 0, 100, "%") / 100)
 
     def _tell(self, *, on: bool = True, **wanted: object) -> tuple[Publication, ...]:
         command = self.on if on else self.off
@@ -79,7 +79,7 @@ class _Listening:
 
 
 @dataclass(frozen=True, slots=True)
-class _Speaking:
+class _SirenStateDecoder:
     """Reads what the siren says: a plain word, or an object with ``state`` and more."""
 
     states: Mapping[str, bool | None]

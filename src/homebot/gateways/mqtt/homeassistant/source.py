@@ -8,17 +8,17 @@ from dataclasses import dataclass, replace
 from homebot.gateways.mqtt.homeassistant.said import Said
 from homebot.gateways.mqtt.templates import Template, TemplateError, UndefinedValueError
 
-__all__ = ["Source"]
+__all__ = ["ValueSource"]
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class ValueSource:
     """One topic that a part speaks on, and the template that finds one value there.
 
     Attributes:
         topic: A topic, or a filter where the device declared one.
         template: Finds the value; None where the whole payload is the value.
-        encoding: Of the payload; see :attr:`Config.encoding`.
+        encoding: Of the payload; see :attr:`DiscoveryConfig.encoding`.
         variables: What else the template may name.
         or_payload: Whether the payload itself is the value where the template wants what is not in it, for example
             because it is no JSON. Home Assistant has it so for all but a few values.
@@ -49,6 +49,6 @@ class Source:
         except TemplateError:
             return None
 
-    def without_payload(self) -> Source:
+    def without_payload(self) -> ValueSource:
         """Return the same, but a message that lacks what the template wants tells nothing."""
         return replace(self, or_payload=False)

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_flag
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_bool
 
 __all__ = ["build_switch"]
 
 
-def build_switch(config: Config) -> DescribedPart:
+def build_switch(config: DiscoveryConfig) -> DescribedPart:
     """Describe a switch: a plug where its class is ``outlet``."""
     command = config.required_command()
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
@@ -26,12 +26,12 @@ def build_switch(config: Config) -> DescribedPart:
     }
 
     def read(text: str) -> Readings:
-        return {"on_off": states[text]} if text in states else NOTHING
+        return {"on_off": states[text]} if text in states else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (command.publication(payloads[wanted_flag("on_off", value)]),)
+        return (command.publication(payloads[require_bool("on_off", value)]),)
 
     entity = Entity(config, "plug" if config.text("device_class") == "outlet" else "switch")
-    entity.offers("on_off", readable=entity.hears(config.source("state_topic"), read), writer=write)
+    entity.add_capability("on_off", readable=entity.hears(config.source("state_topic"), read), writer=write)
     entity.listens_at(command)
-    return entity.described()
+    return entity.build()

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.payload import shown
 from homebot.gateways.mqtt.quantity import celsius_bounds
 
@@ -33,7 +33,7 @@ class Thermometer:
         """Return a temperature in °C as the device's number."""
         return round(celsius * 1.8 + 32.0, 6) if self.is_fahrenheit else celsius
 
-    def limits(self, config: Config, least: float, most: float) -> Limits:
+    def limits(self, config: DiscoveryConfig, least: float, most: float) -> Limits:
         """Return the config's ``min_temp`` and ``max_temp``; *least* and *most*, in °C, stand for missing ones."""
         low, high = config.optional_number("min_temp"), config.optional_number("max_temp")
         return Limits(self, self.number(least) if low is None else low, self.number(most) if high is None else high)
@@ -63,7 +63,7 @@ class Limits:
         return min(max(self.thermometer.number(celsius), self.low), self.high)
 
 
-def read_thermometer(config: Config) -> Thermometer:
+def read_thermometer(config: DiscoveryConfig) -> Thermometer:
     """Return in which unit the device counts: °C where the config does not say.
 
     Raises:

@@ -11,15 +11,15 @@ from typing import TypeAlias
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["build_notify", "build_text"]
 
 
-def build_text(config: Config) -> DescribedPart:
+def build_text(config: DiscoveryConfig) -> DescribedPart:
     """Describe a text. A password is told, but never read.
 
     Of the config's ``pattern`` nothing is checked: it is a stranger's regular expression, and the device has its own.
@@ -33,12 +33,12 @@ def build_text(config: Config) -> DescribedPart:
     def read(text: str) -> Readings:
         if text == "None":
             return {"text": None}
-        return NOTHING if len(text) > _LONGEST else {"text": clean_text(text, _LONGEST)}
+        return NO_READINGS if len(text) > _LONGEST else {"text": clean_text(text, _LONGEST)}
 
     return _told(config, least, most, None if is_secret else read)
 
 
-def build_notify(config: Config) -> DescribedPart:
+def build_notify(config: DiscoveryConfig) -> DescribedPart:
     """Describe something that shows or speaks messages."""
     return _told(config, 0, _LONGEST_MESSAGE, None)
 
@@ -48,7 +48,7 @@ _LONGEST = 255
 _LONGEST_MESSAGE = 4096
 
 
-def _told(config: Config, least: int, most: int, read: _Read | None) -> DescribedPart:
+def _told(config: DiscoveryConfig, least: int, most: int, read: _Read | None) -> DescribedPart:
     command = config.required_command()
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
@@ -58,6 +58,6 @@ def _told(config: Config, least: int, most: int, read: _Read | None) -> Describe
 
     entity = Entity(config, "x_setting")
     is_readable = read is not None and entity.hears(config.source("state_topic"), read)
-    entity.offers("text", readable=is_readable, writer=write)
+    entity.add_capability("text", readable=is_readable, writer=write)
     entity.listens_at(command)
-    return entity.described()
+    return entity.build()

@@ -12,26 +12,26 @@ from functools import partial
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Codec, DescribedPart, Publication
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of
 from homebot.gateways.mqtt.payload import clean_text, shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 
 __all__ = ["build_update"]
 
 
-def build_update(config: Config) -> DescribedPart:
+def build_update(config: DiscoveryConfig) -> DescribedPart:
     """Describe the software of a device. It is never told to install anything: that is for people to decide."""
     source = config.required_source("state_topic").without_payload()
     latest = config.source("latest_version_topic", "latest_version_template")
     entity = Entity(config, "x_update")
     if entity.hears(source, partial(_read, is_all=latest is None)):
-        entity.offers("version")
-        entity.offers("update_available", readable=latest is None)
+        entity.add_capability("version")
+        entity.add_capability("update_available", readable=latest is None)
     says_latest = entity.hears(latest, _read_latest)
-    entity.offers("latest_version", readable=says_latest or not source.problem)
-    described = entity.described()
+    entity.add_capability("latest_version", readable=says_latest or not source.problem)
+    described = entity.build()
     return replace(described, codec=_NeverTold(described.codec))
 
 
@@ -40,7 +40,7 @@ _LONGEST = 255
 
 def _read(text: str, *, is_all: bool) -> Readings:
     if not text or text == "{}":
-        return NOTHING
+        return NO_READINGS
     if not text.lstrip().startswith("{"):
         return {"version": None if text == "None" else clean_text(text, _LONGEST)}
     message = fields_of(text)
@@ -56,7 +56,7 @@ def _read(text: str, *, is_all: bool) -> Readings:
 
 
 def _read_latest(text: str) -> Readings:
-    return {"latest_version": None if text == "None" else clean_text(text, _LONGEST)} if text else NOTHING
+    return {"latest_version": None if text == "None" else clean_text(text, _LONGEST)} if text else NO_READINGS
 
 
 def _version(value: object) -> str | None:

@@ -12,17 +12,17 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.aspects import offer_push
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.readings import Readings
-from homebot.gateways.mqtt.wanted import wanted_option
+from homebot.gateways.mqtt.wanted import require_option
 
 __all__ = ["build_vacuum"]
 
 
-def build_vacuum(config: Config) -> DescribedPart:
+def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     """Describe a robot that cleans; it is told only what its ``supported_features`` say."""
     features = frozenset(config.options("supported_features") if config.has("supported_features") else _FEATURES)
     command = config.command("command_topic", template_key="")
@@ -33,16 +33,18 @@ def build_vacuum(config: Config) -> DescribedPart:
     has_battery = "battery" in features
     entity = Entity(config, "robotic_vacuum_cleaner")
     is_readable = entity.hears(source, partial(_read, has_speed=bool(speeds), has_battery=has_battery))
-    entity.offers("vacuum", readable=is_readable, writer=partial(_tell, command, told) if command and told else None)
+    entity.add_capability(
+        "vacuum", readable=is_readable, writer=partial(_tell, command, told) if command and told else None
+    )
     if speeds:
         writer = partial(_set_speed, set_speed, speeds) if set_speed else None
-        entity.offers("fan_mode", readable=is_readable, writer=writer, options=speeds)
+        entity.add_capability("fan_mode", readable=is_readable, writer=writer, options=speeds)
     if has_battery:
-        entity.offers("battery", readable=is_readable, unit="%")
+        entity.add_capability("battery", readable=is_readable, unit="%")
     if "locate" in features and command:
         offer_push(entity, "locate", command, config.text("payload_locate", "locate"))
     entity.listens_at(command, set_speed if speeds else None)
-    return entity.described()
+    return entity.build()
 
 
 _FEATURES = ("start", "stop", "return_home", "battery", "clean_spot")
@@ -78,10 +80,10 @@ def _read(text: str, *, has_speed: bool, has_battery: bool) -> Readings:
 def _tell(
     command: CommandTopic, told: Mapping[str, str], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    return (command.publication(told[wanted_option("vacuum", value, told)]),)
+    return (command.publication(told[require_option("vacuum", value, told)]),)
 
 
 def _set_speed(
     command: CommandTopic, speeds: tuple[str, ...], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    return (command.publication(wanted_option("fan_mode", value, speeds)),)
+    return (command.publication(require_option("fan_mode", value, speeds)),)

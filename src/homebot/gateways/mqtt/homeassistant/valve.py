@@ -12,17 +12,17 @@ from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.homeassistant.command_topic import CommandTopic
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.rendered import fields_of, number_of
 from homebot.gateways.mqtt.homeassistant.scale import Scale
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_number, require_option
 
 __all__ = ["build_valve"]
 
 
-def build_valve(config: Config) -> DescribedPart:
+def build_valve(config: DiscoveryConfig) -> DescribedPart:
     """Describe a valve: one that opens and closes, or one that also takes and says how far it is open."""
     scale = Scale(config.integer("position_closed", 0), config.integer("position_open", 100))
     variables = {"position_open": scale.full, "position_closed": scale.zero}
@@ -37,17 +37,17 @@ def build_valve(config: Config) -> DescribedPart:
         for key in _NO_POSITION:
             if key in config.values:
                 raise WireError(f"valve: {key} is there, which a valve that reports its position does not have")
-    speaks = _Speaking({config.text(f"state_{state}", state): state for state in _STATES}, scale)
-    listens = None if command is None else _Listening(command, payloads, scale if has_position else None, variables)
+    speaks = _ValveStateDecoder({config.text(f"state_{state}", state): state for state in _STATES}, scale)
+    listens = None if command is None else _ValveCommands(command, payloads, scale if has_position else None, variables)
     entity = Entity(config, "water_valve")
     readable = entity.hears(
         config.source("state_topic", variables=variables), speaks.read_position if has_position else speaks.read_state
     )
-    entity.offers("valve", readable=readable, writer=listens.move if listens else None)
+    entity.add_capability("valve", readable=readable, writer=listens.move if listens else None)
     if has_position:
-        entity.offers("position", readable=readable, writer=listens.set_position if listens else None)
+        entity.add_capability("position", readable=readable, writer=listens.set_position if listens else None)
     entity.listens_at(command)
-    return entity.described()
+    return entity.build()
 
 
 _STATES = ("closed", "open", "closing", "opening")
@@ -60,7 +60,7 @@ _ENDS = (0.0, 100.0)
 
 
 @dataclass(frozen=True, slots=True)
-class _Speaking:
+class _ValveStateDecoder:
     """Reads what the valve says: plain words and numbers, or an object with ``state`` and ``position``."""
 
     words: Mapping[str, str]
@@ -70,10 +70,10 @@ class _Speaking:
         """Of a valve that does not report its position."""
         state = fields_of(text).get("state") if text.startswith("{") else text
         if not isinstance(state, str):
-            return NOTHING
+            return NO_READINGS
         if state == "None":
             return {"valve": None}
-        return {"valve": self.words[state]} if state in self.words else NOTHING
+        return {"valve": self.words[state]} if state in self.words else NO_READINGS
 
     def read_position(self, text: str) -> Readings:
         """Of a valve that reports its position."""
@@ -82,7 +82,7 @@ class _Speaking:
         if text.startswith("{"):
             message = fields_of(text)
             if "position" not in message:
-                return NOTHING
+                return NO_READINGS
             state, position = message.get("state"), message["position"]
         if state == "None":
             return {"position": None, "valve": None}
@@ -98,7 +98,7 @@ class _Speaking:
 
 
 @dataclass(frozen=True, slots=True)
-class _Listening:
+class _ValveCommands:
     """Tells the valve. With a scale, open and closed are positions."""
 
     command: CommandTopic
@@ -107,12 +107,12 @@ class _Listening:
     variables: Mapping[str, object]
 
     def move(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        word = wanted_option("valve", value, self.payloads)
+        word = require_option("valve", value, self.payloads)
         if self.scale is not None and word != "stopped":
             return self.set_position(100.0 if word == "open" else 0.0, transition)
         return (self.command.publication(self.payloads[word]),)
 
     def set_position(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        percent = round(wanted_number("position", value, 0, 100, "%"))
+        percent = round(require_number("position", value, 0, 100, "%"))
         scaled = percent if self.scale is None else round(self.scale.value(percent))
         return (self.command.publication(scaled, {"position": percent, **self.variables}),)

@@ -8,14 +8,14 @@ from __future__ import annotations
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.homeassistant.aspects import offer_choice, offer_flag, offer_number
 from homebot.gateways.mqtt.homeassistant.climate_source import source_of
-from homebot.gateways.mqtt.homeassistant.config import Config
+from homebot.gateways.mqtt.homeassistant.config import DiscoveryConfig
 from homebot.gateways.mqtt.homeassistant.entity import Entity
 from homebot.gateways.mqtt.homeassistant.temperature import Thermometer, read_thermometer
 
 __all__ = ["build_water_heater"]
 
 
-def build_water_heater(config: Config) -> DescribedPart:
+def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
     """Describe a water heater. It is told on and off where it has a topic for that, and never says it."""
     thermometer = read_thermometer(config)
     limits = thermometer.limits(config, *_CELSIUS)
@@ -37,7 +37,7 @@ def build_water_heater(config: Config) -> DescribedPart:
     offer_choice(entity, "water_heater_mode", source_of(config, "mode_state"), mode, modes)
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
     offer_flag(entity, "on_off", None, config.command("power_command_topic", "power_command_template"), payloads)
-    return entity.described()
+    return entity.build()
 
 
 _CELSIUS = (Thermometer(is_fahrenheit=True).celsius(110.0), Thermometer(is_fahrenheit=True).celsius(140.0))

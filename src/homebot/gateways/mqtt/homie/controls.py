@@ -21,8 +21,8 @@ from homebot.gateways.mqtt.homie.told import (
 )
 from homebot.gateways.mqtt.homie.values import publication, read_plain
 from homebot.gateways.mqtt.part_table import BytesPart
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_bool, require_option
 
 __all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_valve"]
 
@@ -47,26 +47,26 @@ def add_cover(part: BytesPart, props: Props) -> None:
         value = read_plain(prop, payload)
         word = value.casefold() if isinstance(value, str) else ""
         word = _HEARD.get(word, word)
-        return {"movement": word} if word in _OPENINGS else NOTHING
+        return {"movement": word} if word in _OPENINGS else NO_READINGS
 
     def move(prop: HomieProperty, orders: Mapping[str, str], value: PlainValue, _: float) -> tuple[Publication, ...]:
-        return (publication(prop, orders[wanted_option("movement", value, orders)]),)
+        return (publication(prop, orders[require_option("movement", value, orders)]),)
 
     def go(prop: HomieProperty, value: PlainValue, _: float) -> tuple[Publication, ...]:
         percent = {"open": 100.0, "closed": 0.0}
-        return (percent_written(prop, "position", percent[wanted_option("movement", value, percent)]),)
+        return (percent_written(prop, "position", percent[require_option("movement", value, percent)]),)
 
     if state is not None:
-        part.reads(state.topic, partial(read, state))
+        part.read_from(state.topic, partial(read, state))
     orders = _words(order, _MOVES)
     writer = None
     if order is not None and orders:
-        part.listens(f"{order.topic}/set")
+        part.add_command_topics(f"{order.topic}/set")
         writer = partial(move, order, orders)
     elif position is not None and position.is_settable:
         writer = partial(go, position)
     if state is not None or writer is not None:
-        part.offers("movement", readable=state is not None, writer=writer, options=_OPENINGS)
+        part.add_capability("movement", readable=state is not None, writer=writer, options=_OPENINGS)
 
 
 def add_lock(part: BytesPart, props: Props) -> None:
@@ -76,22 +76,22 @@ def add_lock(part: BytesPart, props: Props) -> None:
 
     def read(payload: bytes) -> Readings:
         value = read_plain(state, payload) if state is not None else None
-        return {"lock": _LOCKS[value]} if isinstance(value, bool) else NOTHING
+        return {"lock": _LOCKS[value]} if isinstance(value, bool) else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         if state is not None and state.is_settable and value != "open":
-            wanted = wanted_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in orders else ())))
+            wanted = require_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in orders else ())))
             return (publication(state, "true" if wanted == "locked" else "false"),)
-        word = orders[wanted_option("lock", value, orders)]
+        word = orders[require_option("lock", value, orders)]
         return () if order is None else (publication(order, word),)
 
     if state is not None:
-        part.reads(state.topic, read)
+        part.read_from(state.topic, read)
     for prop in (state, order):
         if prop is not None and prop.is_settable:
-            part.listens(f"{prop.topic}/set")
+            part.add_command_topics(f"{prop.topic}/set")
     is_settable = bool(orders) or (state is not None and state.is_settable)
-    part.offers("lock", readable=state is not None, writer=write if is_settable else None)
+    part.add_capability("lock", readable=state is not None, writer=write if is_settable else None)
 
 
 def add_valve(part: BytesPart, props: Props) -> None:
@@ -100,15 +100,17 @@ def add_valve(part: BytesPart, props: Props) -> None:
 
     def read(payload: bytes) -> Readings:
         value = read_plain(state, payload)
-        return {"valve": _VALVES[value]} if isinstance(value, bool) else NOTHING
+        return {"valve": _VALVES[value]} if isinstance(value, bool) else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (publication(state, "true" if wanted_option("valve", value, ("open", "closed")) == "open" else "false"),)
+        return (
+            publication(state, "true" if require_option("valve", value, ("open", "closed")) == "open" else "false"),
+        )
 
-    part.reads(state.topic, read)
+    part.read_from(state.topic, read)
     if state.is_settable:
-        part.listens(f"{state.topic}/set")
-    part.offers("valve", writer=write if state.is_settable else None, options=("open", "closed"))
+        part.add_command_topics(f"{state.topic}/set")
+    part.add_capability("valve", writer=write if state.is_settable else None, options=("open", "closed"))
 
 
 def add_thermostat(part: BytesPart, props: Props) -> None:
@@ -137,13 +139,13 @@ def add_fan(part: BytesPart, props: Props) -> None:
 def _add_switch_of_speed(part: BytesPart, speed: HomieProperty) -> None:
     def read(payload: bytes) -> Readings:
         percent = percent_of(speed, payload)
-        return NOTHING if percent is None else {"on_off": percent > 0}
+        return NO_READINGS if percent is None else {"on_off": percent > 0}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (percent_written(speed, "fan_speed", 100.0 if wanted_flag("on_off", value) else 0.0),)
+        return (percent_written(speed, "fan_speed", 100.0 if require_bool("on_off", value) else 0.0),)
 
-    part.reads(speed.topic, read)
-    part.offers("on_off", readable=speed.is_retained, writer=write if speed.is_settable else None)
+    part.read_from(speed.topic, read)
+    part.add_capability("on_off", readable=speed.is_retained, writer=write if speed.is_settable else None)
 
 
 def _words(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:

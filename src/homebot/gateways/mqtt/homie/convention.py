@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Heard, Publication
+from homebot.gateways.mqtt.description import AnnouncementEvent, Publication
 from homebot.gateways.mqtt.homie import version4, version5
 from homebot.gateways.mqtt.homie.version4 import Version4
 from homebot.gateways.mqtt.homie.version5 import Version5
@@ -66,11 +66,11 @@ class Homie:
             for one in (*version5.FILTERS, *version4.FILTERS)
         )
 
-    def births(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> tuple[Publication, ...]:
         """Return nothing: everything is retained."""
         return ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:  # noqa: ARG002 - the broker keeps all attributes
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - the broker keeps all attributes
         """Take an attribute and return what it tells of its device."""
         try:
             return self._taken(topic, payload)
@@ -78,7 +78,7 @@ class Homie:
             self.rejected += 1
             raise
 
-    def _taken(self, topic: str, payload: bytes) -> tuple[Heard, ...]:
+    def _taken(self, topic: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         domain, _, rest = topic.partition("/")
         device_id, _, attribute = rest.partition("/")
         if device_id != "5":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from homebot.devices.identity import identifiers
-from homebot.gateways.mqtt.description import Described
+from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.gateways.mqtt.homie.model import HomieDevice
 from homebot.gateways.mqtt.homie.parts import build_parts
 from homebot.gateways.mqtt.homie.state import availability_of
@@ -11,7 +11,7 @@ from homebot.gateways.mqtt.homie.state import availability_of
 __all__ = ["describe"]
 
 
-def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> Described | None:
+def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnnounced | None:
     """Return the description of *device*; None where it offers nothing itself, as a bridge does.
 
     Who it is, is its id in its domain: a hardware address counts where the id ends with one. The ``$mac`` of version 4
@@ -20,7 +20,7 @@ def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> Described |
     parts = build_parts(device)
     if not parts:
         return None
-    return Described(
+    return DeviceAnnounced(
         key=device.topic,
         convention="homie",
         identifiers=identifiers((f"{domain}/{device.id}",)),
@@ -30,5 +30,5 @@ def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> Described |
         facts={**device.facts, **({"type": device.type} if device.type else {})},
         availability=availability_of(device.topic, device.root),
         owns=(device.topic,),
-        is_sighting=is_alive,
+        implies_alive=is_alive,
     )

@@ -64,7 +64,7 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
     if not all(is_id(one) for one in (root, parent) if one):
         raise WireError(f"root is {shown(root)} and parent {shown(parent)}, not ids")
     topic = f"{domain}/5/{device_id}"
-    reader = _Reader(topic)
+    reader = _DocumentReader(topic)
     nodes = reader.nodes(_optional(fields, "nodes", dict) or {})
     device = HomieDevice(
         id=device_id,
@@ -78,7 +78,7 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
     return Document(device, reader.ignored)
 
 
-class _Reader:
+class _DocumentReader:
     def __init__(self, topic: str) -> None:
         self.ignored = 0
         self._topic = topic

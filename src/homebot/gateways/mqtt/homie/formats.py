@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from homebot.errors import WireError
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.readings import number_in
+from homebot.gateways.mqtt.readings import to_number
 
 __all__ = ["COLOR_FORMS", "DATATYPES", "MAX_OPTIONS", "Range", "parse_options", "parse_range"]
 
@@ -69,7 +69,7 @@ def parse_range(text: str) -> Range:
     if not text:
         return Range()
     fields = text.split(":")
-    numbers = [number_in(one) if one else None for one in fields]
+    numbers = [to_number(one) if one else None for one in fields]
     is_spelled = 1 < len(fields) <= _FIELDS and all(
         number is not None or not one for number, one in zip(numbers, fields, strict=True)
     )

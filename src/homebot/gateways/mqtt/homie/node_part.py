@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from homebot.devices.part import Category
 from homebot.gateways.mqtt.homie.model import HomieNode
-from homebot.gateways.mqtt.part_table import BytesPart, PartTable
+from homebot.gateways.mqtt.part_table import BytesPart, PartBuilder
 from homebot.gateways.mqtt.table_codec import raw_bytes
 
 __all__ = ["node_part"]
@@ -33,7 +33,7 @@ def node_part(
         category: Whether it is there for use, for setting up or for diagnosis.
         guessed: Whether its type was guessed.
     """
-    return PartTable(
+    return PartBuilder(
         raw_bytes,
         "/".join(_filled((node.id, suffix))),
         service_type,

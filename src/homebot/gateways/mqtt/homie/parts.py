@@ -48,7 +48,7 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
             controls.extend(_controls(device, node))
         others.extend(build_meters(node))
         others.extend(build_singles(node))
-    return tuple(part.described() for part in (*controls, *others))
+    return tuple(part.build() for part in (*controls, *others))
 
 
 _OUTLETS = frozenset({"outlet", "plug", "socket"})

@@ -12,9 +12,9 @@ from homebot.gateways.mqtt.homie.values import is_unknown_number, publication, r
 from homebot.gateways.mqtt.part_table import BytesPart
 from homebot.gateways.mqtt.payload import shown
 from homebot.gateways.mqtt.quantity import Conversion, celsius_bounds, conversion_of
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 from homebot.gateways.mqtt.table_codec import Writer
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number
+from homebot.gateways.mqtt.wanted import require_bool, require_number
 
 __all__ = [
     "add_flag",
@@ -46,7 +46,7 @@ def add_plain(part: BytesPart, capability: str, prop: HomieProperty) -> None:
         return (publication(prop, spell_plain(prop, capability, value)),)
 
     _hear(part, prop, read)
-    part.offers(
+    part.add_capability(
         capability,
         readable=prop.is_retained or not prop.is_settable,
         writer=_writer(part, prop, write),
@@ -62,11 +62,11 @@ def add_press(part: BytesPart, prop: HomieProperty) -> None:
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
         if isinstance(value, bool):
-            return {"press": "single"} if value else NOTHING
-        return {"press": value} if isinstance(value, str) else NOTHING
+            return {"press": "single"} if value else NO_READINGS
+        return {"press": value} if isinstance(value, str) else NO_READINGS
 
-    part.reads_events(prop.topic, read)
-    part.offers("press", options=("single",) if prop.datatype == "boolean" else prop.options)
+    part.read_events_from(prop.topic, read)
+    part.add_capability("press", options=("single",) if prop.datatype == "boolean" else prop.options)
 
 
 def add_flag(part: BytesPart, prop: HomieProperty) -> None:
@@ -74,13 +74,13 @@ def add_flag(part: BytesPart, prop: HomieProperty) -> None:
 
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
-        return {"on_off": value} if isinstance(value, bool) else NOTHING
+        return {"on_off": value} if isinstance(value, bool) else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (publication(prop, "true" if wanted_flag("on_off", value) else "false"),)
+        return (publication(prop, "true" if require_bool("on_off", value) else "false"),)
 
     _hear(part, prop, read)
-    part.offers("on_off", readable=prop.is_retained, writer=_writer(part, prop, write))
+    part.add_capability("on_off", readable=prop.is_retained, writer=_writer(part, prop, write))
 
 
 def add_percent(part: BytesPart, capability: str, prop: HomieProperty) -> None:
@@ -91,10 +91,10 @@ def add_percent(part: BytesPart, capability: str, prop: HomieProperty) -> None:
         return _unread(capability, prop, payload) if percent is None else {capability: percent}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (percent_written(prop, capability, wanted_number(capability, value, 0, _PERCENT, "%")),)
+        return (percent_written(prop, capability, require_number(capability, value, 0, _PERCENT, "%")),)
 
     _hear(part, prop, read)
-    part.offers(capability, readable=prop.is_retained, writer=_writer(part, prop, write))
+    part.add_capability(capability, readable=prop.is_retained, writer=_writer(part, prop, write))
 
 
 def add_temperature(part: BytesPart, capability: str, prop: HomieProperty) -> None:
@@ -109,14 +109,14 @@ def add_temperature(part: BytesPart, capability: str, prop: HomieProperty) -> No
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         least, most = bounds or _ANY_CELSIUS
-        celsius = wanted_number(capability, value, least, most, "°C")
+        celsius = require_number(capability, value, least, most, "°C")
         told = round(celsius * 1.8 + 32, 3) if is_fahrenheit else celsius
         return (publication(prop, spell_plain(prop, capability, prop.range.kept(told) if bounds else told)),)
 
     ends = _bounds(prop)
     bounds = celsius_bounds(*ends) if ends and is_fahrenheit else ends
     _hear(part, prop, read)
-    part.offers(capability, writer=_writer(part, prop, write), bounds=bounds if prop.is_settable else ())
+    part.add_capability(capability, writer=_writer(part, prop, write), bounds=bounds if prop.is_settable else ())
 
 
 def add_words(part: BytesPart, capability: str, prop: HomieProperty) -> None:
@@ -125,7 +125,7 @@ def add_words(part: BytesPart, capability: str, prop: HomieProperty) -> None:
 
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
-        return {capability: value.casefold()} if isinstance(value, str) else NOTHING
+        return {capability: value.casefold()} if isinstance(value, str) else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         if not isinstance(value, str) or value not in words:
@@ -133,7 +133,7 @@ def add_words(part: BytesPart, capability: str, prop: HomieProperty) -> None:
         return (publication(prop, words[value]),)
 
     _hear(part, prop, read)
-    part.offers(capability, readable=prop.is_retained, writer=_writer(part, prop, write), options=tuple(words))
+    part.add_capability(capability, readable=prop.is_retained, writer=_writer(part, prop, write), options=tuple(words))
 
 
 def percent_of(prop: HomieProperty, payload: bytes) -> float | None:
@@ -166,7 +166,7 @@ def _ends(prop: HomieProperty) -> tuple[float, float]:
 
 def _unread(capability: str, prop: HomieProperty, payload: bytes) -> Readings:
     """What a payload tells that is no value: that the number is unknown, or nothing."""
-    return {capability: None} if is_unknown_number(prop, payload) else NOTHING
+    return {capability: None} if is_unknown_number(prop, payload) else NO_READINGS
 
 
 def _celsius(fahrenheit: float) -> float:
@@ -180,13 +180,13 @@ def _bounds(prop: HomieProperty) -> tuple[float, float] | tuple[()]:
 
 def _hear(part: BytesPart, prop: HomieProperty, read: Callable[[bytes], Readings]) -> None:
     if prop.is_retained:
-        part.reads(prop.topic, read)
+        part.read_from(prop.topic, read)
     elif not prop.is_settable:
-        part.reads_events(prop.topic, read)
+        part.read_events_from(prop.topic, read)
 
 
 def _writer(part: BytesPart, prop: HomieProperty, write: Writer) -> Writer | None:
     if not prop.is_settable:
         return None
-    part.listens(f"{prop.topic}/set")
+    part.add_command_topics(f"{prop.topic}/set")
     return write

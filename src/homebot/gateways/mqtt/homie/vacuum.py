@@ -18,8 +18,8 @@ from homebot.gateways.mqtt.homie.roles import NodeRoles
 from homebot.gateways.mqtt.homie.told import add_words
 from homebot.gateways.mqtt.homie.values import publication, read_plain
 from homebot.gateways.mqtt.part_table import BytesPart
-from homebot.gateways.mqtt.readings import NOTHING, Readings
-from homebot.gateways.mqtt.wanted import wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
+from homebot.gateways.mqtt.wanted import require_option
 
 __all__ = ["Vacuum", "build_vacuum", "find_vacuum"]
 
@@ -68,12 +68,12 @@ def build_vacuum(vacuum: Vacuum) -> BytesPart:
     orders = {name: word for name, word in _ORDERS.items() if word in order.options}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (publication(order, orders[wanted_option("vacuum", value, orders)]),)
+        return (publication(order, orders[require_option("vacuum", value, orders)]),)
 
     if state is not None:
-        part.reads(state.topic, lambda payload: _read(state, payload))
-    part.listens(f"{order.topic}/set")
-    part.offers("vacuum", readable=state is not None, writer=write)
+        part.read_from(state.topic, lambda payload: _read(state, payload))
+    part.add_command_topics(f"{order.topic}/set")
+    part.add_capability("vacuum", readable=state is not None, writer=write)
     if vacuum.power is not None:
         add_words(part, "fan_mode", vacuum.power)
     return part
@@ -95,7 +95,7 @@ _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 def _read(state: HomieProperty, payload: bytes) -> Readings:
     value = read_plain(state, payload)
-    return {"vacuum": _STATES[value]} if isinstance(value, str) and value in _STATES else NOTHING
+    return {"vacuum": _STATES[value]} if isinstance(value, str) and value in _STATES else NO_READINGS
 
 
 def _spelled(node: HomieNode) -> frozenset[str]:

@@ -18,8 +18,8 @@ from homebot.gateways.mqtt.homie.formats import COLOR_FORMS
 from homebot.gateways.mqtt.homie.model import HomieProperty
 from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_saturation
 from homebot.gateways.mqtt.payload import clean_text, shown
-from homebot.gateways.mqtt.readings import is_unknown, number_in, text_in
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.readings import is_unknown, to_number, to_text
+from homebot.gateways.mqtt.wanted import require_bool, require_number, require_option
 
 __all__ = ["is_unknown_number", "publication", "read_color", "read_plain", "spell_color", "spell_plain"]
 
@@ -36,7 +36,7 @@ _LIMITS = {"hsv": (360.0, 100.0, 100.0), "rgb": (255.0, 255.0, 255.0), "xyz": (1
 
 def read_plain(prop: HomieProperty, payload: bytes) -> PlainValue:
     """Return the value that *payload* spells; None where that is none of *prop*. A colour is not plain."""
-    text = text_in(payload)
+    text = to_text(payload)
     if text is None:
         return None
     match prop.datatype:
@@ -54,7 +54,7 @@ def read_plain(prop: HomieProperty, payload: bytes) -> PlainValue:
 
 def is_unknown_number(prop: HomieProperty, payload: bytes) -> bool:
     """Tell whether *payload* says that *prop* is a number which the device does not know."""
-    text = text_in(payload) if prop.datatype in _NUMBERS else None
+    text = to_text(payload) if prop.datatype in _NUMBERS else None
     return text is not None and is_unknown(text)
 
 
@@ -66,11 +66,11 @@ def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
     """
     match prop.datatype:
         case "boolean":
-            return "true" if wanted_flag(capability, value) else "false"
+            return "true" if require_bool(capability, value) else "false"
         case "integer" | "float":
             return _spell_number(prop, capability, value)
         case "enum":
-            return wanted_option(capability, value, prop.options)
+            return require_option(capability, value, prop.options)
         case _:
             if not isinstance(value, str) or len(value) > _LONGEST_TEXT or not value.isprintable():
                 raise RefusedError(f"{capability} {shown(value)}", f"it takes a text of at most {_LONGEST_TEXT}")
@@ -79,7 +79,7 @@ def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
 
 def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float | None] | None:
     """Return hue, saturation and brightness that *payload* spells; None where it spells no colour of *prop*."""
-    text = text_in(payload)
+    text = to_text(payload)
     if text is None or len(text) > _LONGEST_TEXT:
         return None
     words = text.split(",")
@@ -87,7 +87,7 @@ def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float
     limits = _LIMITS.get(form)
     if limits is None or form not in prop.options or len(words) != len(limits):
         return None
-    numbers = tuple(number for number in map(number_in, words) if number is not None)
+    numbers = tuple(number for number in map(to_number, words) if number is not None)
     if len(numbers) != len(limits) or not all(0 <= one <= most for one, most in zip(numbers, limits, strict=True)):
         return None
     if form == "hsv":
@@ -118,14 +118,14 @@ def publication(prop: HomieProperty, text: str) -> Publication:
 
 def _read_number(prop: HomieProperty, text: str) -> float | None:
     pattern = _INTEGER if prop.datatype == "integer" else _FLOAT
-    number = number_in(text) if pattern.fullmatch(text) else None
+    number = to_number(text) if pattern.fullmatch(text) else None
     return number if number is not None and prop.range.holds(number) else None
 
 
 def _spell_number(prop: HomieProperty, capability: str, value: PlainValue) -> str:
     least = -_MOST if prop.range.least is None else prop.range.least
     most = _MOST if prop.range.most is None else prop.range.most
-    number = prop.range.nearest(wanted_number(capability, value, least, most, prop.unit))
+    number = prop.range.nearest(require_number(capability, value, least, most, prop.unit))
     if prop.datatype == "integer":
         return str(math.floor(number + 0.5))
     return f"{number:.9f}".rstrip("0").rstrip(".") if abs(number) < _MOST else repr(number)

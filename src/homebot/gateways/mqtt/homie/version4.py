@@ -12,14 +12,14 @@ import re
 from dataclasses import dataclass, field
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.bounded import Bounded
-from homebot.gateways.mqtt.description import Heard, Withdrawn
+from homebot.gateways.mqtt.bounded import BoundedDict
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceWithdrawn
 from homebot.gateways.mqtt.homie.assembly import Assembly
 from homebot.gateways.mqtt.homie.described import describe
 from homebot.gateways.mqtt.homie.model import MAX_PROPERTIES, HomieDevice
 from homebot.gateways.mqtt.homie.state import STATES
 from homebot.gateways.mqtt.payload import clean_text, shown
-from homebot.gateways.mqtt.readings import text_in
+from homebot.gateways.mqtt.readings import to_text
 
 __all__ = ["FILTERS", "Version4"]
 
@@ -44,7 +44,7 @@ _FACTS = {"$mac": "host_mac", "$fw/name": "firmware", "$fw/version": "sw_version
 
 
 @dataclass(slots=True)
-class _Device:
+class _Homie4Device:
     attributes: dict[str, str] = field(default_factory=dict)
     size: int = 0
     datatypes: int = 0
@@ -64,7 +64,7 @@ class Version4:
 
     def __init__(self) -> None:
         self.ignored = 0
-        self._devices: Bounded[_Device] = Bounded(_MAX_DEVICES, self._release)
+        self._devices: BoundedDict[_Homie4Device] = BoundedDict(_MAX_DEVICES, self._release)
         self._size = 0
         self._refused = 0
 
@@ -73,7 +73,7 @@ class Version4:
         """How many devices and attributes were forgotten or not taken for want of room."""
         return self._devices.dropped + self._refused
 
-    def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[Heard, ...]:
+    def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         """Take an attribute of a device.
 
         Args:
@@ -87,7 +87,7 @@ class Version4:
         """
         if not _is_known(attribute):
             return ()
-        text = text_in(payload) if len(payload) <= _LONGEST else None
+        text = to_text(payload) if len(payload) <= _LONGEST else None
         if not _ID.fullmatch(device_id) or text is None:
             raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
         name = f"{domain}/{device_id}"
@@ -96,14 +96,14 @@ class Version4:
             return self._removed(name, device)
         _check(attribute, text)
         if device is None:
-            device = _Device()
+            device = _Homie4Device()
             if not self._devices.add(name, device):
                 return ()
         if not self._keep(device, attribute, text) or not _may_be_complete(device, attribute):
             return ()
         return self._heard(device, domain, device_id)
 
-    def _keep(self, device: _Device, attribute: str, text: str) -> bool:
+    def _keep(self, device: _Homie4Device, attribute: str, text: str) -> bool:
         known = device.attributes.get(attribute)
         if known == text:
             return attribute == "$state"
@@ -119,7 +119,7 @@ class Version4:
         device.is_changed = device.is_changed or attribute != "$state"
         return True
 
-    def _heard(self, device: _Device, domain: str, device_id: str) -> tuple[Heard, ...]:
+    def _heard(self, device: _Homie4Device, domain: str, device_id: str) -> tuple[AnnouncementEvent, ...]:
         state = device.attributes.get("$state", "")
         if not device.is_changed or state in {"", "init"} or "$homie" not in device.attributes:
             return ()
@@ -144,19 +144,19 @@ class Version4:
         described = describe(whole, domain, is_alive=bool(STATES[state]))
         if described is None:
             was_described, device.is_described = device.is_described, False
-            return (Withdrawn(whole.topic, "it offers nothing any more"),) if was_described else ()
+            return (DeviceWithdrawn(whole.topic, "it offers nothing any more"),) if was_described else ()
         self._devices.keep(whole.topic)
         device.is_described = True
         return (described,)
 
-    def _removed(self, name: str, device: _Device | None) -> tuple[Heard, ...]:
+    def _removed(self, name: str, device: _Homie4Device | None) -> tuple[AnnouncementEvent, ...]:
         if device is None:
             return ()
         self._devices.remove(name)
         self._release(device)
-        return (Withdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
+        return (DeviceWithdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
 
-    def _release(self, device: _Device) -> None:
+    def _release(self, device: _Homie4Device) -> None:
         self._size -= device.size
 
 
@@ -174,7 +174,7 @@ def _check(attribute: str, text: str) -> None:
         raise WireError(f"$homie is {shown(text)}, not 3 or 4")
 
 
-def _may_be_complete(device: _Device, attribute: str) -> bool:
+def _may_be_complete(device: _Homie4Device, attribute: str) -> bool:
     """Whether it is worth looking: not for every attribute of a device that is only beginning."""
     return (
         attribute == "$state"

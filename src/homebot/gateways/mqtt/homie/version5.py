@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.bounded import Bounded
-from homebot.gateways.mqtt.description import Heard, Withdrawn
+from homebot.gateways.mqtt.bounded import BoundedDict
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceWithdrawn
 from homebot.gateways.mqtt.homie.described import describe
 from homebot.gateways.mqtt.homie.document import Document, is_id, parse_document
 from homebot.gateways.mqtt.homie.state import STATES
@@ -27,7 +27,7 @@ _MAX_WAITING = 16_000_000
 
 
 @dataclass(slots=True)
-class _Device:
+class _Homie5Device:
     """What is known of one.
 
     Attributes:
@@ -59,7 +59,7 @@ class Version5:
 
     def __init__(self) -> None:
         self.ignored = 0
-        self._devices: Bounded[_Device] = Bounded(_MAX_DEVICES, self._release)
+        self._devices: BoundedDict[_Homie5Device] = BoundedDict(_MAX_DEVICES, self._release)
         self._waiting = 0
         self._refused = 0
 
@@ -68,7 +68,7 @@ class Version5:
         """How many devices or documents were forgotten or not taken for want of room."""
         return self._devices.dropped + self._refused
 
-    def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[Heard, ...]:
+    def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         """Take an attribute of a device.
 
         Raises:
@@ -81,14 +81,14 @@ class Version5:
             return self._removed(name, attribute)
         device = self._devices.get(name)
         if device is None:
-            device = _Device()
+            device = _Homie5Device()
             if not self._devices.add(name, device):
                 return ()
         told = self._told_state if attribute == "$state" else self._told_document
         document = told(device, domain, device_id, payload)
         return () if document is None else self._heard(device, name, domain, document)
 
-    def _told_state(self, device: _Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+    def _told_state(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
         """Return the document that waited for this state."""
         state = payload.decode(errors="replace") if len(payload) <= len("disconnected") else ""
         if state not in STATES:
@@ -100,7 +100,7 @@ class Version5:
         self._release(device)
         return document
 
-    def _told_document(self, device: _Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+    def _told_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
         """Return the document if it is another one and need not wait; what is illegal in it is told now anyway."""
         said = hash(payload)
         if device.said == said:
@@ -113,7 +113,7 @@ class Version5:
         self._keep(device, payload)
         return None
 
-    def _keep(self, device: _Device, payload: bytes) -> None:
+    def _keep(self, device: _Homie5Device, payload: bytes) -> None:
         if self._waiting + len(payload) > _MAX_WAITING:
             device.said = None
             self._refused += 1
@@ -121,29 +121,31 @@ class Version5:
         device.waiting = payload
         self._waiting += len(payload)
 
-    def _release(self, device: _Device) -> None:
+    def _release(self, device: _Homie5Device) -> None:
         self._waiting -= len(device.waiting)
         device.waiting = b""
 
-    def _heard(self, device: _Device, name: str, domain: str, document: Document) -> tuple[Heard, ...]:
+    def _heard(
+        self, device: _Homie5Device, name: str, domain: str, document: Document
+    ) -> tuple[AnnouncementEvent, ...]:
         self.ignored += document.ignored
         described = describe(document.device, domain, is_alive=bool(STATES[device.state]))
         if described is None:
             was_described, device.is_described = device.is_described, False
-            return (Withdrawn(name, "it offers nothing any more"),) if was_described else ()
+            return (DeviceWithdrawn(name, "it offers nothing any more"),) if was_described else ()
         self._devices.keep(name)
         device.is_described = True
         return (described,)
 
-    def _removed(self, name: str, attribute: str) -> tuple[Heard, ...]:
+    def _removed(self, name: str, attribute: str) -> tuple[AnnouncementEvent, ...]:
         device = self._devices.get(name)
         if device is None:
             return ()
         if attribute == "$state":
             self._release(device)
             self._devices.remove(name)
-            return (Withdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
+            return (DeviceWithdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
         self._release(device)
         device.said = None
         was_described, device.is_described = device.is_described, False
-        return (Withdrawn(name, "its description was removed"),) if was_described else ()
+        return (DeviceWithdrawn(name, "its description was removed"),) if was_described else ()

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Heard, Publication
+from homebot.gateways.mqtt.description import AnnouncementEvent, Publication
 from homebot.gateways.mqtt.shelly.gen1 import BIRTHS, FILTERS, Gen1
 from homebot.gateways.mqtt.shelly.gen2 import Gen2
 
@@ -59,11 +59,11 @@ class Shelly:
         """Return the filters of answers, signs of life, announcements, and what parts are known by."""
         return tuple(dict.fromkeys((*self._gen2.filters, *FILTERS)))
 
-    def births(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> tuple[Publication, ...]:
         """Return what makes the first generation announce itself; the second is asked one by one."""
         return BIRTHS
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a message, and return what it tells of devices or makes one ask them."""
         try:
             if self._is_first(topic):

@@ -10,8 +10,8 @@ Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0.
 from __future__ import annotations
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.bounded import Bounded
-from homebot.gateways.mqtt.description import Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.bounded import BoundedDict
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceWithdrawn, Publication
 from homebot.gateways.mqtt.payload import clean_text, parse_object, shown
 from homebot.gateways.mqtt.shelly.gen1_device import Gen1Device
 from homebot.gateways.mqtt.shelly.gen1_models import find_model
@@ -50,7 +50,7 @@ class Gen1:
     """
 
     def __init__(self) -> None:
-        self._devices: Bounded[Gen1Device] = Bounded(_MAX_DEVICES)
+        self._devices: BoundedDict[Gen1Device] = BoundedDict(_MAX_DEVICES)
         self._names: dict[str, str] = {}
 
     @property
@@ -58,7 +58,7 @@ class Gen1:
         """How many devices were forgotten or not taken for want of room."""
         return self._devices.dropped
 
-    def take(self, topic: str, payload: bytes) -> tuple[Heard, ...]:
+    def take(self, topic: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         """Take a message below ``shellies/``.
 
         Raises:
@@ -76,7 +76,7 @@ class Gen1:
             return self._online(topic, name, payload)
         return self._heard(topic, name, suffix) if payload and is_known_topic(suffix) else ()
 
-    def _announced(self, topic: str, name: str, payload: bytes) -> tuple[Heard, ...]:
+    def _announced(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         told = parse_object(payload)
         device_id, mac = told.get("id"), told.get("mac", "")
         if not isinstance(device_id, str) or not 0 < len(device_id) <= _LONGEST_NAME or set(device_id) & set("+#/\0"):
@@ -97,7 +97,7 @@ class Gen1:
             return ()
         return gone + self._described(device, topic)
 
-    def _online(self, topic: str, name: str, payload: bytes) -> tuple[Heard, ...]:
+    def _online(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         if payload == b"false" or not payload:
             return ()
         device = self._device(name)
@@ -106,7 +106,7 @@ class Gen1:
         device.is_online = True
         return () if device.is_announced else self._described(device, topic)
 
-    def _heard(self, topic: str, name: str, suffix: str) -> tuple[Heard, ...]:
+    def _heard(self, topic: str, name: str, suffix: str) -> tuple[AnnouncementEvent, ...]:
         device = self._device(name)
         if device is None or suffix in device.suffixes:
             return ()
@@ -123,7 +123,7 @@ class Gen1:
                 return None
         return device
 
-    def _renamed(self, mac: str, name: str) -> tuple[Heard, ...]:
+    def _renamed(self, mac: str, name: str) -> tuple[AnnouncementEvent, ...]:
         if not mac:
             return ()
         before = self._names.get(mac)
@@ -132,9 +132,9 @@ class Gen1:
         self._names[mac] = name
         if before is None or before == name or self._devices.remove(before) is None:
             return ()
-        return (Withdrawn(f"shellies/{before}", f"it is called {name} now"),)
+        return (DeviceWithdrawn(f"shellies/{before}", f"it is called {name} now"),)
 
-    def _described(self, device: Gen1Device, topic: str) -> tuple[Heard, ...]:
+    def _described(self, device: Gen1Device, topic: str) -> tuple[AnnouncementEvent, ...]:
         if not (device.is_announced or device.is_online):
             return ()
         described = device.describe(topic)

@@ -10,11 +10,11 @@ from types import MappingProxyType
 
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.part_table import BytesPart, PartTable
-from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in, text_in
+from homebot.gateways.mqtt.part_table import BytesPart, PartBuilder
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, to_number, to_text
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.table_codec import raw_bytes
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.wanted import require_bool, require_number, require_option
 
 __all__ = ["SWITCHED", "build_relay", "build_roller"]
 
@@ -39,15 +39,15 @@ def build_relay(place: Gen1Place, index: int, *, is_plug: bool) -> BytesPart:
     topic = place.at(f"relay/{index}")
 
     def read(payload: bytes) -> Readings:
-        return SWITCHED.get(text_in(payload) or "", NOTHING)
+        return SWITCHED.get(to_text(payload) or "", NO_READINGS)
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (Publication(f"{topic}/command", b"on" if wanted_flag("on_off", value) else b"off"),)
+        return (Publication(f"{topic}/command", b"on" if require_bool("on_off", value) else b"off"),)
 
-    part = PartTable(raw_bytes, f"relay:{index}", "plug" if is_plug else "switch", advertised="relay")
-    part.reads(topic, read)
-    part.listens(f"{topic}/command")
-    part.offers("on_off", writer=write)
+    part = PartBuilder(raw_bytes, f"relay:{index}", "plug" if is_plug else "switch", advertised="relay")
+    part.read_from(topic, read)
+    part.add_command_topics(f"{topic}/command")
+    part.add_capability("on_off", writer=write)
     return part
 
 
@@ -56,26 +56,26 @@ def build_roller(place: Gen1Place, index: int) -> BytesPart:
     topic = place.at(f"roller/{index}")
 
     def read(payload: bytes) -> Readings:
-        return _MOVEMENTS.get(text_in(payload) or "", NOTHING)
+        return _MOVEMENTS.get(to_text(payload) or "", NO_READINGS)
 
     def read_position(payload: bytes) -> Readings:
-        position = number_in(text_in(payload))
+        position = to_number(to_text(payload))
         if position is None:
-            return NOTHING
+            return NO_READINGS
         return {"position": position if 0 <= position <= _FULLY_OPEN else None}
 
     def move(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (Publication(f"{topic}/command", _ORDERS[wanted_option("movement", value, _ORDERS)]),)
+        return (Publication(f"{topic}/command", _ORDERS[require_option("movement", value, _ORDERS)]),)
 
     def go(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        position = round(wanted_number("position", value, 0, _FULLY_OPEN, "%"))
+        position = round(require_number("position", value, 0, _FULLY_OPEN, "%"))
         return (Publication(f"{topic}/command/pos", b"%d" % position),)
 
-    part = PartTable(raw_bytes, f"roller:{index}", "window_covering", advertised="roller")
-    part.reads(topic, read)
-    part.reads(f"{topic}/pos", read_position)
-    part.listens(f"{topic}/command")
-    part.listens(f"{topic}/command/pos")
-    part.offers("movement", writer=move, options=("open", "closed", "opening", "closing", "stopped"))
-    part.offers("position", writer=go)
+    part = PartBuilder(raw_bytes, f"roller:{index}", "window_covering", advertised="roller")
+    part.read_from(topic, read)
+    part.read_from(f"{topic}/pos", read_position)
+    part.add_command_topics(f"{topic}/command")
+    part.add_command_topics(f"{topic}/command/pos")
+    part.add_capability("movement", writer=move, options=("open", "closed", "opening", "closing", "stopped"))
+    part.add_capability("position", writer=go)
     return part

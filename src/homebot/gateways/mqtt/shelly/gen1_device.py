@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from homebot.devices.identity import identifiers
-from homebot.gateways.mqtt.description import Availability, Described
+from homebot.gateways.mqtt.description import Availability, DeviceAnnounced
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.shelly.gen1_inputs import Presses
 from homebot.gateways.mqtt.shelly.gen1_models import Gen1Model, find_model
@@ -75,7 +75,7 @@ class Gen1Device:
         wrong = others - set(map(_kind, mode)) - {"input", "input_event"}
         return model.topics | mode | {suffix for suffix in self.suffixes if _kind(suffix) not in wrong}
 
-    def describe(self, topic: str) -> Described:
+    def describe(self, topic: str) -> DeviceAnnounced:
         """Return its description; without parts where it is known by none yet.
 
         Args:
@@ -84,7 +84,7 @@ class Gen1Device:
         place = self.place
         sleeps = self.model is not None and self.model.sleeps
         declared = (self.mac, place.name if _HARDWARE_ID.fullmatch(place.name) else "")
-        return Described(
+        return DeviceAnnounced(
             key=place.topic,
             convention="shelly",
             identifiers=identifiers(declared),
@@ -94,7 +94,7 @@ class Gen1Device:
             facts=self._facts(),
             availability=None if sleeps else Availability((OnlineTopic(place.at("online")),)),
             owns=(place.topic,),
-            is_sighting=True,
+            implies_alive=True,
         )
 
     def _said(self) -> tuple[str, ...]:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from homebot.gateways.mqtt.part_table import BytesPart, PartTable
-from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, text_in
+from homebot.gateways.mqtt.part_table import BytesPart, PartBuilder
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, to_json, to_text
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.table_codec import raw_bytes
 
@@ -40,9 +40,9 @@ class Presses:
 
     def read(self, payload: bytes, *, counts_first: bool) -> Readings:
         """Return the press that *payload* tells, if it is a new one; the first counts where *counts_first* says so."""
-        told = json_in(payload)
+        told = to_json(payload)
         if not isinstance(told, dict):
-            return NOTHING
+            return NO_READINGS
         event, count = told.get("event"), told.get("event_cnt")
         if not isinstance(count, int) or isinstance(count, bool):
             count = None
@@ -50,7 +50,7 @@ class Presses:
         is_new = (count is None or count != self._count) and (counts_first or not is_first)
         self._count = 0 if count is None else count
         press = _PRESSES.get(event) if isinstance(event, str) else None
-        return {"press": press} if is_new and press is not None else NOTHING
+        return {"press": press} if is_new and press is not None else NO_READINGS
 
 
 def build_input(
@@ -66,17 +66,17 @@ def build_input(
         has_events: Whether it tells presses.
         counts_first: Whether the first press that is heard is a new one.
     """
-    part = PartTable(
+    part = PartBuilder(
         raw_bytes, f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input"
     )
     if has_state:
-        part.reads(place.at(f"input/{index}"), _read_state)
-        part.offers("state")
+        part.read_from(place.at(f"input/{index}"), _read_state)
+        part.add_capability("state")
     if has_events:
-        part.reads_events(place.at(f"input_event/{index}"), partial(presses.read, counts_first=counts_first))
-        part.offers("press", options=tuple(_PRESSES.values()))
+        part.read_events_from(place.at(f"input_event/{index}"), partial(presses.read, counts_first=counts_first))
+        part.add_capability("press", options=tuple(_PRESSES.values()))
     return part
 
 
 def _read_state(payload: bytes) -> Readings:
-    return _STATES.get(text_in(payload) or "", NOTHING)
+    return _STATES.get(to_text(payload) or "", NO_READINGS)

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_saturation
-from homebot.gateways.mqtt.part_table import BytesPart, PartTable
-from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, number_in, text_in
+from homebot.gateways.mqtt.part_table import BytesPart, PartBuilder
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, to_json, to_number, to_text
 from homebot.gateways.mqtt.shelly.gen1_controls import SWITCHED
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.table_codec import raw_bytes
-from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number
+from homebot.gateways.mqtt.wanted import require_bool, require_color, require_number
 
 __all__ = ["build_light"]
 
@@ -38,39 +38,39 @@ def build_light(place: Gen1Place, kind: str, index: int, model: str) -> BytesPar
         index: Its channel.
         model: Number of its device's model; empty where that is not known.
     """
-    lamp = _Lamp(place.at(f"{kind}/{index}"), kind, _WHITES.get(model))
-    part = PartTable(raw_bytes, f"{kind}:{index}", "light", advertised=kind)
-    part.reads(lamp.topic, _read_word)
-    part.reads(f"{lamp.topic}/status", lamp.read)
-    part.listens(f"{lamp.topic}/command")
-    part.listens(f"{lamp.topic}/set")
-    part.offers("on_off", writer=lamp.switch)
-    part.offers("level", writer=lamp.dim)
+    lamp = _Gen1Lamp(place.at(f"{kind}/{index}"), kind, _WHITES.get(model))
+    part = PartBuilder(raw_bytes, f"{kind}:{index}", "light", advertised=kind)
+    part.read_from(lamp.topic, _read_word)
+    part.read_from(f"{lamp.topic}/status", lamp.read)
+    part.add_command_topics(f"{lamp.topic}/command")
+    part.add_command_topics(f"{lamp.topic}/set")
+    part.add_capability("on_off", writer=lamp.switch)
+    part.add_capability("level", writer=lamp.dim)
     if lamp.white is not None:
-        part.offers("color_temperature", writer=lamp.warm, bounds=tuple(map(float, lamp.white)))
+        part.add_capability("color_temperature", writer=lamp.warm, bounds=tuple(map(float, lamp.white)))
     if kind == "color":
-        part.offers("color", writer=lamp.paint)
+        part.add_capability("color", writer=lamp.paint)
     return part
 
 
 @dataclass(frozen=True, slots=True)
-class _Lamp:
+class _Gen1Lamp:
     topic: str
     kind: str
     white: tuple[int, int] | None
 
     def read(self, payload: bytes) -> Readings:
-        told = json_in(payload)
+        told = to_json(payload)
         if not isinstance(told, dict):
-            return NOTHING
+            return NO_READINGS
         is_color = self.kind == "color" and told.get("mode", "color") == "color"
         found: dict[str, PlainValue] = {}
         if isinstance(on := told.get("ison"), bool):
             found["on_off"] = on
-        level = number_in(told.get("gain" if is_color else "brightness"))
+        level = to_number(told.get("gain" if is_color else "brightness"))
         if level is not None and 0 <= level <= 100:
             found["level"] = level
-        kelvin = number_in(told.get("temp"))
+        kelvin = to_number(told.get("temp"))
         if self.white is not None and kelvin is not None:
             found["color_temperature"] = None if is_color or kelvin <= 0 else kelvin
         if self.kind == "color":
@@ -78,13 +78,13 @@ class _Lamp:
         return found
 
     def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        word = "on" if wanted_flag("on_off", value) else "off"
+        word = "on" if require_bool("on_off", value) else "off"
         if transition or self.kind == "white":
             return self._set({"turn": word}, transition)
         return (Publication(f"{self.topic}/command", word.encode()),)
 
     def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        level = wanted_number("level", value, 0, 100, "%")
+        level = require_number("level", value, 0, 100, "%")
         if level == 0:
             return self.switch(value=False, transition=transition)
         percent = max(1, round(level))
@@ -95,12 +95,12 @@ class _Lamp:
 
     def warm(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         warmest, coldest = self.white or _ANY_WHITE
-        kelvin = round(wanted_number("color_temperature", value, warmest, coldest, "K"))
+        kelvin = round(require_number("color_temperature", value, warmest, coldest, "K"))
         mode = {"mode": "white"} if self.kind == "color" else {}
         return self._set({"turn": "on", **mode, "temp": kelvin}, transition)
 
     def paint(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_color(value)
+        hue, saturation = require_color(value)
         rgb = from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)
         mode = {} if self.white is None else {"mode": "color"}
         channels = {name: int(one) for name, one in zip(_CHANNELS, rgb, strict=True)}
@@ -113,10 +113,10 @@ class _Lamp:
 
 
 def _read_word(payload: bytes) -> Readings:
-    return SWITCHED.get(text_in(payload) or "", NOTHING)
+    return SWITCHED.get(to_text(payload) or "", NO_READINGS)
 
 
 def _color(told: Mapping[str, object]) -> tuple[float, ...] | None:
-    channels = [number_in(told.get(name)) for name in _CHANNELS]
+    channels = [to_number(told.get(name)) for name in _CHANNELS]
     known = tuple(one for one in channels if one is not None and 0 <= one <= 255)
     return to_hue_saturation("rgb", known, _ANY_WHITE) if len(known) == len(_CHANNELS) else None

@@ -57,8 +57,8 @@ def build_parts(
     if "status" in suffixes:
         parts.extend(build_valve(place) if model is not None and model.name == "SHTRV-01" else build_motion(place))
     for part in parts[:1]:
-        part.asks(Publication(f"{place.topic}/command", b"update"))
-    return tuple(part.described() for part in parts)
+        part.add_state_request(Publication(f"{place.topic}/command", b"update"))
+    return tuple(part.build() for part in parts)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,8 @@ from types import MappingProxyType
 
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.part_table import BytesPart, PartTable
-from homebot.gateways.mqtt.readings import NOTHING, Readings, read_number, text_in
+from homebot.gateways.mqtt.part_table import BytesPart, PartBuilder
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, read_number, to_text
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.table_codec import raw_bytes
 
@@ -47,11 +47,11 @@ class Gen1Sensor:
 
     def read(self, payload: bytes) -> Readings:
         """Return what *payload* tells; never raises."""
-        text = text_in(payload) or ""
+        text = to_text(payload) or ""
         if text in self.words:
             return {self.capability: self.words[text]}
         if not self.is_number:
-            return NOTHING
+            return NO_READINGS
         found = read_number(self.capability, text)
         number = found.get(self.capability)
         is_out = isinstance(number, float) and not self.least <= number <= self.most
@@ -113,9 +113,9 @@ def build_sensor(place: Gen1Place, sensor: Gen1Sensor, index: int | None = None)
     topic = place.at(sensor.suffix)
     if index is not None:
         part_id, topic = f"{part_id}:{index}", f"{topic}/{index}"
-    part = PartTable(raw_bytes, part_id, sensor.service_type, advertised=sensor.suffix, category=sensor.category)
-    part.reads(topic, sensor.read)
-    part.offers(sensor.capability, unit=sensor.unit)
+    part = PartBuilder(raw_bytes, part_id, sensor.service_type, advertised=sensor.suffix, category=sensor.category)
+    part.read_from(topic, sensor.read)
+    part.add_capability(sensor.capability, unit=sensor.unit)
     return part
 
 
@@ -128,17 +128,17 @@ def build_meter(place: Gen1Place, part_id: str, told: Mapping[str, str]) -> Byte
         told: Topics below the device's, by what is told there: power, energy, total, total_returned, voltage,
             current.
     """
-    part = PartTable(raw_bytes, part_id, "electrical_meter", advertised="meter")
+    part = PartBuilder(raw_bytes, part_id, "electrical_meter", advertised="meter")
     for name, suffix in told.items():
         capability, factor = _METERED[name]
-        part.reads(place.at(suffix), _measuring(capability, factor))
-        part.offers(capability)
+        part.read_from(place.at(suffix), _measuring(capability, factor))
+        part.add_capability(capability)
     return part
 
 
 def _measuring(capability: str, factor: float) -> Callable[[bytes], Readings]:
     def read(payload: bytes) -> Readings:
-        text = text_in(payload)
-        return NOTHING if text is None else read_number(capability, text, lambda number: number * factor)
+        text = to_text(payload)
+        return NO_READINGS if text is None else read_number(capability, text, lambda number: number * factor)
 
     return read

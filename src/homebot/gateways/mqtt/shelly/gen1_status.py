@@ -10,11 +10,11 @@ from collections.abc import Callable, Mapping
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.part_table import BytesPart, PartTable
-from homebot.gateways.mqtt.readings import NOTHING, Readings, json_in, number_in
+from homebot.gateways.mqtt.part_table import BytesPart, PartBuilder
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, to_json, to_number
 from homebot.gateways.mqtt.shelly.gen1_place import Gen1Place
 from homebot.gateways.mqtt.table_codec import raw_bytes
-from homebot.gateways.mqtt.wanted import wanted_number
+from homebot.gateways.mqtt.wanted import require_number
 
 __all__ = ["build_motion", "build_valve"]
 
@@ -35,16 +35,16 @@ def build_valve(place: Gen1Place) -> tuple[BytesPart, ...]:
     topic = place.at("thermostat/0/command/target_t")
 
     def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        celsius = wanted_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C")
+        celsius = require_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C")
         return (Publication(topic, f"{round(celsius, 1):g}".encode()),)
 
-    part = PartTable(raw_bytes, "thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
-    part.reads(place.at("status"), _read_valve)
-    part.reads(place.at("info"), _read_valve)
-    part.listens(topic)
-    part.offers("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
-    part.offers("local_temperature")
-    part.offers("position")
+    part = PartBuilder(raw_bytes, "thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
+    part.read_from(place.at("status"), _read_valve)
+    part.read_from(place.at("info"), _read_valve)
+    part.add_command_topics(topic)
+    part.add_capability("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
+    part.add_capability("local_temperature")
+    part.add_capability("position")
     return part, _status_part(place, "battery", "x_battery", "battery", _battery, "diagnostic")
 
 
@@ -54,7 +54,7 @@ def _truth(told: Mapping[str, object], name: str) -> PlainValue | object:
 
 
 def _number(value: object) -> PlainValue | object:
-    number = number_in(value)
+    number = to_number(value)
     return _UNCLEAR if number is None else number
 
 
@@ -84,32 +84,32 @@ def _status_part(
     place: Gen1Place, part_id: str, service_type: str, capability: str, find: _Find, category: Category
 ) -> BytesPart:
     def read(payload: bytes) -> Readings:
-        told = json_in(payload)
+        told = to_json(payload)
         value = find(told) if isinstance(told, dict) else _UNCLEAR
-        return {capability: value} if value is None or isinstance(value, (bool, float)) else NOTHING
+        return {capability: value} if value is None or isinstance(value, (bool, float)) else NO_READINGS
 
-    part = PartTable(raw_bytes, part_id, service_type, advertised="status", category=category)
+    part = PartBuilder(raw_bytes, part_id, service_type, advertised="status", category=category)
     for topic in ("status", "info") if part_id == "battery" else ("status",):
-        part.reads(place.at(topic), read)
-    part.offers(capability)
+        part.read_from(place.at(topic), read)
+    part.add_capability(capability)
     return part
 
 
 def _read_valve(payload: bytes) -> Readings:
-    told = json_in(payload)
+    told = to_json(payload)
     if not isinstance(told, dict):
-        return NOTHING
+        return NO_READINGS
     listed = told.get("thermostats")
     valve = listed[0] if isinstance(listed, list) and listed and isinstance(listed[0], dict) else told
     found: dict[str, PlainValue] = {}
     target = valve.get("target_t")
-    wanted = number_in(target.get("value")) if isinstance(target, dict) else None
+    wanted = to_number(target.get("value")) if isinstance(target, dict) else None
     if wanted is not None:
         found["heating_setpoint"] = wanted
     temperature = _temperature(valve)
     if temperature is None or isinstance(temperature, float):
         found["local_temperature"] = temperature
-    opened = number_in(valve.get("pos"))
+    opened = to_number(valve.get("pos"))
     if opened is not None:
         found["position"] = opened if 0 <= opened <= 100 else None
     return found

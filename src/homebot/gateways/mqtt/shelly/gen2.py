@@ -11,10 +11,10 @@ Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
 from __future__ import annotations
 
 from homebot.errors import WireError
-from homebot.gateways.mqtt.bounded import Bounded
-from homebot.gateways.mqtt.description import Heard, Question, Withdrawn
+from homebot.gateways.mqtt.bounded import BoundedDict
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn
 from homebot.gateways.mqtt.payload import parse_object, shown
-from homebot.gateways.mqtt.readings import json_in
+from homebot.gateways.mqtt.readings import to_json
 from homebot.gateways.mqtt.shelly.gen2_answers import is_prefix, kind_of, mac_in, tells_change, text_of
 from homebot.gateways.mqtt.shelly.gen2_component import Fields
 from homebot.gateways.mqtt.shelly.gen2_device import Gen2Device, looks
@@ -49,7 +49,7 @@ class Gen2:
             "+/status/+",
         )
         self._client = client
-        self._devices: Bounded[Gen2Device] = Bounded(_MAX_DEVICES, self._release)
+        self._devices: BoundedDict[Gen2Device] = BoundedDict(_MAX_DEVICES, self._release)
         self._kept = 0
         self._refused = 0
 
@@ -62,7 +62,7 @@ class Gen2:
         """How many devices or answers were forgotten or not taken for want of room."""
         return self._devices.dropped + self._refused
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a message on one of the filters.
 
         Raises:
@@ -79,7 +79,7 @@ class Gen2:
             return self._told(prefix, component, payload) if mac_in(prefix) else ()
         return self._online(topic.removesuffix("/online"), payload, retained=retained)
 
-    def _online(self, prefix: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+    def _online(self, prefix: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         if not payload:
             return self._gone(prefix)
         if payload != b"true":
@@ -91,13 +91,15 @@ class Gen2:
             return () if retained else (self._question(device),)
         return (self._question(device),) if retained else self._asked(device)
 
-    def _told(self, prefix: str, component: str, payload: bytes) -> tuple[Heard, ...]:
+    def _told(self, prefix: str, component: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         device = self._device(prefix)
         if device is None or device.is_told:
             return ()
-        return self._overheard(device, {component: json_in(payload)}, f"{prefix}/status/{component}", len(payload))
+        return self._overheard(device, {component: to_json(payload)}, f"{prefix}/status/{component}", len(payload))
 
-    def _overheard(self, device: Gen2Device, components: Fields, topic: str, size: int) -> tuple[Heard, ...]:
+    def _overheard(
+        self, device: Gen2Device, components: Fields, topic: str, size: int
+    ) -> tuple[AnnouncementEvent, ...]:
         """What *device* tells without having answered, if ever it will."""
         asked = self._asked(device)
         kept = device.sizes.get("overheard", 0) + size
@@ -106,18 +108,18 @@ class Gen2:
         device.overhear(components, kept)
         return self._described(device, topic, device.prefix) + asked
 
-    def _gone(self, prefix: str) -> tuple[Heard, ...]:
+    def _gone(self, prefix: str) -> tuple[AnnouncementEvent, ...]:
         device = self._devices.remove(prefix)
         if device is None:
             return ()
         self._release(device)
-        return (Withdrawn(prefix, "its online topic was removed"),) if device.described is not None else ()
+        return (DeviceWithdrawn(prefix, "its online topic was removed"),) if device.described is not None else ()
 
     def _release(self, device: Gen2Device) -> None:
         self._kept -= sum(device.sizes.values())
 
-    def _notified(self, prefix: str, payload: bytes) -> tuple[Heard, ...]:
-        frame = json_in(payload)
+    def _notified(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        frame = to_json(payload)
         if not isinstance(frame, dict):
             return ()
         device = self._device(prefix)
@@ -135,7 +137,7 @@ class Gen2:
             return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + asked
         return asked
 
-    def _answered(self, prefix: str, payload: bytes) -> tuple[Heard, ...]:
+    def _answered(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         frame = parse_object(payload, MAX_ANSWER_BYTES)
         result, source = frame.get("result"), frame.get("src")
         if not isinstance(result, dict):
@@ -156,14 +158,14 @@ class Gen2:
                 return None
         return device
 
-    def _asked(self, device: Gen2Device) -> tuple[Heard, ...]:
+    def _asked(self, device: Gen2Device) -> tuple[AnnouncementEvent, ...]:
         """Ask at the first sign of life, the second, the fourth, the eighth: it may be no Shelly at all."""
         device.heard += 1
         return (self._question(device),) if device.heard & (device.heard - 1) == 0 else ()
 
-    def _question(self, device: Gen2Device) -> Question:
+    def _question(self, device: Gen2Device) -> DeviceRequest:
         source = f"{self._client}/{device.prefix}"
-        return Question(device.prefix, tuple(call(device.prefix, source, method) for method in _QUESTIONS))
+        return DeviceRequest(device.prefix, tuple(call(device.prefix, source, method) for method in _QUESTIONS))
 
     def _keep(self, device: Gen2Device, kind: str, result: Fields, size: int) -> bool:
         if not self._has_room(device, kind, size):
@@ -180,7 +182,7 @@ class Gen2:
         self._kept += grown
         return True
 
-    def _described(self, device: Gen2Device, topic: str, device_id: str) -> tuple[Heard, ...]:
+    def _described(self, device: Gen2Device, topic: str, device_id: str) -> tuple[AnnouncementEvent, ...]:
         if not device.status or not device.mac:
             return ()
         described = device.describe(self._client, topic, device_id)
@@ -192,8 +194,8 @@ class Gen2:
         device.described = described
         return (described,)
 
-    def _emptied(self, device: Gen2Device) -> tuple[Heard, ...]:
+    def _emptied(self, device: Gen2Device) -> tuple[AnnouncementEvent, ...]:
         if device.described is None:
             return ()
         device.described = None
-        return (Withdrawn(device.prefix, "no component of it is left"),)
+        return (DeviceWithdrawn(device.prefix, "no component of it is left"),)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import number_in
+from homebot.gateways.mqtt.readings import to_number
 from homebot.gateways.mqtt.shelly.gen2_component import Fields
 
 __all__ = ["fields_in", "is_prefix", "kind_of", "mac_in", "sleeps", "tells_change", "text_of"]
@@ -50,7 +50,7 @@ def tells_change(params: Fields) -> bool:
 
 def sleeps(status: Fields) -> bool:
     """Whether a device is off the network most of the time, so that silence says nothing."""
-    period = number_in(fields_in(status, "sys").get("wakeup_period"))
+    period = to_number(fields_in(status, "sys").get("wakeup_period"))
     external = fields_in(fields_in(status, "devicepower:0"), "external")
     runs_on_battery = "devicepower:0" in status and external.get("present") is not True
     return runs_on_battery or (period is not None and period > 0)

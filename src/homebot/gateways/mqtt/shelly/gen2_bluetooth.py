@@ -11,21 +11,21 @@ from types import MappingProxyType
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.quantity import SENSOR_TYPES
-from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
-from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, measured
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, to_number
+from homebot.gateways.mqtt.shelly.gen2_component import Fields, ShellyComponent, measured
 from homebot.gateways.mqtt.shelly.gen2_sensors import PRESSES
 
 __all__ = ["build_bluetooth_device", "build_bluetooth_sensor"]
 
 
-def build_bluetooth_device(component: Component) -> tuple[JsonPart, ...]:
+def build_bluetooth_device(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a device itself: its battery, how well it is heard, and the presses of its buttons."""
     parts: list[JsonPart] = []
     for field, service_type, capability in _OF_DEVICES:
         if field in component.status:
             part = component.part(field, service_type, category="diagnostic")
             component.tells(part, measured(field, capability))
-            part.offers(capability)
+            part.add_capability(capability)
             parts.append(part)
     keys = component.part("", "generic_switch")
     component.hears_presses(keys, PRESSES)
@@ -35,7 +35,7 @@ def build_bluetooth_device(component: Component) -> tuple[JsonPart, ...]:
 _OF_DEVICES = (("battery", "x_battery", "battery"), ("rssi", "x_sensor", "signal_strength"))
 
 
-def build_bluetooth_sensor(component: Component) -> tuple[JsonPart, ...]:
+def build_bluetooth_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe one value of a device; nothing where it is not known what it means."""
     object_id = component.config.get("obj_id")
     if object_id == _BUTTON:
@@ -51,14 +51,14 @@ def build_bluetooth_sensor(component: Component) -> tuple[JsonPart, ...]:
     def told(status: Fields) -> Readings:
         value = status.get("value")
         if isinstance(value, bool):
-            return NOTHING if is_number else {capability: value}
-        number = number_in(value)
-        return {capability: number} if number is not None and is_number else NOTHING
+            return NO_READINGS if is_number else {capability: value}
+        number = to_number(value)
+        return {capability: number} if number is not None and is_number else NO_READINGS
 
     service_type = SENSOR_TYPES.get(capability, "x_sensor" if is_number else "x_binary_sensor")
     part = component.part("", service_type, category="diagnostic" if capability in _DIAGNOSTIC else "")
     component.tells(part, told)
-    part.offers(capability, unit=unit)
+    part.add_capability(capability, unit=unit)
     return (part,)
 
 

@@ -16,13 +16,13 @@ from typing import TypeAlias
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.part_table import JsonPart, PartTable
+from homebot.gateways.mqtt.part_table import JsonPart, PartBuilder
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, Readings, read_number
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, read_number
 from homebot.gateways.mqtt.shelly.rpc import call
 from homebot.gateways.mqtt.table_codec import json_object
 
-__all__ = ["Component", "Fields", "Gen2Place", "Told", "flag", "measured"]
+__all__ = ["Fields", "Gen2Place", "ShellyComponent", "Told", "flag", "measured"]
 
 Fields: TypeAlias = Mapping[str, object]
 """A status or a configuration, or a part of one."""
@@ -51,7 +51,7 @@ class Gen2Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Component:
+class ShellyComponent:
     """One component.
 
     Attributes:
@@ -92,7 +92,7 @@ class Component:
             category: See :attr:`homebot.devices.Part.category`.
         """
         part_id = f"{self.key}/{suffix}" if suffix else self.key
-        return PartTable(
+        return PartBuilder(
             json_object, part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category
         )
 
@@ -100,19 +100,19 @@ class Component:
         """Have *part* read the component, or the one called *key*, with *told*."""
         key = key or self.key
         prefix = self.place.prefix
-        part.reads(f"{prefix}/events/rpc", lambda frame: _read(frame, "params", key, told))
-        part.reads(f"{prefix}/status/{key}", told)
-        part.reads(self.place.answers, lambda frame: _read(frame, "result", key, told))
+        part.read_from(f"{prefix}/events/rpc", lambda frame: _read(frame, "params", key, told))
+        part.read_from(f"{prefix}/status/{key}", told)
+        part.read_from(self.place.answers, lambda frame: _read(frame, "result", key, told))
 
     def hears_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
         """Have *part* read its events, named as in *presses*."""
         key = self.key
-        part.reads_events(f"{self.place.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses))
-        part.offers("press", options=tuple(presses.values()))
+        part.read_events_from(f"{self.place.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses))
+        part.add_capability("press", options=tuple(presses.values()))
 
     def listens(self, part: JsonPart) -> None:
         """Name the topic that commands to *part* go to."""
-        part.listens(f"{self.place.prefix}/rpc")
+        part.add_command_topics(f"{self.place.prefix}/rpc")
 
     def call(self, method: str, /, **params: object) -> tuple[Publication, ...]:
         """Return the call of *method* of this component."""
@@ -124,7 +124,7 @@ def measured(field: str, capability: str, factor: float = 1.0) -> Told:
 
     def told(status: Fields) -> Readings:
         if field not in status:
-            return NOTHING
+            return NO_READINGS
         return read_number(capability, status[field], lambda number: number * factor)
 
     return told
@@ -135,7 +135,7 @@ def flag(field: str, capability: str) -> Told:
 
     def told(status: Fields) -> Readings:
         value: object = status.get(field, _NO_FIELDS)
-        return {capability: value} if value is None or isinstance(value, bool) else NOTHING
+        return {capability: value} if value is None or isinstance(value, bool) else NO_READINGS
 
     return told
 
@@ -143,7 +143,7 @@ def flag(field: str, capability: str) -> Told:
 def _read(frame: Fields, member: str, key: str, told: Told) -> Readings:
     components = frame.get(member)
     status = components.get(key) if isinstance(components, dict) else None
-    return told(status) if isinstance(status, dict) else NOTHING
+    return told(status) if isinstance(status, dict) else NO_READINGS
 
 
 _MOST_EVENTS = 32
@@ -153,7 +153,7 @@ def _read_events(frame: Fields, key: str, presses: Mapping[str, str]) -> Reading
     params = frame.get("params")
     events = params.get("events") if isinstance(params, dict) else None
     if not isinstance(events, list):
-        return NOTHING
+        return NO_READINGS
     found: dict[str, PlainValue] = {}
     for event in events[:_MOST_EVENTS]:
         name = event.get("event") if isinstance(event, dict) and event.get("component") == key else None

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
-from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, flag, measured
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, to_number
+from homebot.gateways.mqtt.shelly.gen2_component import Fields, ShellyComponent, flag, measured
+from homebot.gateways.mqtt.wanted import require_bool, require_number, require_option
 
 __all__ = ["build_cover", "build_radiator_valve", "build_switch", "build_thermostat"]
 
@@ -30,69 +30,69 @@ _VALVE_BOUNDS = (4.0, 30.0)
 _MODES = ("off", "heat")
 
 
-def build_switch(component: Component) -> tuple[JsonPart, ...]:
+def build_switch(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a relay: a plug where it is a socket."""
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call("Switch.Set", on=wanted_flag("on_off", value))
+        return component.call("Switch.Set", on=require_bool("on_off", value))
 
     part = component.part("", "plug" if component.place.is_plug else "switch")
     component.tells(part, flag("output", "on_off"))
     component.listens(part)
-    part.offers("on_off", writer=write)
+    part.add_capability("on_off", writer=write)
     return (part,)
 
 
-def build_cover(component: Component) -> tuple[JsonPart, ...]:
+def build_cover(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a cover. Its position is known and settable once it is calibrated, its slats where it has some."""
 
     def move(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call(_ORDERS[wanted_option("movement", value, _ORDERS)])
+        return component.call(_ORDERS[require_option("movement", value, _ORDERS)])
 
     def go(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call("Cover.GoToPosition", pos=round(wanted_number("position", value, 0, 100, "%")))
+        return component.call("Cover.GoToPosition", pos=round(require_number("position", value, 0, 100, "%")))
 
     def turn(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call("Cover.GoToPosition", slat_pos=round(wanted_number("tilt", value, 0, 100, "%")))
+        return component.call("Cover.GoToPosition", slat_pos=round(require_number("tilt", value, 0, 100, "%")))
 
     part = component.part("", "window_covering")
     component.tells(part, _told_by_cover)
     component.listens(part)
-    part.offers("movement", writer=move, options=("open", "closed", "opening", "closing", "stopped"))
+    part.add_capability("movement", writer=move, options=("open", "closed", "opening", "closing", "stopped"))
     if component.status.get("pos_control") is not False:
-        part.offers("position", writer=go)
+        part.add_capability("position", writer=go)
     slat = component.config.get("slat")
     if component.status.get("slat_pos") is not None or (isinstance(slat, dict) and slat.get("enable") is True):
-        part.offers("tilt", writer=turn)
+        part.add_capability("tilt", writer=turn)
     return (part,)
 
 
-def build_thermostat(component: Component) -> tuple[JsonPart, ...]:
+def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe the thermostat of a wall display."""
 
     def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        celsius = round(wanted_number("heating_setpoint", value, *_THERMOSTAT_BOUNDS, "°C"), 1)
+        celsius = round(require_number("heating_setpoint", value, *_THERMOSTAT_BOUNDS, "°C"), 1)
         return component.call("Thermostat.SetConfig", config={"target_C": celsius})
 
     def choose(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        enable = wanted_option("thermostat_mode", value, _MODES) == "heat"
+        enable = require_option("thermostat_mode", value, _MODES) == "heat"
         return component.call("Thermostat.SetConfig", config={"enable": enable})
 
     part = component.part("", "thermostat")
     component.tells(part, _told_by_thermostat)
     component.listens(part)
-    part.offers("heating_setpoint", writer=heat, bounds=_THERMOSTAT_BOUNDS)
-    part.offers("local_temperature")
-    part.offers("thermostat_mode", writer=choose, options=_MODES)
-    part.offers("thermostat_action", options=("heating", "idle"))
+    part.add_capability("heating_setpoint", writer=heat, bounds=_THERMOSTAT_BOUNDS)
+    part.add_capability("local_temperature")
+    part.add_capability("thermostat_mode", writer=choose, options=_MODES)
+    part.add_capability("thermostat_action", options=("heating", "idle"))
     return (part,)
 
 
-def build_radiator_valve(component: Component) -> tuple[JsonPart, ...]:
+def build_radiator_valve(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a radiator valve that a gateway reaches by Bluetooth."""
 
     def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        celsius = round(wanted_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C"), 1)
+        celsius = round(require_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C"), 1)
         return component.call("BluTRV.Call", method="TRV.SetTarget", params={"id": 0, "target_C": celsius})
 
     part = component.part("", "thermostat", tag="radiator_valve")
@@ -100,21 +100,21 @@ def build_radiator_valve(component: Component) -> tuple[JsonPart, ...]:
         component.tells(part, measured(field, capability))
     component.tells(part, measured("pos", "position"))
     component.listens(part)
-    part.offers("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
-    part.offers("local_temperature")
-    part.offers("position")
+    part.add_capability("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
+    part.add_capability("local_temperature")
+    part.add_capability("position")
     battery = component.part("battery", "x_battery", category="diagnostic")
     component.tells(battery, measured("battery", "battery"))
-    battery.offers("battery")
+    battery.add_capability("battery")
     return part, battery
 
 
 def _told_by_cover(status: Fields) -> Readings:
     state = status.get("state")
-    found = dict(_MOVEMENTS.get(state, NOTHING)) if isinstance(state, str) else {}
+    found = dict(_MOVEMENTS.get(state, NO_READINGS)) if isinstance(state, str) else {}
     for field, capability in (("current_pos", "position"), ("slat_pos", "tilt")):
         if field in status:
-            value = number_in(status[field])
+            value = to_number(status[field])
             found[capability] = value if value is not None and 0 <= value <= 100 else None
     return found
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
-from homebot.gateways.mqtt.description import Availability, Described
+from homebot.gateways.mqtt.description import Availability, DeviceAnnounced
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import number_in
+from homebot.gateways.mqtt.readings import to_number
 from homebot.gateways.mqtt.shelly.gen2_answers import fields_in, mac_in, sleeps, text_of
 from homebot.gateways.mqtt.shelly.gen2_component import Fields, Gen2Place
 from homebot.gateways.mqtt.shelly.gen2_parts import MAX_COMPONENTS, build_parts
@@ -38,7 +38,7 @@ class Gen2Device:
     status: Fields = field(default_factory=dict)
     sizes: dict[str, int] = field(default_factory=dict)
     heard: int = 0
-    described: Described | None = None
+    described: DeviceAnnounced | None = None
 
     def keep(self, kind: str, answer: Fields, size: int) -> None:
         """Take an answer of *size* bytes in the place of the last of its *kind*: info, config or status."""
@@ -78,7 +78,7 @@ class Gen2Device:
         told = text_of(self.info.get("mac")) or text_of(fields_in(self.status, "sys").get("mac"))
         return told or mac_in(self.prefix)
 
-    def describe(self, client: str, topic: str, device_id: str) -> Described:
+    def describe(self, client: str, topic: str, device_id: str) -> DeviceAnnounced:
         """Return its description; without parts where no component of it is known.
 
         Args:
@@ -94,7 +94,7 @@ class Gen2Device:
             f"{client}/{self.prefix}/rpc",
             is_plug=any(word in models for word in _PLUGS),
         )
-        return Described(
+        return DeviceAnnounced(
             key=self.prefix,
             convention="shelly",
             identifiers=identifiers((self.mac, device_id if device_id.casefold().startswith("shelly") else "")),
@@ -104,7 +104,7 @@ class Gen2Device:
             facts=self._facts(),
             availability=None if sleeps(self.status) else Availability((OnlineTopic(f"{self.prefix}/online"),)),
             owns=(self.prefix,),
-            is_sighting=True,
+            implies_alive=True,
         )
 
     def _name(self) -> str:
@@ -112,7 +112,7 @@ class Gen2Device:
         return own or text_of(fields_in(fields_in(self.config, "sys"), "device").get("name")) or clean_text(self.prefix)
 
     def _facts(self) -> dict[str, str]:
-        generation = number_in(self.info.get("gen"))
+        generation = to_number(self.info.get("gen"))
         facts = {
             "manufacturer": "Shelly",
             "model": text_of(self.info.get("model")),
@@ -123,7 +123,7 @@ class Gen2Device:
         return {name: value for name, value in facts.items() if value}
 
 
-def looks(described: Described) -> tuple[tuple[Part, ...], str, Mapping[str, str], tuple[str, ...]]:
+def looks(described: DeviceAnnounced) -> tuple[tuple[Part, ...], str, Mapping[str, str], tuple[str, ...]]:
     """Return what of a description is news when it differs."""
     return tuple(one.part for one in described.parts), described.name, described.facts, described.identifiers
 

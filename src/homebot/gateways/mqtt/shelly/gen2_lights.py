@@ -13,9 +13,9 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.light_color import from_hue_saturation, to_hue_saturation
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import Readings, number_in
-from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields
-from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number
+from homebot.gateways.mqtt.readings import Readings, to_number
+from homebot.gateways.mqtt.shelly.gen2_component import Fields, ShellyComponent
+from homebot.gateways.mqtt.wanted import require_bool, require_color, require_number
 
 __all__ = ["LIGHTS", "build_light"]
 
@@ -25,76 +25,76 @@ _CHANNELS = 3
 
 
 @dataclass(frozen=True, slots=True)
-class _Kind:
+class _LightKind:
     namespace: str
     has_white: bool = False
     has_color: bool = False
     modes: tuple[str, str] | None = None
 
 
-LIGHTS: Mapping[str, _Kind] = MappingProxyType(
+LIGHTS: Mapping[str, _LightKind] = MappingProxyType(
     {
-        "light": _Kind("Light"),
-        "cct": _Kind("CCT", has_white=True),
-        "rgb": _Kind("RGB", has_color=True),
-        "rgbw": _Kind("RGBW", has_color=True),
-        "rgbcct": _Kind("RGBCCT", has_white=True, has_color=True, modes=("cct", "rgb")),
+        "light": _LightKind("Light"),
+        "cct": _LightKind("CCT", has_white=True),
+        "rgb": _LightKind("RGB", has_color=True),
+        "rgbw": _LightKind("RGBW", has_color=True),
+        "rgbcct": _LightKind("RGBCCT", has_white=True, has_color=True, modes=("cct", "rgb")),
     }
 )
 """The components that are lamps."""
 
 
-def build_light(component: Component) -> tuple[JsonPart, ...]:
+def build_light(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a lamp."""
-    lamp = _Lamp(component, LIGHTS[component.kind], _white_range(component.config))
+    lamp = _Gen2Lamp(component, LIGHTS[component.kind], _white_range(component.config))
     part = component.part("", "light")
     component.tells(part, lamp.told)
     component.listens(part)
-    part.offers("on_off", writer=lamp.switch)
-    part.offers("level", writer=lamp.dim)
+    part.add_capability("on_off", writer=lamp.switch)
+    part.add_capability("level", writer=lamp.dim)
     if lamp.kind.has_white:
-        part.offers("color_temperature", writer=lamp.warm, bounds=tuple(map(float, lamp.white)))
+        part.add_capability("color_temperature", writer=lamp.warm, bounds=tuple(map(float, lamp.white)))
     if lamp.kind.has_color:
-        part.offers("color", writer=lamp.paint)
+        part.add_capability("color", writer=lamp.paint)
     return (part,)
 
 
 @dataclass(frozen=True, slots=True)
-class _Lamp:
-    component: Component
-    kind: _Kind
+class _Gen2Lamp:
+    component: ShellyComponent
+    kind: _LightKind
     white: tuple[int, int]
 
     def told(self, status: Fields) -> Readings:
         found: dict[str, PlainValue] = {}
         if isinstance(on := status.get("output"), bool):
             found["on_off"] = on
-        level = number_in(status.get("brightness"))
+        level = to_number(status.get("brightness"))
         if level is not None and 0 <= level <= 100:
             found["level"] = level
         mode = status.get("mode")
-        if self.kind.has_white and (kelvin := number_in(status.get("ct"))) is not None:
+        if self.kind.has_white and (kelvin := to_number(status.get("ct"))) is not None:
             found["color_temperature"] = kelvin if kelvin > 0 and mode != "rgb" else None
         if self.kind.has_color and (rgb := _rgb(status.get("rgb"))) is not None:
             found["color"] = to_hue_saturation("rgb", rgb, _ANY_WHITE) if mode != "cct" else None
         return found
 
     def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        return self._set(transition, on=wanted_flag("on_off", value))
+        return self._set(transition, on=require_bool("on_off", value))
 
     def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        level = wanted_number("level", value, 0, 100, "%")
+        level = require_number("level", value, 0, 100, "%")
         if level == 0:
             return self._set(transition, on=False)
         return self._set(transition, on=True, brightness=max(1, round(level)))
 
     def warm(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        kelvin = round(wanted_number("color_temperature", value, *self.white, "K"))
+        kelvin = round(require_number("color_temperature", value, *self.white, "K"))
         mode = {} if self.kind.modes is None else {"mode": self.kind.modes[0]}
         return self._set(transition, on=True, **mode, ct=kelvin)
 
     def paint(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_color(value)
+        hue, saturation = require_color(value)
         rgb = [int(one) for one in from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)]
         mode = {} if self.kind.modes is None else {"mode": self.kind.modes[1]}
         white = {"white": 0} if self.kind.namespace == "RGBW" else {}
@@ -109,14 +109,14 @@ class _Lamp:
 def _rgb(value: object) -> tuple[float, ...] | None:
     if not isinstance(value, list) or len(value) != _CHANNELS:
         return None
-    channels = tuple(one for one in map(number_in, value) if one is not None and 0 <= one <= 255)
+    channels = tuple(one for one in map(to_number, value) if one is not None and 0 <= one <= 255)
     return channels if len(channels) == _CHANNELS else None
 
 
 def _white_range(config: Fields) -> tuple[int, int]:
     bounds = config.get("ct_range")
     if isinstance(bounds, list) and len(bounds) == 2:
-        warmest, coldest = (number_in(one) for one in bounds)
+        warmest, coldest = (to_number(one) for one in bounds)
         if warmest is not None and coldest is not None and 1000 <= warmest < coldest <= 40_000:
             return round(warmest), round(coldest)
     return _ANY_WHITE

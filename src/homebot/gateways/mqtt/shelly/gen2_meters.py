@@ -8,8 +8,8 @@ from __future__ import annotations
 from functools import partial
 
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
-from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, measured
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, to_number
+from homebot.gateways.mqtt.shelly.gen2_component import Fields, ShellyComponent, measured
 
 __all__ = ["build_meters", "build_own_temperature"]
 
@@ -28,7 +28,7 @@ _PHASES = ("a", "b", "c")
 _TOTALS = (("total_act_power", "power"), ("total_current", "current"))
 
 
-def build_meters(component: Component) -> tuple[JsonPart, ...]:
+def build_meters(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe what a component measures of the electricity through it; nothing where it does not."""
     if component.kind == "em":
         return _build_phases(component)
@@ -39,17 +39,17 @@ def build_meters(component: Component) -> tuple[JsonPart, ...]:
     for field, capability in _ELECTRICAL:
         if field in component.status:
             component.tells(part, measured(field, capability))
-            part.offers(capability)
+            part.add_capability(capability)
     for field, capability in _COUNTED:
         if isinstance(component.status.get(field), dict):
             component.tells(part, partial(_told_energy, field, capability))
-            part.offers(capability)
+            part.add_capability(capability)
     if component.kind == "em1":
         _count(component, part, f"em1data:{component.index}", "total_act_energy", "total_act_ret_energy")
     return (part,)
 
 
-def build_own_temperature(component: Component) -> tuple[JsonPart, ...]:
+def build_own_temperature(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe how warm the device itself is, where the component tells."""
     if not isinstance(component.status.get("temperature"), dict):
         return ()
@@ -57,19 +57,19 @@ def build_own_temperature(component: Component) -> tuple[JsonPart, ...]:
 
     def told(status: Fields) -> Readings:
         temperature = status.get("temperature")
-        return inner(temperature) if isinstance(temperature, dict) else NOTHING
+        return inner(temperature) if isinstance(temperature, dict) else NO_READINGS
 
     part = component.part("temperature", "temperature_sensor", category="diagnostic")
     component.tells(part, told)
-    part.offers("temperature")
+    part.add_capability("temperature")
     return (part,)
 
 
-def _build_phases(component: Component) -> tuple[JsonPart, ...]:
+def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
     total = component.part("", "electrical_meter")
     for field, capability in _TOTALS:
         component.tells(total, measured(field, capability))
-        total.offers(capability)
+        total.add_capability(capability)
     data = f"emdata:{component.index}"
     _count(component, total, data, "total_act", "total_act_ret")
     parts = [total]
@@ -79,20 +79,20 @@ def _build_phases(component: Component) -> tuple[JsonPart, ...]:
         part = component.part(phase, "electrical_meter", tag=f"phase_{phase}")
         for field, capability in (("act_power", "power"), ("voltage", "voltage"), ("current", "current")):
             component.tells(part, measured(f"{phase}_{field}", capability))
-            part.offers(capability)
+            part.add_capability(capability)
         _count(component, part, data, f"{phase}_total_act_energy", f"{phase}_total_act_ret_energy")
         parts.append(part)
     return tuple(parts)
 
 
-def _count(component: Component, part: JsonPart, key: str, drawn: str, returned: str) -> None:
+def _count(component: ShellyComponent, part: JsonPart, key: str, drawn: str, returned: str) -> None:
     """Have *part* tell the energy that the component *key* counts both ways."""
     for field, capability in ((drawn, "energy"), (returned, "energy_returned")):
         component.tells(part, measured(field, capability, _ENERGY), key)
-        part.offers(capability)
+        part.add_capability(capability)
 
 
 def _told_energy(field: str, capability: str, status: Fields) -> Readings:
     energy = status.get(field)
-    total = number_in(energy.get("total")) if isinstance(energy, dict) else None
-    return NOTHING if total is None else {capability: total * _ENERGY}
+    total = to_number(energy.get("total")) if isinstance(energy, dict) else None
+    return NO_READINGS if total is None else {capability: total * _ENERGY}

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from homebot.gateways.mqtt.description import DescribedPart
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.shelly.gen2_bluetooth import build_bluetooth_device, build_bluetooth_sensor
-from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, Gen2Place
+from homebot.gateways.mqtt.shelly.gen2_component import Fields, Gen2Place, ShellyComponent
 from homebot.gateways.mqtt.shelly.gen2_controls import (
     build_cover,
     build_radiator_valve,
@@ -45,12 +45,12 @@ def build_parts(place: Gen2Place, status: Fields, config: Fields) -> tuple[Descr
         for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
     for part in parts[:1]:
-        part.asks(call(place.prefix, place.answers.removesuffix("/rpc"), "Shelly.GetStatus"))
-    return tuple(part.described() for part in parts)
+        part.add_state_request(call(place.prefix, place.answers.removesuffix("/rpc"), "Shelly.GetStatus"))
+    return tuple(part.build() for part in parts)
 
 
 _KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
-_Build = Callable[[Component], tuple[JsonPart, ...]]
+_Build = Callable[[ShellyComponent], tuple[JsonPart, ...]]
 _LOAD: tuple[_Build, ...] = (build_meters, build_own_temperature)
 _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     "thermostat": (build_thermostat,),
@@ -70,12 +70,12 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
 _ORDER = {kind: place for place, kind in enumerate(_BUILDERS)}
 
 
-def _components(place: Gen2Place, status: Fields, config: Fields) -> tuple[Component, ...]:
-    found: list[Component] = []
+def _components(place: Gen2Place, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
+    found: list[ShellyComponent] = []
     for key, fields in status.items():
         if len(found) >= MAX_COMPONENTS:
             break
         if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _ORDER:
             settings = config.get(key)
-            found.append(Component(place, key, fields, settings if isinstance(settings, dict) else {}))
+            found.append(ShellyComponent(place, key, fields, settings if isinstance(settings, dict) else {}))
     return tuple(sorted(found, key=lambda one: (_ORDER[one.kind], one.index)))

@@ -13,8 +13,8 @@ from types import MappingProxyType
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
-from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields, Told, flag, measured
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, to_number
+from homebot.gateways.mqtt.shelly.gen2_component import Fields, ShellyComponent, Told, flag, measured
 
 __all__ = [
     "PRESSES",
@@ -61,29 +61,29 @@ PRESSES: Mapping[str, str] = {
 }
 
 
-def build_sensor(component: Component) -> tuple[JsonPart, ...]:
+def build_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a component that is one sensor."""
     sensor = SENSORS[component.kind]
     part = component.part("", sensor.service_type, category=sensor.category)
     component.tells(part, sensor.told)
-    part.offers(sensor.capability)
+    part.add_capability(sensor.capability)
     return (part,)
 
 
-def build_power(component: Component) -> tuple[JsonPart, ...]:
+def build_power(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a battery, where the device has one."""
     part = component.part("", "x_battery", category="diagnostic")
     component.tells(part, _told_by_power)
-    part.offers("battery")
+    part.add_capability("battery")
     battery = component.status.get("battery")
     if isinstance(battery, dict) and "V" in battery:
-        part.offers("voltage")
+        part.add_capability("voltage")
     if isinstance(component.status.get("external"), dict):
-        part.offers("plugged_in")
+        part.add_capability("plugged_in")
     return (part,)
 
 
-def build_input(component: Component) -> tuple[JsonPart, ...]:
+def build_input(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe an input: a button, a switch, an analogue value or a counter, as it is set up."""
     kind = component.config.get("type")
     if component.config.get("enable") is False:
@@ -91,18 +91,18 @@ def build_input(component: Component) -> tuple[JsonPart, ...]:
     if kind == "analog" or (kind is None and "percent" in component.status and "state" not in component.status):
         part = component.part("", "x_sensor")
         component.tells(part, measured("percent", "measurement"))
-        part.offers("measurement", unit="%")
+        part.add_capability("measurement", unit="%")
         return (part,)
     if kind == "count":
         part = component.part("", "x_sensor")
         component.tells(part, _told_by_counter)
-        part.offers("measurement")
+        part.add_capability("measurement")
         return (part,)
     is_button = kind != "switch"
     part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
     if kind == "switch" or component.status.get("state") is not None:
         component.tells(part, flag("state", "state"))
-        part.offers("state")
+        part.add_capability("state")
     if is_button:
         component.hears_presses(part, PRESSES)
     return (part,)
@@ -110,18 +110,18 @@ def build_input(component: Component) -> tuple[JsonPart, ...]:
 
 def _told_by_counter(status: Fields) -> Readings:
     counts = status.get("counts")
-    total = number_in(counts.get("total")) if isinstance(counts, dict) else None
-    return NOTHING if total is None else {"measurement": total}
+    total = to_number(counts.get("total")) if isinstance(counts, dict) else None
+    return NO_READINGS if total is None else {"measurement": total}
 
 
 def _told_by_power(status: Fields) -> Readings:
     found: dict[str, PlainValue] = {}
     battery, external = status.get("battery"), status.get("external")
     if isinstance(battery, dict) and "percent" in battery:
-        percent = number_in(battery["percent"])
+        percent = to_number(battery["percent"])
         found["battery"] = percent if percent is not None and 0 <= percent <= 100 else None
     if isinstance(battery, dict) and "V" in battery:
-        found["voltage"] = number_in(battery["V"])
+        found["voltage"] = to_number(battery["V"])
     if isinstance(external, dict) and isinstance(present := external.get("present"), bool):
         found["plugged_in"] = present
     return found

@@ -13,9 +13,9 @@ from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.payload import clean_text, shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings, number_in
-from homebot.gateways.mqtt.shelly.gen2_component import Component, Fields
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings, to_number
+from homebot.gateways.mqtt.shelly.gen2_component import Fields, ShellyComponent
+from homebot.gateways.mqtt.wanted import require_bool, require_number, require_option
 
 __all__ = ["VIRTUAL", "build_virtual", "build_virtual_button"]
 
@@ -27,7 +27,7 @@ _LONGEST_TEXT = 255
 _MOST_OPTIONS = 100
 
 
-def build_virtual(component: Component) -> tuple[JsonPart, ...]:
+def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a value as a setting, or as what its role or its access says."""
     role = _role(component.config)
     if component.kind == "boolean" and _ZONE.fullmatch(role):
@@ -42,25 +42,25 @@ def build_virtual(component: Component) -> tuple[JsonPart, ...]:
 
     def told(status: Fields) -> Readings:
         value = _plain(component.kind, status.get("value"))
-        return NOTHING if value is None else {capability: value}
+        return NO_READINGS if value is None else {capability: value}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         method = f"{component.kind.capitalize()}.Set"
         match component.kind:
             case "boolean":
-                return component.call(method, value=wanted_flag(capability, value))
+                return component.call(method, value=require_bool(capability, value))
             case "number":
-                number = wanted_number(capability, value, least, most)
+                number = require_number(capability, value, least, most)
                 return component.call(method, value=int(number) if number.is_integer() else number)
             case "enum" if options:
-                return component.call(method, value=wanted_option(capability, value, options))
+                return component.call(method, value=require_option(capability, value, options))
             case _:
                 return component.call(method, value=_wanted_text(capability, value))
 
     part = component.part("", "x_setting", category="config")
     component.tells(part, told)
     component.listens(part)
-    part.offers(
+    part.add_capability(
         capability,
         writer=write,
         bounds=bounds if component.kind == "number" else (),
@@ -69,34 +69,34 @@ def build_virtual(component: Component) -> tuple[JsonPart, ...]:
     return (part,)
 
 
-def _build_zone(component: Component) -> JsonPart:
+def _build_zone(component: ShellyComponent) -> JsonPart:
     """Describe a zone of an irrigation controller: a valve that is open while the zone is watered."""
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call("Boolean.Set", value=wanted_option("valve", value, _VALVES) == "open")
+        return component.call("Boolean.Set", value=require_option("valve", value, _VALVES) == "open")
 
     def told(status: Fields) -> Readings:
         value = status.get("value")
-        return {"valve": "open" if value else "closed"} if isinstance(value, bool) else NOTHING
+        return {"valve": "open" if value else "closed"} if isinstance(value, bool) else NO_READINGS
 
     part = component.part("", "water_valve", tag=_role(component.config))
     component.tells(part, told)
     component.listens(part)
-    part.offers("valve", writer=write, options=_VALVES)
+    part.add_capability("valve", writer=write, options=_VALVES)
     return part
 
 
-def _build_watched(component: Component, role: str) -> JsonPart:
+def _build_watched(component: ShellyComponent, role: str) -> JsonPart:
     """Describe a value that is only told."""
     service_type, capability, unit = _WATCHED.get(role, ("x_sensor", _TOLD[component.kind], ""))
 
     def told(status: Fields) -> Readings:
         value = _plain(component.kind, status.get("value"))
-        return NOTHING if value is None else {capability: value}
+        return NO_READINGS if value is None else {capability: value}
 
     part = component.part("", "x_binary_sensor" if capability == "state" else service_type)
     component.tells(part, told)
-    part.offers(capability, unit=unit)
+    part.add_capability(capability, unit=unit)
     return part
 
 
@@ -117,23 +117,23 @@ def _role(config: Fields) -> str:
     return role if is_makers and isinstance(role, str) else ""
 
 
-def build_virtual_button(component: Component) -> tuple[JsonPart, ...]:
+def build_virtual_button(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a button that can be pressed by command."""
 
     def push(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        if not wanted_flag("push", value):
+        if not require_bool("push", value):
             raise RefusedError("push False", "it takes true")
         return component.call("Button.Trigger", event="single_push")
 
     part = component.part("", "generic_switch")
     component.listens(part)
-    part.offers("push", readable=False, writer=push)
+    part.add_capability("push", readable=False, writer=push)
     return (part,)
 
 
 def _plain(kind: str, value: object) -> PlainValue:
     if kind == "number":
-        return number_in(value)
+        return to_number(value)
     if kind == "boolean":
         return value if isinstance(value, bool) else None
     return clean_text(value, _LONGEST_TEXT) if isinstance(value, str) else None
@@ -153,5 +153,5 @@ def _options(config: Fields) -> tuple[str, ...]:
 
 
 def _bounds(config: Fields) -> tuple[float, ...]:
-    least, most = number_in(config.get("min")), number_in(config.get("max"))
+    least, most = to_number(config.get("min")), to_number(config.get("max"))
     return (least, most) if least is not None and most is not None and least < most else ()

@@ -13,7 +13,13 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Availability, Described, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.description import (
+    AnnouncementEvent,
+    Availability,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+    Publication,
+)
 from homebot.gateways.mqtt.payload import parse_object
 from homebot.gateways.mqtt.tasmota.config import TasmotaConfig, read_config
 from homebot.gateways.mqtt.tasmota.parts import build_parts
@@ -66,10 +72,10 @@ class WordsOfWill:
 class TasmotaDiscovery:
     """Understands ``config`` and ``sensors`` of each device, in either order.
 
-    A device is :class:`Described` when its ``config`` comes, and again when its ``sensors`` do; before the ``config``
-    they wait. A ``config`` that says nothing new gives the same description again, whose codecs still know what the
-    device showed last. Its key is its hardware address. It keeps what both messages said of each device, at most
-    :data:`MAX_DEVICES`, and at most :data:`MAX_WAITING` that wait.
+    A device is :class:`DeviceAnnounced` when its ``config`` comes, and again when its ``sensors`` do; before the
+    ``config`` they wait. A ``config`` that says nothing new gives the same description again, whose codecs still know
+    what the device showed last. Its key is its hardware address. It keeps what both messages said of each device, at
+    most :data:`MAX_DEVICES`, and at most :data:`MAX_WAITING` that wait.
 
     Args:
         settings: Its table.
@@ -88,7 +94,7 @@ class TasmotaDiscovery:
         self._configs: dict[str, TasmotaConfig] = {}
         self._leaves: dict[str, tuple[Leaf, ...]] = {}
         self._waiting: dict[str, tuple[Leaf, ...]] = {}
-        self._devices: dict[str, Described] = {}
+        self._devices: dict[str, DeviceAnnounced] = {}
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of both messages."""
@@ -98,11 +104,11 @@ class TasmotaDiscovery:
         """Return what is below the announcements, and the topics that all devices of a fresh firmware listen on."""
         return f"{self._prefix}/#", "cmnd/tasmotas/#", "tasmotas/cmnd/#"
 
-    def births(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> tuple[Publication, ...]:
         """Return nothing: announcements are retained."""
         return ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:  # noqa: ARG002 - an announcement counts as much when it was kept
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - an announcement counts as much when it was kept
         """Take a message and return what it tells of its device; nothing as long as only its sensors are known."""
         match = _TOPIC.fullmatch(topic.removeprefix(f"{self._prefix}/"))
         if match is None or not topic.startswith(f"{self._prefix}/"):
@@ -114,13 +120,13 @@ class TasmotaDiscovery:
             self.rejected += 1
             raise
 
-    def _take_config(self, mac: str, payload: bytes) -> tuple[Heard, ...]:
+    def _take_config(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         if not payload:
             if self._configs.pop(mac, None) is None:
                 return ()
             self._leaves.pop(mac, None)
             del self._devices[mac]
-            return (Withdrawn(mac, "its config was removed"),)
+            return (DeviceWithdrawn(mac, "its config was removed"),)
         config = read_config(mac, payload)
         if config == self._configs.get(mac):
             return (self._devices[mac],)
@@ -131,7 +137,7 @@ class TasmotaDiscovery:
             self._leaves[mac] = self._waiting.pop(mac)
         return (self._described(mac),)
 
-    def _take_sensors(self, mac: str, payload: bytes) -> tuple[Heard, ...]:
+    def _take_sensors(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         leaves = read_leaves(parse_object(payload)) if payload else ()
         if mac in self._configs:
             if leaves == self._leaves.get(mac, ()):
@@ -146,11 +152,11 @@ class TasmotaDiscovery:
             self.forgotten += 1
         return ()
 
-    def _described(self, mac: str) -> Described:
+    def _described(self, mac: str) -> DeviceAnnounced:
         """Describe a device anew, with codecs that remember nothing."""
         config = self._configs[mac]
         will = WordsOfWill(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
-        described = Described(
+        described = DeviceAnnounced(
             key=mac,
             convention=self.name,
             identifiers=identifiers([":".join(_PAIRS.findall(mac))]),

@@ -8,22 +8,22 @@ from __future__ import annotations
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
-from homebot.gateways.mqtt.tasmota.lines import Lines
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings
+from homebot.gateways.mqtt.tasmota.lines import TasmotaTopics
+from homebot.gateways.mqtt.wanted import require_bool, require_number
 
 __all__ = ["offer_fan"]
 
 
-def offer_fan(part: JsonPart, lines: Lines) -> None:
+def offer_fan(part: JsonPart, lines: TasmotaTopics) -> None:
     """Have *part* be the fan."""
     fan = _Fan(lines)
     for topic in lines.states:
-        part.reads(topic, fan.read)
-    part.offers("on_off", writer=fan.switch)
-    part.offers("fan_speed", writer=fan.set_speed)
-    part.listens(lines.topic(_COMMAND))
-    part.asks(*lines.asks_state)
+        part.read_from(topic, fan.read)
+    part.add_capability("on_off", writer=fan.switch)
+    part.add_capability("fan_speed", writer=fan.set_speed)
+    part.add_command_topics(lines.topic(_COMMAND))
+    part.add_state_request(*lines.asks_state)
 
 
 _COMMAND = "FanSpeed"
@@ -41,20 +41,20 @@ class _Fan:
 
     __slots__ = ("_lines", "_speed")
 
-    def __init__(self, lines: Lines) -> None:
+    def __init__(self, lines: TasmotaTopics) -> None:
         self._lines = lines
         self._speed = _MIDDLE
 
     def read(self, message: JsonMessage) -> Readings:
         speed = message.get(_COMMAND)
         if type(speed) is not int or not 0 <= speed < len(_PERCENTS):
-            return NOTHING
+            return NO_READINGS
         self._speed = speed or self._speed
         return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
 
     def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._lines.tell(_COMMAND, self._speed if wanted_flag("on_off", value) else 0)
+        return self._lines.tell(_COMMAND, self._speed if require_bool("on_off", value) else 0)
 
     def set_speed(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        percent = wanted_number("fan_speed", value, 0, 100, "%")
+        percent = require_number("fan_speed", value, 0, 100, "%")
         return self._lines.tell(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))

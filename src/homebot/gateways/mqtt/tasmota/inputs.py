@@ -8,17 +8,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from functools import partial
 
-from homebot.gateways.mqtt.description import DescribedPart, Fade
-from homebot.gateways.mqtt.part_table import PartTable
+from homebot.gateways.mqtt.description import AutoExpiry, DescribedPart
+from homebot.gateways.mqtt.part_table import PartBuilder
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings
 from homebot.gateways.mqtt.table_codec import json_object
-from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
+from homebot.gateways.mqtt.tasmota.lines import TasmotaTopics, told_of_sensors
 
 __all__ = ["describe_inputs"]
 
 
-def describe_inputs(lines: Lines) -> Iterable[DescribedPart]:
+def describe_inputs(lines: TasmotaTopics) -> Iterable[DescribedPart]:
     """Describe what the inputs tell: whether a contact is on, and how a switch or a button was pressed."""
     for index, mode in enumerate(lines.config.switch_modes):
         if mode in _FOLLOWED:
@@ -69,25 +69,27 @@ _BUTTON_WORDS: Mapping[str, str] = {
 _PULSE_SECONDS = 1.0
 
 
-def _switch_name(lines: Lines, index: int) -> str:
+def _switch_name(lines: TasmotaTopics, index: int) -> str:
     """Return what an input is called in messages."""
     names = lines.config.switch_names
     return (names[index] if index < len(names) else "") or f"Switch{index + 1}"
 
 
-def _contact(lines: Lines, index: int, mode: int) -> DescribedPart:
+def _contact(lines: TasmotaTopics, index: int, mode: int) -> DescribedPart:
     name = _switch_name(lines, index)
-    part = PartTable(json_object, f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch")
+    part = PartBuilder(
+        json_object, f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch"
+    )
     read = partial(_read_state, lines.config.words[0], lines.config.words[1], name)
-    part.offers("state")
+    part.add_capability("state")
     if mode in _PULSES:
-        part.reads_events(lines.states[0], read)
-        part.fades(Fade("state", _PULSE_SECONDS, value=False, only=True))
+        part.read_events_from(lines.states[0], read)
+        part.add_expiry(AutoExpiry("state", _PULSE_SECONDS, value=False, only=True))
     else:
         for topic in (lines.states[0], *lines.sensors):
-            part.reads(topic, read)
-        part.asks(*lines.asks_sensors)
-    return part.described()
+            part.read_from(topic, read)
+        part.add_state_request(*lines.asks_sensors)
+    return part.build()
 
 
 def _read_state(off: str, on: str, name: str, message: JsonMessage) -> Readings:
@@ -95,11 +97,11 @@ def _read_state(off: str, on: str, name: str, message: JsonMessage) -> Readings:
     said = told_of_sensors(message).get(name)
     word = said.get("Action") if isinstance(said, dict) else said
     if not isinstance(word, str) or word not in (off, on):
-        return NOTHING
+        return NO_READINGS
     return {"state": word == on}
 
 
-def _button_words(lines: Lines) -> Mapping[str, str]:
+def _button_words(lines: TasmotaTopics) -> Mapping[str, str]:
     if lines.config.option(_SINGLE_ONLY_OPTION):
         return {"SINGLE": "single"}
     if lines.config.option(_SWAP_OPTION):
@@ -107,14 +109,14 @@ def _button_words(lines: Lines) -> Mapping[str, str]:
     return _BUTTON_WORDS
 
 
-def _presses(lines: Lines, part_id: str, name: str, words: Mapping[str, str]) -> DescribedPart:
-    part = PartTable(json_object, part_id, "generic_switch", name=clean_text(name), advertised="button")
-    part.reads_events(lines.states[0], partial(_read_press, name, words))
-    part.offers("press", options=tuple(dict.fromkeys(words.values())))
-    return part.described()
+def _presses(lines: TasmotaTopics, part_id: str, name: str, words: Mapping[str, str]) -> DescribedPart:
+    part = PartBuilder(json_object, part_id, "generic_switch", name=clean_text(name), advertised="button")
+    part.read_events_from(lines.states[0], partial(_read_press, name, words))
+    part.add_capability("press", options=tuple(dict.fromkeys(words.values())))
+    return part.build()
 
 
 def _read_press(name: str, words: Mapping[str, str], message: JsonMessage) -> Readings:
     said = message.get(name)
     action = said.get("Action") if isinstance(said, dict) else None
-    return {"press": words[action]} if isinstance(action, str) and action in words else NOTHING
+    return {"press": words[action]} if isinstance(action, str) and action in words else NO_READINGS

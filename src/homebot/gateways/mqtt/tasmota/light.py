@@ -12,30 +12,30 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.light_color import kelvin_mired, mired_bounds
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings, finite_number
 from homebot.gateways.mqtt.tasmota.config import LIGHT, TasmotaConfig
 from homebot.gateways.mqtt.tasmota.fading import Change, Shown, speed
-from homebot.gateways.mqtt.tasmota.lines import Lines
-from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.tasmota.lines import TasmotaTopics
+from homebot.gateways.mqtt.wanted import require_bool, require_color, require_number, require_option
 
 __all__ = ["offer_light"]
 
 
-def offer_light(part: JsonPart, lines: Lines, index: int) -> None:
+def offer_light(part: JsonPart, lines: TasmotaTopics, index: int) -> None:
     """Have *part* be the lamp at the output *index*."""
     lamp = _lamp(lines, index)
     for topic in lines.states:
-        part.reads(topic, lamp.read)
-    part.listens(lines.topic("Backlog"))
-    part.offers("on_off", writer=lamp.switch)
+        part.read_from(topic, lamp.read)
+    part.add_command_topics(lines.topic("Backlog"))
+    part.add_capability("on_off", writer=lamp.switch)
     if lamp.kind != _ON_OFF:
-        part.offers("level", writer=lamp.dim)
+        part.add_capability("level", writer=lamp.dim)
     if lamp.has_white:
-        part.offers("color_temperature", writer=lamp.set_white, bounds=lamp.kelvins)
+        part.add_capability("color_temperature", writer=lamp.set_white, bounds=lamp.kelvins)
     if lamp.has_color:
-        part.offers("color", writer=lamp.set_color)
-        part.offers("effect", writer=lamp.play, options=_EFFECTS)
-    part.asks(*lines.asks_state)
+        part.add_capability("color", writer=lamp.set_color)
+        part.add_capability("effect", writer=lamp.play, options=_EFFECTS)
+    part.add_state_request(*lines.asks_state)
 
 
 _ON_OFF, _DIMMER, _WHITES, _COLOR, _COLOR_WHITE, _COLOR_WHITES = range(6)
@@ -48,7 +48,7 @@ _PAIR = 2
 
 
 @dataclass(frozen=True, slots=True)
-class _Lamp:
+class _TasmotaLamp:
     """Reads and tells one lamp.
 
     Attributes:
@@ -60,7 +60,7 @@ class _Lamp:
         shown: What it said last; a command that shall take time depends on it.
     """
 
-    lines: Lines
+    lines: TasmotaTopics
     index: int
     kind: int
     dimmer: str
@@ -99,12 +99,12 @@ class _Lamp:
         return found
 
     def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        on = wanted_flag("on_off", value)
+        on = require_bool("on_off", value)
         return self._tell([self._power(on)], transition, Change(on=on))
 
     def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         """Rounded twice, by way of 0 to 255, as Home Assistant does."""
-        percent = wanted_number("level", value, 0, 100, "%")
+        percent = require_number("level", value, 0, 100, "%")
         if not percent:
             return self._tell([self._power(on=False)], transition, Change(on=False))
         steps = max(1, round(round(255 * percent / 100) / 255 * 100))
@@ -112,17 +112,17 @@ class _Lamp:
         return self._tell([(self.dimmer, steps), *apart], transition, Change(level=steps))
 
     def set_white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        kelvin = wanted_number("color_temperature", value, 1_000, 40_000, "K")
+        kelvin = require_number("color_temperature", value, 1_000, 40_000, "K")
         mired = kelvin_mired(int(kelvin))
         return self._tell([self._power(on=True), ("CT", mired)], transition, Change(mired=mired))
 
     def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_color(value)
+        hue, saturation = require_color(value)
         told: list[tuple[str, str | int]] = [("HsbColor1", round(hue)), ("HsbColor2", round(saturation))]
         return self._tell([self._power(on=True), *told], transition, Change(color=(hue, saturation)))
 
     def play(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        scheme = _EFFECTS.index(wanted_option("effect", value, _EFFECTS))
+        scheme = _EFFECTS.index(require_option("effect", value, _EFFECTS))
         return self._tell([self._power(on=True), ("Scheme", scheme)], transition, Change())
 
     def _power(self, on: bool) -> tuple[str, str | int]:  # noqa: FBT001 - it is what the command says
@@ -151,22 +151,22 @@ class _Lamp:
             found["color_temperature"] = float(kelvin_mired(mired))
         if self.has_color and shows_white:
             found["color"] = None
-        return found or NOTHING
+        return found or NO_READINGS
 
 
-def _lamp(lines: Lines, index: int) -> _Lamp:
+def _lamp(lines: TasmotaTopics, index: int) -> _TasmotaLamp:
     """One device may be several lamps: each channel a dimmer, or colours and then white where they are not linked."""
     config = lines.config
     if config.option(_DIMMERS_OPTION):
         channel = f"Channel{index + 1}"
-        return _Lamp(lines, index, _DIMMER, channel, channel)
+        return _TasmotaLamp(lines, index, _DIMMER, channel, channel)
     place = _place(config, index)
     if config.light_type >= _COLOR_WHITE and not config.is_linked and place < _PAIR:
         white = _DIMMER if config.light_type == _COLOR_WHITE else _WHITES
         dimmer = f"Dimmer{place + 1}"
-        return _Lamp(lines, index, white if place else _COLOR, dimmer, dimmer)
+        return _TasmotaLamp(lines, index, white if place else _COLOR, dimmer, dimmer)
     kind = config.light_type if _ON_OFF <= config.light_type <= _COLOR_WHITES else _ON_OFF
-    return _Lamp(lines, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
+    return _TasmotaLamp(lines, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
 
 
 def _place(config: TasmotaConfig, index: int) -> int:

@@ -11,15 +11,15 @@ from functools import partial
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings
 from homebot.gateways.mqtt.tasmota.config import TasmotaConfig
-from homebot.gateways.mqtt.wanted import wanted_flag
+from homebot.gateways.mqtt.wanted import require_bool
 
-__all__ = ["Lines", "told_of_sensors"]
+__all__ = ["TasmotaTopics", "told_of_sensors"]
 
 
 @dataclass(frozen=True, slots=True)
-class Lines:
+class TasmotaTopics:
     """Where one device speaks and listens.
 
     Attributes:
@@ -68,31 +68,31 @@ class Lines:
     def offer_power(self, part: JsonPart, index: int) -> None:
         """Have *part* be switched as the output *index*, by a command of its own."""
         for topic in self.states:
-            part.reads(topic, partial(self.read_power, index))
-        part.offers("on_off", writer=partial(self._switch, index))
-        part.listens(self.topic(f"Power{index + 1}"))
-        part.asks(*self.asks_state)
+            part.read_from(topic, partial(self.read_power, index))
+        part.add_capability("on_off", writer=partial(self._switch, index))
+        part.add_command_topics(self.topic(f"Power{index + 1}"))
+        part.add_state_request(*self.asks_state)
 
     def tell_power(self, part: JsonPart, index: int) -> None:
         """Have *part* tell whether the output *index* is on."""
         for topic in self.states:
-            part.reads(topic, partial(self._read_state, index))
-        part.offers("state")
-        part.asks(*self.asks_state)
+            part.read_from(topic, partial(self._read_state, index))
+        part.add_capability("state")
+        part.add_state_request(*self.asks_state)
 
     def read_power(self, index: int, message: JsonMessage) -> Readings:
         """Return whether the output *index* is on. The first is not numbered where there is one only."""
         word = message.get(f"POWER{index + 1}", message.get("POWER") if index == 0 else None)
         if not isinstance(word, str) or word not in self.config.words[:2]:
-            return NOTHING
+            return NO_READINGS
         return {"on_off": word == self.config.words[1]}
 
     def _read_state(self, index: int, message: JsonMessage) -> Readings:
         told = self.read_power(index, message)
-        return {"state": told["on_off"]} if told else NOTHING
+        return {"state": told["on_off"]} if told else NO_READINGS
 
     def _switch(self, index: int, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self.tell(f"Power{index + 1}", self.word(wanted_flag("on_off", value)))
+        return self.tell(f"Power{index + 1}", self.word(require_bool("on_off", value)))
 
     def _ask(self, command: str, argument: bytes) -> tuple[Publication, ...]:
         return () if self.config.is_sleeper else (Publication(self.topic(command), argument),)

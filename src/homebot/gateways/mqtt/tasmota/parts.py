@@ -9,13 +9,13 @@ from collections.abc import Iterable
 from itertools import chain
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.part_table import PartTable, with_own_ids
+from homebot.gateways.mqtt.part_table import PartBuilder, with_own_ids
 from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.tasmota.config import LIGHT, RELAY, TasmotaConfig
 from homebot.gateways.mqtt.tasmota.fan import offer_fan
 from homebot.gateways.mqtt.tasmota.inputs import describe_inputs
 from homebot.gateways.mqtt.tasmota.light import offer_light
-from homebot.gateways.mqtt.tasmota.lines import Lines
+from homebot.gateways.mqtt.tasmota.lines import TasmotaTopics
 from homebot.gateways.mqtt.tasmota.sensors import Leaf, describe_sensors
 from homebot.gateways.mqtt.tasmota.shutter import count_shutters, offer_shutter
 
@@ -28,7 +28,7 @@ def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[Describe
     The first relay of an iFan is its lamp. The others make the speeds of its fan: they are told, and nobody switches
     one of them alone, as Home Assistant would let people do.
     """
-    lines = Lines(config)
+    lines = TasmotaTopics(config)
     described = chain(_outputs(lines), describe_inputs(lines), describe_sensors(lines, leaves))
     return with_own_ids(described, _MOST_PARTS)
 
@@ -39,37 +39,37 @@ _LAMPS_OPTION = 30
 """SetOption30: the user says that lamps hang on the relays."""
 
 
-def _outputs(lines: Lines) -> Iterable[DescribedPart]:
+def _outputs(lines: TasmotaTopics) -> Iterable[DescribedPart]:
     config = lines.config
     for index, output in enumerate(config.outputs):
         name = config.output_name(index)
         if config.is_fan and output in (RELAY, LIGHT):
             yield _relay(lines, index, "light", name) if index == 0 else _relay_of_fan(lines, index, name)
         elif output == LIGHT:
-            part = PartTable(json_object, f"light_{index + 1}", "light", name=name, advertised="light")
+            part = PartBuilder(json_object, f"light_{index + 1}", "light", name=name, advertised="light")
             offer_light(part, lines, index)
-            yield part.described()
+            yield part.build()
         elif output == RELAY:
             yield _relay(lines, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
     for index in range(count_shutters(config.outputs)):
-        part = PartTable(json_object, f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
+        part = PartBuilder(json_object, f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
         offer_shutter(part, lines, index)
-        yield part.described()
+        yield part.build()
     if config.is_fan:
-        part = PartTable(json_object, "fan", "fan", advertised="fan")
+        part = PartBuilder(json_object, "fan", "fan", advertised="fan")
         offer_fan(part, lines)
-        yield part.described()
+        yield part.build()
 
 
-def _relay(lines: Lines, index: int, service_type: str, name: str) -> DescribedPart:
-    part = PartTable(json_object, f"power_{index + 1}", service_type, name=name, advertised="relay")
+def _relay(lines: TasmotaTopics, index: int, service_type: str, name: str) -> DescribedPart:
+    part = PartBuilder(json_object, f"power_{index + 1}", service_type, name=name, advertised="relay")
     lines.offer_power(part, index)
-    return part.described()
+    return part.build()
 
 
-def _relay_of_fan(lines: Lines, index: int, name: str) -> DescribedPart:
-    part = PartTable(
+def _relay_of_fan(lines: TasmotaTopics, index: int, name: str) -> DescribedPart:
+    part = PartBuilder(
         json_object, f"power_{index + 1}", "x_binary_sensor", name=name, advertised="relay", category="diagnostic"
     )
     lines.tell_power(part, index)
-    return part.described()
+    return part.build()

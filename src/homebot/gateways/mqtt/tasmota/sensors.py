@@ -11,12 +11,12 @@ from functools import partial
 from typing import TypeAlias
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.part_table import PartTable
+from homebot.gateways.mqtt.part_table import PartBuilder
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.quantity import Quantity
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number, is_unknown
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings, finite_number, is_unknown
 from homebot.gateways.mqtt.table_codec import json_object
-from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
+from homebot.gateways.mqtt.tasmota.lines import TasmotaTopics, told_of_sensors
 from homebot.gateways.mqtt.tasmota.quantities import quantity_of
 
 __all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "read_leaves"]
@@ -60,12 +60,12 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
     return tuple(leaves)
 
 
-def describe_sensors(lines: Lines, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
+def describe_sensors(lines: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
     """Describe a part for each leaf, and one for the strength of the wireless signal."""
     for leaf in leaves:
         what = leaf.quantity
         is_number = leaf.is_number or what.capability != "measurement"
-        part = PartTable(
+        part = PartBuilder(
             json_object,
             clean_text("_".join(map(str, leaf.path)), _MAX_ID),
             what.service_type,
@@ -74,10 +74,10 @@ def describe_sensors(lines: Lines, leaves: Iterable[Leaf]) -> Iterable[Described
         )
         capability = what.capability if is_number else "value"
         for topic in lines.sensors:
-            part.reads(topic, partial(_read, leaf.path, capability, what))
-        part.offers(capability, unit=what.unit if is_number else "")
-        part.asks(*lines.asks_sensors)
-        yield part.described()
+            part.read_from(topic, partial(_read, leaf.path, capability, what))
+        part.add_capability(capability, unit=what.unit if is_number else "")
+        part.add_state_request(*lines.asks_sensors)
+        yield part.build()
     yield _signal(lines)
 
 
@@ -105,14 +105,14 @@ def _leaves(sensors: Mapping[str, object]) -> Iterable[tuple[Path, object]]:
 def _read(path: Path, capability: str, what: Quantity, message: JsonMessage) -> Readings:
     found, value = _at(path, told_of_sensors(message))
     if not found:
-        return NOTHING
+        return NO_READINGS
     if value is None:
         return {capability: None}
     if capability == "value":
-        return {capability: clean_text(str(value), _MAX_VALUE)} if isinstance(value, (str, int, float)) else NOTHING
+        return {capability: clean_text(str(value), _MAX_VALUE)} if isinstance(value, (str, int, float)) else NO_READINGS
     number = finite_number(value)
     if number is None:
-        return {capability: None} if is_unknown(value) else NOTHING
+        return {capability: None} if is_unknown(value) else NO_READINGS
     return {capability: what.value(number)}
 
 
@@ -136,14 +136,14 @@ def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
     return True, value
 
 
-def _signal(lines: Lines) -> DescribedPart:
-    part = PartTable(json_object, "wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
-    part.reads(lines.states[1], _read_signal)
-    part.offers("signal_strength")
-    return part.described()
+def _signal(lines: TasmotaTopics) -> DescribedPart:
+    part = PartBuilder(json_object, "wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
+    part.read_from(lines.states[1], _read_signal)
+    part.add_capability("signal_strength")
+    return part.build()
 
 
 def _read_signal(message: JsonMessage) -> Readings:
     wifi = message.get("Wifi")
     signal = finite_number(wifi.get("Signal")) if isinstance(wifi, dict) else None
-    return NOTHING if signal is None else {"signal_strength": signal}
+    return NO_READINGS if signal is None else {"signal_strength": signal}

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings, finite_number
 from homebot.gateways.mqtt.tasmota.config import SHUTTER, Tilt
-from homebot.gateways.mqtt.tasmota.lines import Lines, told_of_sensors
-from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
+from homebot.gateways.mqtt.tasmota.lines import TasmotaTopics, told_of_sensors
+from homebot.gateways.mqtt.wanted import require_number, require_option
 
 __all__ = ["count_shutters", "offer_shutter"]
 
@@ -32,22 +32,22 @@ def count_shutters(outputs: tuple[int, ...]) -> int:
     return pairs
 
 
-def offer_shutter(part: JsonPart, lines: Lines, index: int) -> None:
+def offer_shutter(part: JsonPart, lines: TasmotaTopics, index: int) -> None:
     """Have *part* be the shutter *index*."""
     config = lines.config
     options = config.shutter_options[index] if index < len(config.shutter_options) else 0
     tilt = config.tilts[index] if index < len(config.tilts) else None
     shutter = _Shutter(lines, index + 1, bool(options & _INVERTED), tilt)
     for topic in (lines.states[0], *lines.sensors):
-        part.reads(topic, shutter.read)
-    part.offers("movement", writer=shutter.move)
-    part.offers("position", writer=shutter.set_position)
+        part.read_from(topic, shutter.read)
+    part.add_capability("movement", writer=shutter.move)
+    part.add_capability("position", writer=shutter.set_position)
     if tilt is not None:
-        part.offers("tilt", writer=shutter.set_tilt)
-    part.listens(*(lines.topic(f"Shutter{name}{index + 1}") for name in (*_TOLD.values(), "Position")))
+        part.add_capability("tilt", writer=shutter.set_tilt)
+    part.add_command_topics(*(lines.topic(f"Shutter{name}{index + 1}") for name in (*_TOLD.values(), "Position")))
     if tilt is not None:
-        part.listens(lines.topic(f"ShutterTilt{index + 1}"))
-    part.asks(*lines.asks_sensors)
+        part.add_command_topics(lines.topic(f"ShutterTilt{index + 1}"))
+    part.add_state_request(*lines.asks_sensors)
 
 
 _INVERTED = 1
@@ -65,7 +65,7 @@ class _Shutter:
         tilt: How its slats turn; None where they do not.
     """
 
-    lines: Lines
+    lines: TasmotaTopics
     number: int
     is_inverted: bool
     tilt: Tilt | None
@@ -73,7 +73,7 @@ class _Shutter:
     def read(self, message: JsonMessage) -> Readings:
         said = told_of_sensors(message).get(f"Shutter{self.number}")
         if not isinstance(said, dict):
-            return NOTHING
+            return NO_READINGS
         found: dict[str, PlainValue] = {}
         position = finite_number(said.get("Position"))
         if position is not None and 0 <= position <= 100:
@@ -89,14 +89,14 @@ class _Shutter:
         return found
 
     def move(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self.lines.tell(f"Shutter{_TOLD[wanted_option('movement', value, _TOLD)]}{self.number}")
+        return self.lines.tell(f"Shutter{_TOLD[require_option('movement', value, _TOLD)]}{self.number}")
 
     def set_position(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        percent = round(wanted_number("position", value, 0, 100, "%"))
+        percent = round(require_number("position", value, 0, 100, "%"))
         return self.lines.tell(f"ShutterPosition{self.number}", 100 - percent if self.is_inverted else percent)
 
     def set_tilt(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        percent = wanted_number("tilt", value, 0, 100, "%")
+        percent = require_number("tilt", value, 0, 100, "%")
         tilt = self.tilt or Tilt(0, 100)
         return self.lines.tell(
             f"ShutterTilt{self.number}", round(tilt.least + percent * (tilt.most - tilt.least) / 100)

@@ -38,7 +38,7 @@ def parse(source: str) -> Program:
     """
     _check_brackets(source)
     tree = _tree(source)
-    reader = _Reader()
+    reader = _SyntaxReader()
     try:
         body = reader.statements(tree.body)
     except RecursionError:
@@ -50,7 +50,7 @@ def parse(source: str) -> Program:
 
 
 @final
-class _Reader:
+class _SyntaxReader:
     """Goes through Jinja's tree once; *weight* counts its nodes."""
 
     def __init__(self) -> None:
@@ -263,42 +263,42 @@ _ReadExpression: TypeAlias = Callable[..., Evaluate]
 _ReadStatement: TypeAlias = Callable[..., Execute]
 
 _EXPRESSIONS: Final[dict[type[nodes.Node], _ReadExpression]] = {
-    nodes.Add: _Reader.binary,
-    nodes.And: _Reader.and_,
-    nodes.Call: _Reader.called,
-    nodes.Compare: _Reader.compare,
-    nodes.Concat: _Reader.concatenation,
-    nodes.CondExpr: _Reader.condition,
-    nodes.Const: _Reader.constant,
-    nodes.Dict: _Reader.mapping,
-    nodes.Div: _Reader.binary,
-    nodes.Filter: _Reader.filter_,
-    nodes.FloorDiv: _Reader.binary,
-    nodes.Getattr: _Reader.attribute,
-    nodes.Getitem: _Reader.item,
-    nodes.List: _Reader.list_,
-    nodes.Mod: _Reader.binary,
-    nodes.Mul: _Reader.binary,
-    nodes.Name: _Reader.name,
-    nodes.Neg: _Reader.negative,
-    nodes.Not: _Reader.not_,
-    nodes.Or: _Reader.or_,
-    nodes.Pos: _Reader.positive,
-    nodes.Pow: _Reader.binary,
-    nodes.Sub: _Reader.binary,
-    nodes.TemplateData: _Reader.data,
-    nodes.Test: _Reader.check,
-    nodes.Tuple: _Reader.tuple_,
+    nodes.Add: _SyntaxReader.binary,
+    nodes.And: _SyntaxReader.and_,
+    nodes.Call: _SyntaxReader.called,
+    nodes.Compare: _SyntaxReader.compare,
+    nodes.Concat: _SyntaxReader.concatenation,
+    nodes.CondExpr: _SyntaxReader.condition,
+    nodes.Const: _SyntaxReader.constant,
+    nodes.Dict: _SyntaxReader.mapping,
+    nodes.Div: _SyntaxReader.binary,
+    nodes.Filter: _SyntaxReader.filter_,
+    nodes.FloorDiv: _SyntaxReader.binary,
+    nodes.Getattr: _SyntaxReader.attribute,
+    nodes.Getitem: _SyntaxReader.item,
+    nodes.List: _SyntaxReader.list_,
+    nodes.Mod: _SyntaxReader.binary,
+    nodes.Mul: _SyntaxReader.binary,
+    nodes.Name: _SyntaxReader.name,
+    nodes.Neg: _SyntaxReader.negative,
+    nodes.Not: _SyntaxReader.not_,
+    nodes.Or: _SyntaxReader.or_,
+    nodes.Pos: _SyntaxReader.positive,
+    nodes.Pow: _SyntaxReader.binary,
+    nodes.Sub: _SyntaxReader.binary,
+    nodes.TemplateData: _SyntaxReader.data,
+    nodes.Test: _SyntaxReader.check,
+    nodes.Tuple: _SyntaxReader.tuple_,
 }
 
 _STATEMENTS: Final[dict[type[nodes.Node], _ReadStatement]] = {
-    nodes.Assign: _Reader.assign,
-    nodes.AssignBlock: _Reader.assign_block,
-    nodes.Break: _Reader.break_,
-    nodes.Continue: _Reader.continue_,
-    nodes.For: _Reader.for_,
-    nodes.If: _Reader.if_,
-    nodes.Output: _Reader.output,
+    nodes.Assign: _SyntaxReader.assign,
+    nodes.AssignBlock: _SyntaxReader.assign_block,
+    nodes.Break: _SyntaxReader.break_,
+    nodes.Continue: _SyntaxReader.continue_,
+    nodes.For: _SyntaxReader.for_,
+    nodes.If: _SyntaxReader.if_,
+    nodes.Output: _SyntaxReader.output,
 }
 
 

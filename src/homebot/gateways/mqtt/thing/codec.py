@@ -5,19 +5,19 @@ from __future__ import annotations
 from functools import partial
 
 from homebot.devices.part import Capability
-from homebot.devices.thing import Affordance, Form, Meant, hears, tells
+from homebot.devices.thing import Affordance, ClassifiedPart, Form, observe_form, write_form
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.payload import shown
-from homebot.gateways.mqtt.readings import NOTHING, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, Readings
 from homebot.gateways.mqtt.table_codec import Reader, TableCodec, Writer, raw_bytes
 from homebot.gateways.mqtt.thing.wording import meant_value, spelt_value
 
 __all__ = ["thing_codec"]
 
 
-def thing_codec(meant: Meant) -> TableCodec[bytes]:
+def thing_codec(meant: ClassifiedPart) -> TableCodec[bytes]:
     """Return the codec of one part of a thing.
 
     Args:
@@ -27,7 +27,7 @@ def thing_codec(meant: Meant) -> TableCodec[bytes]:
     event_readers: dict[str, tuple[Reader[bytes], ...]] = {}
     writers: dict[str, Writer] = {}
     for capability, affordance in meant.affordances:
-        heard, told = hears(affordance), tells(affordance)
+        heard, told = observe_form(affordance), write_form(affordance)
         if capability.readable and heard is not None:
             readers.setdefault(heard.filter, ())
             table = event_readers if affordance.kind == "event" else readers
@@ -39,7 +39,7 @@ def thing_codec(meant: Meant) -> TableCodec[bytes]:
 
 def _read(capability: Capability, affordance: Affordance, payload: bytes) -> Readings:
     value = meant_value(capability, affordance, payload)
-    return NOTHING if value is None else {capability.name: value[0]}
+    return NO_READINGS if value is None else {capability.name: value[0]}
 
 
 def _write(

@@ -13,9 +13,15 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Capability, Part
-from homebot.devices.thing import Meant, Thing, hears, parts_of, read_thing, tells
+from homebot.devices.thing import ClassifiedPart, Thing, observe_form, parts_of, read_thing, write_form
 from homebot.errors import InvalidNameError, WireError
-from homebot.gateways.mqtt.description import Described, DescribedPart, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.description import (
+    AnnouncementEvent,
+    DescribedPart,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+    Publication,
+)
 from homebot.gateways.mqtt.payload import clean_text, parse_object
 from homebot.gateways.mqtt.thing.codec import thing_codec
 from homebot.gateways.mqtt.thing.wording import is_spoken
@@ -60,11 +66,11 @@ class ThingDescriptions:
         """Return where descriptions are."""
         return tuple(f"{prefix}/+/td" for prefix in self._prefixes)
 
-    def births(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> tuple[Publication, ...]:
         """Return nothing: descriptions are kept by the broker."""
         return ()
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a description.
 
         Raises:
@@ -75,7 +81,7 @@ class ThingDescriptions:
         if name is None:
             return ()
         if not payload:
-            return (Withdrawn(name, "its description was taken back"),)
+            return (DeviceWithdrawn(name, "its description was taken back"),)
         try:
             thing = read_thing(parse_object(payload))
             return (self._described(name, topic, thing),)
@@ -91,13 +97,13 @@ class ThingDescriptions:
                     return name
         return None
 
-    def _described(self, name: str, topic: str, thing: Thing) -> Described:
+    def _described(self, name: str, topic: str, thing: Thing) -> DeviceAnnounced:
         own = tuple(one for one in thing.identifiers if one.startswith(_OWN))
         others = identifiers(one for one in (*thing.identifiers, thing.id) if one and one not in own)
         facts = {clean_text(key, 60): clean_text(value) for key, value in thing.facts.items()}
         if thing.description:
             facts.setdefault("description", clean_text(thing.description, 200))
-        return Described(
+        return DeviceAnnounced(
             key=name,
             convention=self.name,
             identifiers=tuple(dict.fromkeys((*own, *others))),
@@ -106,7 +112,7 @@ class ThingDescriptions:
             topic=topic,
             area=clean_text(thing.area),
             facts=facts,
-            is_sighting=True,  # who describes a thing now has just seen it; a forgotten one comes back so
+            implies_alive=True,  # who describes a thing now has just seen it; a forgotten one comes back so
         )
 
 
@@ -116,7 +122,7 @@ def _parts(thing: Thing) -> Iterator[DescribedPart]:
         yield DescribedPart(usable.part, thing_codec(usable))
 
 
-def _usable(meant: Meant) -> Meant:
+def _usable(meant: ClassifiedPart) -> ClassifiedPart:
     """Without what cannot be spoken.
 
     Raises:
@@ -126,7 +132,7 @@ def _usable(meant: Meant) -> Meant:
     reads: dict[str, None] = {}
     writes: dict[str, None] = {}
     for capability, affordance in meant.affordances:
-        heard, told = hears(affordance), tells(affordance)
+        heard, told = observe_form(affordance), write_form(affordance)
         if heard is not None and capability.readable and is_spoken(heard.content_type):
             reads[_checked(affordance.name, heard.filter, validate_filter)] = None
         else:
@@ -146,7 +152,7 @@ def _usable(meant: Meant) -> Meant:
             "writes": tuple(writes),
         }
     )
-    return Meant(part, tuple(affordances))
+    return ClassifiedPart(part, tuple(affordances))
 
 
 def _checked(name: str, topic: str, check: Callable[[str], None]) -> str:

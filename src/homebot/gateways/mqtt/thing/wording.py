@@ -13,7 +13,7 @@ from homebot.devices.thing import PLAIN_WORDS, Affordance, canonical, on_the_wir
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.payload import MAX_STATE_BYTES, clean_text, parse_json, shown
-from homebot.gateways.mqtt.readings import is_unknown, number_in
+from homebot.gateways.mqtt.readings import is_unknown, to_number
 
 __all__ = ["is_spoken", "meant_value", "spelt_value"]
 
@@ -68,7 +68,7 @@ def _meant(capability: Capability, affordance: Affordance, value: object) -> Pla
     if kind == "bool":
         return _flag(affordance, value)
     if kind == "number":
-        number = number_in(value)
+        number = to_number(value)
         return None if number is None else canonical(name, affordance, number)
     if isinstance(value, str):
         return clean_text(value.casefold() if name == "lock" else value, _MAX_TEXT)

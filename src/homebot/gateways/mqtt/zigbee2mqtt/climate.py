@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.part_table import JsonPart, PartTable
+from homebot.gateways.mqtt.part_table import JsonPart, PartBuilder
 from homebot.gateways.mqtt.payload import clean_text
 from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import offer_enum, offer_number
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics
 from homebot.gateways.mqtt.zigbee2mqtt.program import offer_mode
 
 __all__ = ["FEATURES_OF_CLIMATE", "build_climate", "build_thermometer", "climate_type"]
@@ -26,7 +26,7 @@ def climate_type(climate: Expose) -> str:
     return "room_air_conditioner" if "cool" in modes and modes & {"dry", "fan_only"} else "thermostat"
 
 
-def build_climate(part: JsonPart, lines: Lines, climate: Expose, program: Expose | None) -> DescribedPart:
+def build_climate(part: JsonPart, lines: Zigbee2MqttTopics, climate: Expose, program: Expose | None) -> DescribedPart:
     """Describe a thermostat.
 
     Args:
@@ -45,18 +45,20 @@ def build_climate(part: JsonPart, lines: Lines, climate: Expose, program: Expose
     for capability, name in _ENUMS.items():
         offer_enum(part, lines, climate.feature(name), capability)
     offer_enum(part, lines, climate.feature("running_state"), "thermostat_action", _ACTIONS)
-    part.asks(*lines.ask(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE)))
-    return part.described()
+    part.add_state_request(*lines.ask(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE)))
+    return part.build()
 
 
-def build_thermometer(lines: Lines, climate: Expose) -> DescribedPart | None:
+def build_thermometer(lines: Zigbee2MqttTopics, climate: Expose) -> DescribedPart | None:
     """Describe the thermometer in a thermostat, for who asks how warm it is; None where it has none."""
     local = climate.feature("local_temperature")
     if local is None or not local.is_said:
         return None
-    part = PartTable(json_object, clean_text(local.key), "temperature_sensor", name=local.label, advertised=local.name)
+    part = PartBuilder(
+        json_object, clean_text(local.key), "temperature_sensor", name=local.label, advertised=local.name
+    )
     offer_number(part, lines, local, "temperature")
-    return part.described()
+    return part.build()
 
 
 _NUMBERS: Mapping[str, tuple[str, ...]] = {

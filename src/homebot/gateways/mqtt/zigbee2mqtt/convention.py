@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import Described, Heard, Publication, Withdrawn
+from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.gateways.mqtt.payload import clean_text, parse_list, parse_object, shown
 from homebot.gateways.mqtt.zigbee2mqtt.availability import AvailabilityRule, read_availability_rule
 from homebot.gateways.mqtt.zigbee2mqtt.bridge_device import BridgeDevice, ieee_address, read_bridge_device
@@ -49,11 +49,11 @@ class Zigbee2MqttSettings(BaseModel):
 class Zigbee2Mqtt:
     """Understands ``bridge/devices`` and, for availability alone, ``bridge/info`` of each bridge.
 
-    The list is one message. Each of its devices is one :class:`Described`, and one that is missing from a later list
-    is :class:`Withdrawn`. The key is the device's address, with the base before it where that is not ``zigbee2mqtt``;
-    so a device that is renamed keeps its key and gets new topics. The coordinator, which is the bridge's own radio, and
-    devices that the user disabled are not described. Groups are not either: they are no devices, and their lamps are
-    already there, each by itself.
+    The list is one message. Each of its devices is one :class:`DeviceAnnounced`, and one that is missing from a later
+    list is :class:`DeviceWithdrawn`. The key is the device's address, with the base before it where that is not
+    ``zigbee2mqtt``; so a device that is renamed keeps its key and gets new topics. The coordinator, which is the
+    bridge's own radio, and devices that the user disabled are not described. Groups are not either: they are no
+    devices, and their lamps are already there, each by itself.
 
     It keeps the descriptions of the last list per bridge, at most :data:`MAX_DEVICES`; a longer list is refused.
 
@@ -66,7 +66,7 @@ class Zigbee2Mqtt:
 
     def __init__(self, settings: Zigbee2MqttSettings) -> None:
         self.rejected = 0
-        self._devices: dict[str, dict[str, _Known]] = {base: {} for base in settings.bases}
+        self._devices: dict[str, dict[str, _KnownDevice]] = {base: {} for base in settings.bases}
         self._rules = {base: AvailabilityRule() for base in settings.bases}
         self._listless = dict.fromkeys(settings.bases, False)  # no list came yet; whether what is beside it did
 
@@ -78,11 +78,11 @@ class Zigbee2Mqtt:
         """Return what the bridges themselves are told and tell."""
         return tuple(f"{base}/bridge/#" for base in self._devices)
 
-    def births(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> tuple[Publication, ...]:
         """Return nothing: the lists are retained."""
         return ()
 
-    def troubles(self) -> tuple[str, ...]:
+    def problems(self) -> tuple[str, ...]:
         """Return which bridges told how they are set up, but not which devices they have: both are retained."""
         return tuple(
             f"{base}/bridge/info came, but {base}/bridge/devices did not: a list that is larger than max_announcement "
@@ -91,11 +91,11 @@ class Zigbee2Mqtt:
             if is_told
         )
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[Heard, ...]:
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a list of devices and return what it tells of each. A broken entry costs that device alone."""
         return tuple(one for one in self.take_slices(topic, payload, retained=retained) if one is not None)
 
-    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[Heard | None]:  # noqa: ARG002 - as above
+    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:  # noqa: ARG002 - as above
         """Do what :meth:`take` does, in steps: the list of a house of hundreds takes a second."""
         base, _, last = topic.rpartition("/bridge/")
         if base not in self._devices:
@@ -109,12 +109,12 @@ class Zigbee2Mqtt:
             self.rejected += 1
             raise
 
-    def _take_devices(self, base: str, topic: str, payload: bytes) -> Iterator[Heard | None]:
+    def _take_devices(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
         before = self._devices[base]
         self._listless.pop(base, None)
         if not payload:
             self._devices[base] = {}
-            yield from (Withdrawn(one.described.key, "its bridge's list was removed") for one in before.values())
+            yield from (DeviceWithdrawn(one.described.key, "its bridge's list was removed") for one in before.values())
             return
         entries: list[object] = []
         for entry in parse_list(payload, MAX_BRIDGE_BYTES):
@@ -122,7 +122,7 @@ class Zigbee2Mqtt:
             if len(entries) > MAX_DEVICES:
                 raise WireError(f"{topic}: it lists more than {MAX_DEVICES} devices, which is the limit")
             yield None
-        devices: dict[str, _Known] = {}
+        devices: dict[str, _KnownDevice] = {}
         for _ in self._describe_all(base, topic, entries, devices):
             yield None
         self._devices[base] = devices
@@ -130,7 +130,9 @@ class Zigbee2Mqtt:
         yield from (_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
         yield from (one.described for one in devices.values())
 
-    def _describe_all(self, base: str, topic: str, entries: list[object], found: dict[str, _Known]) -> Iterator[None]:
+    def _describe_all(
+        self, base: str, topic: str, entries: list[object], found: dict[str, _KnownDevice]
+    ) -> Iterator[None]:
         """Describe the entries into *found*. What was known of a device stays where its entry is broken now."""
         topics: set[str] = set()
         problems = []
@@ -150,15 +152,15 @@ class Zigbee2Mqtt:
             else:
                 if device.is_coordinator or device.is_disabled:
                     continue
-                found[ieee] = _Known(device.topic, self._describe(base, topic, device, via))
+                found[ieee] = _KnownDevice(device.topic, self._describe(base, topic, device, via))
             topics.add(found[ieee].topic)
             room -= len(found[ieee].described.parts)
         if problems and not found:
             raise problems[0]
         self.rejected += len(problems)
 
-    def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> Described:
-        return Described(
+    def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> DeviceAnnounced:
+        return DeviceAnnounced(
             key=device.ieee if base == _DEFAULT_BASE else f"{base}/{device.ieee}",
             convention=self.name,
             identifiers=identifiers([device.ieee]),
@@ -170,7 +172,7 @@ class Zigbee2Mqtt:
             owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
         )
 
-    def _take_info(self, base: str, payload: bytes) -> Iterator[Heard | None]:
+    def _take_info(self, base: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
         """Take how the bridge is set up, and describe anew the devices whose availability is told otherwise now."""
         if base in self._listless:
             self._listless[base] = True
@@ -179,7 +181,7 @@ class Zigbee2Mqtt:
             return
         self._rules[base] = rule
         changed = {
-            ieee: _Known(one.topic, replace(one.described, availability=availability))
+            ieee: _KnownDevice(one.topic, replace(one.described, availability=availability))
             for ieee, one in self._devices[base].items()
             if (availability := rule.availability(base, ieee, one.topic)) != one.described.availability
         }
@@ -188,11 +190,11 @@ class Zigbee2Mqtt:
 
 
 @dataclass(frozen=True, slots=True)
-class _Known:
+class _KnownDevice:
     """A device of the last list, and the topic on which it speaks."""
 
     topic: str
-    described: Described
+    described: DeviceAnnounced
 
 
 def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: int) -> BridgeDevice:
@@ -215,7 +217,7 @@ def _bridge_name(entries: list[object]) -> str:
     return ""
 
 
-def _withdrawn(one: _Known, is_listed: bool) -> Withdrawn:  # noqa: FBT001 - only called above
+def _withdrawn(one: _KnownDevice, is_listed: bool) -> DeviceWithdrawn:  # noqa: FBT001 - only called above
     if is_listed:
-        return Withdrawn(one.described.key, "it was disabled, or its name was taken")
-    return Withdrawn(one.described.key, "it left its bridge", is_final=True)
+        return DeviceWithdrawn(one.described.key, "it was disabled, or its name was taken")
+    return DeviceWithdrawn(one.described.key, "it left its bridge", is_final=True)

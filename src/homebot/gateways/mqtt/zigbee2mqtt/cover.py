@@ -13,18 +13,18 @@ from functools import partial
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
-from homebot.gateways.mqtt.wanted import wanted_number, wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.wanted import require_number, require_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import hear
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics
 
 __all__ = ["FEATURES_OF_COVER", "build_cover"]
 
 FEATURES_OF_COVER = frozenset({"state", "position", "tilt"})
 
 
-def build_cover(part: JsonPart, lines: Lines, cover: Expose, motor: Expose | None) -> DescribedPart:
+def build_cover(part: JsonPart, lines: Zigbee2MqttTopics, cover: Expose, motor: Expose | None) -> DescribedPart:
     """Describe a cover.
 
     Args:
@@ -34,18 +34,18 @@ def build_cover(part: JsonPart, lines: Lines, cover: Expose, motor: Expose | Non
         motor: The enum that tells how its motor turns; None where it has none.
     """
     state, position, tilt = (cover.feature(name) for name in ("state", "position", "tilt"))
-    part.listens(lines.told)
+    part.add_command_topics(lines.told)
     if state is not None:
-        part.reads(lines.said, _Movement(state.key, position.key if position else "", motor).read)
+        part.read_from(lines.said, _Movement(state.key, position.key if position else "", motor).read)
         writer = partial(_move, lines, state.key) if state.is_settable else None
-        part.offers("movement", readable=state.is_said, writer=writer)
+        part.add_capability("movement", readable=state.is_said, writer=writer)
     for name, feature in (("position", position), ("tilt", tilt)):
         if feature is not None:
             hear(part, lines, feature, name, _percent)
             mover = partial(_set, lines, feature.key, name) if feature.is_settable else None
-            part.offers(name, readable=feature.is_said, writer=mover)
-    part.asks(*lines.ask(state, position, tilt))
-    return part.described()
+            part.add_capability(name, readable=feature.is_said, writer=mover)
+    part.add_state_request(*lines.ask(state, position, tilt))
+    return part.build()
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ class _Movement:
 
     def read(self, message: JsonMessage) -> Readings:
         if self.state not in message:
-            return NOTHING
+            return NO_READINGS
         state = message[self.state]
         if state is None:
             return {"movement": None}
@@ -70,7 +70,7 @@ class _Movement:
         turns = message.get(self.motor.key) if self.motor is not None else None
         direction = _DIRECTIONS.get(turns.lower()) if isinstance(turns, str) else None
         if direction is None or (self.position and message.get(self.position) == _ENDS.get(at or "")):
-            return NOTHING if at is None else {"movement": at}
+            return NO_READINGS if at is None else {"movement": at}
         return {"movement": direction}
 
 
@@ -89,9 +89,11 @@ def _percent(value: object) -> float | None:
     return None if number is None else min(100.0, max(0.0, number))
 
 
-def _move(lines: Lines, key: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    return lines.tell({key: _TOLD[wanted_option("movement", value, _TOLD)]})
+def _move(lines: Zigbee2MqttTopics, key: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    return lines.tell({key: _TOLD[require_option("movement", value, _TOLD)]})
 
 
-def _set(lines: Lines, key: str, name: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    return lines.tell({key: round(wanted_number(name, value, 0, 100, "%"))})
+def _set(
+    lines: Zigbee2MqttTopics, key: str, name: str, value: PlainValue, _transition: float
+) -> tuple[Publication, ...]:
+    return lines.tell({key: round(require_number(name, value, 0, 100, "%"))})

@@ -13,17 +13,17 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.readings import finite_number
-from homebot.gateways.mqtt.wanted import wanted_number
+from homebot.gateways.mqtt.wanted import require_number
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import hear, offer_enum, offer_flag
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics
 
 __all__ = ["FEATURES_OF_FAN", "build_fan"]
 
 FEATURES_OF_FAN = frozenset({"state", "mode", "speed"})
 
 
-def build_fan(part: JsonPart, lines: Lines, fan: Expose, model: str) -> DescribedPart:
+def build_fan(part: JsonPart, lines: Zigbee2MqttTopics, fan: Expose, model: str) -> DescribedPart:
     """Describe a fan.
 
     Args:
@@ -39,8 +39,8 @@ def build_fan(part: JsonPart, lines: Lines, fan: Expose, model: str) -> Describe
         _offer_words(part, lines, mode, _words(mode, model))
     elif speed is not None:
         _offer_range(part, lines, speed)
-    part.asks(*lines.ask(state, mode, speed))
-    return part.described()
+    part.add_state_request(*lines.ask(state, mode, speed))
+    return part.build()
 
 
 _SPEEDS = ("low", "medium", "high", "1", "2", "3", "4", "5", "6", "7", "8", "9")
@@ -53,23 +53,23 @@ def _words(mode: Expose, model: str) -> tuple[str, ...]:
     return "off", *(word for word in (*_SPEEDS, *fastest) if word in mode.options)
 
 
-def _offer_words(part: JsonPart, lines: Lines, mode: Expose, words: Sequence[str]) -> None:
+def _offer_words(part: JsonPart, lines: Zigbee2MqttTopics, mode: Expose, words: Sequence[str]) -> None:
     if len(words) == 1:
         return
     if mode.is_said:
         hear(part, lines, mode, "fan_speed", partial(_percent_of_word, words))
     writer = partial(_write_word, lines, mode.key, words) if mode.is_settable else None
-    part.offers("fan_speed", readable=mode.is_said, writer=writer)
+    part.add_capability("fan_speed", readable=mode.is_said, writer=writer)
 
 
-def _offer_range(part: JsonPart, lines: Lines, speed: Expose) -> None:
+def _offer_range(part: JsonPart, lines: Zigbee2MqttTopics, speed: Expose) -> None:
     least, most = speed.least, speed.most
     if least is None or most is None or least >= most:
         return
     if speed.is_said:
         hear(part, lines, speed, "fan_speed", partial(_percent_of_step, least, most))
     writer = partial(_write_step, lines, speed.key, least, most) if speed.is_settable else None
-    part.offers("fan_speed", readable=speed.is_said, writer=writer)
+    part.add_capability("fan_speed", readable=speed.is_said, writer=writer)
 
 
 def _percent_of_word(words: Sequence[str], value: object) -> float | None:
@@ -78,9 +78,9 @@ def _percent_of_word(words: Sequence[str], value: object) -> float | None:
 
 
 def _write_word(
-    lines: Lines, key: str, words: Sequence[str], value: PlainValue, _transition: float
+    lines: Zigbee2MqttTopics, key: str, words: Sequence[str], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    percent = wanted_number("fan_speed", value, 0, 100, "%")
+    percent = require_number("fan_speed", value, 0, 100, "%")
     return lines.tell({key: words[math.ceil(percent * (len(words) - 1) / 100)]})
 
 
@@ -92,7 +92,7 @@ def _percent_of_step(least: float, most: float, value: object) -> float | None:
 
 
 def _write_step(
-    lines: Lines, key: str, least: float, most: float, value: PlainValue, _transition: float
+    lines: Zigbee2MqttTopics, key: str, least: float, most: float, value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    percent = wanted_number("fan_speed", value, 0, 100, "%")
+    percent = require_number("fan_speed", value, 0, 100, "%")
     return lines.tell({key: math.ceil(percent * (most - least + 1) / 100 + least - 1) if percent else 0})

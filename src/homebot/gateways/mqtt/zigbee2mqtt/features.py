@@ -10,11 +10,11 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.part_table import JsonPart
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number, is_unknown
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings, finite_number, is_unknown
 from homebot.gateways.mqtt.table_codec import Writer
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.wanted import require_bool, require_number, require_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose, Scalar
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines, whole_or_not
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics, whole_or_not
 
 __all__ = [
     "MAX_VALUE",
@@ -33,7 +33,9 @@ MAX_VALUE = 255
 _NO_BOUND = 1e12
 
 
-def hear(part: JsonPart, lines: Lines, feature: Expose, capability: str, read: Callable[[object], PlainValue]) -> None:
+def hear(
+    part: JsonPart, lines: Zigbee2MqttTopics, feature: Expose, capability: str, read: Callable[[object], PlainValue]
+) -> None:
     """Have *part* read the property of *feature*; null is unknown, and so is what says that of a number.
 
     Args:
@@ -44,21 +46,23 @@ def hear(part: JsonPart, lines: Lines, feature: Expose, capability: str, read: C
         read: Returns what a value means, None where it means nothing.
     """
     is_number = CAPABILITIES[capability].kind == "number"
-    part.reads(lines.said, partial(_read, feature.key, capability, read, is_unknown if is_number else _is_null))
+    part.read_from(lines.said, partial(_read, feature.key, capability, read, is_unknown if is_number else _is_null))
 
 
-def offer_flag(part: JsonPart, lines: Lines, feature: Expose | None, capability: str) -> None:
+def offer_flag(part: JsonPart, lines: Zigbee2MqttTopics, feature: Expose | None, capability: str) -> None:
     """Have *part* offer a binary *feature* as *capability*: true is what its ``value_on`` says."""
     if feature is None or feature.value_on is None or feature.value_off is None:
         return
     if feature.is_said:
         hear(part, lines, feature, capability, partial(flag_of, feature))
     writer = partial(_write_flag, lines, feature, capability) if feature.is_settable else None
-    part.offers(capability, readable=feature.is_said, writer=writer)
+    part.add_capability(capability, readable=feature.is_said, writer=writer)
     _connect(part, lines, feature)
 
 
-def offer_number(part: JsonPart, lines: Lines, feature: Expose | None, capability: str, *, unit: str = "") -> None:
+def offer_number(
+    part: JsonPart, lines: Zigbee2MqttTopics, feature: Expose | None, capability: str, *, unit: str = ""
+) -> None:
     """Have *part* offer a numeric *feature* as *capability*, in the same unit."""
     if feature is None:
         return
@@ -66,13 +70,13 @@ def offer_number(part: JsonPart, lines: Lines, feature: Expose | None, capabilit
         hear(part, lines, feature, capability, finite_number)
     bounds = () if feature.least is None or feature.most is None else (feature.least, feature.most)
     writer = partial(_write_number, lines, feature, capability) if feature.is_settable else None
-    part.offers(capability, readable=feature.is_said, writer=writer, unit=unit, bounds=bounds)
+    part.add_capability(capability, readable=feature.is_said, writer=writer, unit=unit, bounds=bounds)
     _connect(part, lines, feature)
 
 
 def offer_enum(
     part: JsonPart,
-    lines: Lines,
+    lines: Zigbee2MqttTopics,
     feature: Expose | None,
     capability: str,
     words: Mapping[str, str] | None = None,
@@ -92,7 +96,7 @@ def offer_enum(
         hear(part, lines, feature, capability, text_of if words is None else partial(_word_of, words))
     writer: Writer | None = partial(_write_option, lines, feature, capability) if feature.is_settable else None
     options = tuple(feature.options) if words is None else tuple(words.values())
-    part.offers(capability, readable=feature.is_said, writer=writer, options=options)
+    part.add_capability(capability, readable=feature.is_said, writer=writer, options=options)
     _connect(part, lines, feature)
 
 
@@ -119,9 +123,9 @@ def text_of(value: object) -> str | None:
     return None
 
 
-def _connect(part: JsonPart, lines: Lines, feature: Expose) -> None:
+def _connect(part: JsonPart, lines: Zigbee2MqttTopics, feature: Expose) -> None:
     if feature.is_settable:
-        part.listens(lines.told)
+        part.add_command_topics(lines.told)
 
 
 def _is_null(value: object) -> bool:
@@ -136,12 +140,12 @@ def _read(
     message: JsonMessage,
 ) -> Readings:
     if key not in message:
-        return NOTHING
+        return NO_READINGS
     value = message[key]
     if says_unknown(value):
         return {capability: None}
     found = read(value)
-    return NOTHING if found is None else {capability: found}
+    return NO_READINGS if found is None else {capability: found}
 
 
 def _word_of(words: Mapping[str, str], value: object) -> str | None:
@@ -149,23 +153,23 @@ def _word_of(words: Mapping[str, str], value: object) -> str | None:
 
 
 def _write_flag(
-    lines: Lines, feature: Expose, capability: str, value: PlainValue, _transition: float
+    lines: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    told = feature.value_on if wanted_flag(capability, value) else feature.value_off
+    told = feature.value_on if require_bool(capability, value) else feature.value_off
     return lines.tell({feature.key: told})
 
 
 def _write_number(
-    lines: Lines, feature: Expose, capability: str, value: PlainValue, _transition: float
+    lines: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
     least = -_NO_BOUND if feature.least is None else feature.least
     most = _NO_BOUND if feature.most is None else feature.most
-    number = wanted_number(capability, value, least, most, feature.unit)
+    number = require_number(capability, value, least, most, feature.unit)
     return lines.tell({feature.key: whole_or_not(number)})
 
 
 def _write_option(
-    lines: Lines, feature: Expose, capability: str, value: PlainValue, _transition: float
+    lines: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    option = wanted_option(capability, value, feature.options)
+    option = require_option(capability, value, feature.options)
     return lines.tell({feature.key: feature.options[option]})

@@ -13,12 +13,12 @@ from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import DescribedPart, Publication
-from homebot.gateways.mqtt.part_table import JsonPart, PartTable
+from homebot.gateways.mqtt.part_table import JsonPart, PartBuilder
 from homebot.gateways.mqtt.payload import clean_text, shown
 from homebot.gateways.mqtt.quantity import Quantity
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings, finite_number
 from homebot.gateways.mqtt.table_codec import json_object
-from homebot.gateways.mqtt.wanted import wanted_flag
+from homebot.gateways.mqtt.wanted import require_bool
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import (
     MAX_VALUE,
@@ -28,13 +28,13 @@ from homebot.gateways.mqtt.zigbee2mqtt.features import (
     offer_number,
     text_of,
 )
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics
 from homebot.gateways.mqtt.zigbee2mqtt.vocabulary import CONDITIONS, TRUE_IS_CLOSED, measure
 
 __all__ = ["build_generic"]
 
 
-def build_generic(lines: Lines, expose: Expose) -> DescribedPart | None:
+def build_generic(lines: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
     """Describe one generic expose, as a part of its own; None for one that neither says nor takes anything.
 
     What can be set is a setting, whatever it is called: a child lock is no door lock, and nobody who turns off
@@ -43,29 +43,29 @@ def build_generic(lines: Lines, expose: Expose) -> DescribedPart | None:
     if expose.type == "enum" and expose.name == "action":
         return _buttons(lines, expose)
     part = _setting(lines, expose) if expose.is_settable else _sensor(lines, expose) if expose.is_said else None
-    return None if part is None or part.is_empty else part.described()
+    return None if part is None or part.is_empty else part.build()
 
 
 def _part(expose: Expose, service_type: str, category: Category) -> JsonPart:
-    return PartTable(
+    return PartBuilder(
         json_object, clean_text(expose.key), service_type, name=expose.label, advertised=expose.name, category=category
     )
 
 
-def _buttons(lines: Lines, action: Expose) -> DescribedPart:
+def _buttons(lines: Zigbee2MqttTopics, action: Expose) -> DescribedPart:
     part = _part(action, "generic_switch", "")
-    part.reads_events(lines.said, partial(_read_action, action.key))
-    part.offers("press", options=tuple(action.options))
-    return part.described()
+    part.read_events_from(lines.said, partial(_read_action, action.key))
+    part.add_capability("press", options=tuple(action.options))
+    return part.build()
 
 
 def _read_action(key: str, message: JsonMessage) -> Readings:
     """An empty action is Zigbee2MQTT's way to say that the last one is over."""
     action = message.get(key)
-    return {"press": clean_text(action, MAX_VALUE)} if isinstance(action, str) and action else NOTHING
+    return {"press": clean_text(action, MAX_VALUE)} if isinstance(action, str) and action else NO_READINGS
 
 
-def _sensor(lines: Lines, expose: Expose) -> JsonPart:
+def _sensor(lines: Zigbee2MqttTopics, expose: Expose) -> JsonPart:
     category: Category = "diagnostic" if expose.category else ""
     if expose.type == "binary":
         service_type, capability = CONDITIONS.get(expose.name, ("x_binary_sensor", "state"))
@@ -77,17 +77,17 @@ def _sensor(lines: Lines, expose: Expose) -> JsonPart:
         what = measure(expose.name, expose.unit)
         part = _part(expose, what.service_type, category)
         hear(part, lines, expose, what.capability, partial(_measured, what))
-        part.offers(what.capability, unit=what.unit)
+        part.add_capability(what.capability, unit=what.unit)
     else:
         part = _part(expose, "x_sensor", category)
         hear(part, lines, expose, "value", text_of if expose.type == "enum" else _json_text)
-        part.offers("value", options=tuple(expose.options))
+        part.add_capability("value", options=tuple(expose.options))
     if not category:
-        part.asks(*lines.ask(expose))
+        part.add_state_request(*lines.ask(expose))
     return part
 
 
-def _setting(lines: Lines, expose: Expose) -> JsonPart | None:
+def _setting(lines: Zigbee2MqttTopics, expose: Expose) -> JsonPart | None:
     is_switch = expose.type == "binary" and expose.name == "state" and not expose.category
     part = _part(expose, "switch" if is_switch else "x_setting", "" if is_switch else expose.category or "config")
     match expose.type:
@@ -96,19 +96,19 @@ def _setting(lines: Lines, expose: Expose) -> JsonPart | None:
         case "numeric":
             offer_number(part, lines, expose, "number", unit=expose.unit)
         case "enum" if len(expose.options) == 1:
-            part.offers(_push_of(expose), readable=False, writer=partial(_push, lines, expose))
-            part.listens(lines.told)
+            part.add_capability(_push_of(expose), readable=False, writer=partial(_push, lines, expose))
+            part.add_command_topics(lines.told)
         case "enum":
             offer_enum(part, lines, expose, "option")
         case "text":
             if expose.is_said:
                 hear(part, lines, expose, "text", _json_text)
-            part.offers("text", readable=expose.is_said, writer=partial(_write_text, lines, expose))
-            part.listens(lines.told)
+            part.add_capability("text", readable=expose.is_said, writer=partial(_write_text, lines, expose))
+            part.add_command_topics(lines.told)
         case _:
             return _sensor(lines, expose) if expose.is_said else None
     if is_switch:
-        part.asks(*lines.ask(expose))
+        part.add_state_request(*lines.ask(expose))
     return part
 
 
@@ -130,13 +130,15 @@ def _push_of(expose: Expose) -> str:
     return "locate" if expose.name == "identify" else "push"
 
 
-def _push(lines: Lines, expose: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    if not wanted_flag(_push_of(expose), value):
+def _push(lines: Zigbee2MqttTopics, expose: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    if not require_bool(_push_of(expose), value):
         raise RefusedError(f"{_push_of(expose)} {shown(value)}", "it takes true")
     return lines.tell({expose.key: expose.values[0]})
 
 
-def _write_text(lines: Lines, expose: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+def _write_text(
+    lines: Zigbee2MqttTopics, expose: Expose, value: PlainValue, _transition: float
+) -> tuple[Publication, ...]:
     if not isinstance(value, str) or len(value) > _MAX_TEXT:
         raise RefusedError(f"text {shown(value)}", f"it takes a text of at most {_MAX_TEXT} characters")
     return lines.tell({expose.key: value})

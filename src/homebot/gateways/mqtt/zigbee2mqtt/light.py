@@ -20,18 +20,18 @@ from homebot.gateways.mqtt.light_color import (
     to_hue_saturation,
 )
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings, finite_number
-from homebot.gateways.mqtt.wanted import wanted_color, wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings, finite_number
+from homebot.gateways.mqtt.wanted import require_bool, require_color, require_number, require_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose, Scalar
 from homebot.gateways.mqtt.zigbee2mqtt.features import flag_of, text_of
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics
 
 __all__ = ["FEATURES_OF_LIGHT", "build_light"]
 
 FEATURES_OF_LIGHT = frozenset({"state", "brightness", "color_temp", "color_xy", "color_hs"})
 
 
-def build_light(part: JsonPart, lines: Lines, light: Expose, effect: Expose | None) -> DescribedPart:
+def build_light(part: JsonPart, lines: Zigbee2MqttTopics, light: Expose, effect: Expose | None) -> DescribedPart:
     """Describe a lamp.
 
     Args:
@@ -41,26 +41,26 @@ def build_light(part: JsonPart, lines: Lines, light: Expose, effect: Expose | No
         effect: The enum of its effects; None where it has none.
     """
     features = {one.name: one for one in light.features if one.name in FEATURES_OF_LIGHT}
-    lamp = _Lamp(lines, features, light.suffix, _color_mode(light), effect)
+    lamp = _Zigbee2MqttLamp(lines, features, light.suffix, _color_mode(light), effect)
     state = features.get("state")
     is_said = state is not None and state.is_said
-    part.reads(lines.said, lamp.read)
-    part.listens(lines.told)
-    part.offers("on_off", readable=is_said, writer=lamp.switch)
+    part.read_from(lines.said, lamp.read)
+    part.add_command_topics(lines.told)
+    part.add_capability("on_off", readable=is_said, writer=lamp.switch)
     if "brightness" in features:
-        part.offers("level", readable=is_said, writer=lamp.dim)
+        part.add_capability("level", readable=is_said, writer=lamp.dim)
     if "color_temp" in features:
-        part.offers("color_temperature", writer=lamp.set_white, bounds=_kelvins(features["color_temp"]))
+        part.add_capability("color_temperature", writer=lamp.set_white, bounds=_kelvins(features["color_temp"]))
     if lamp.mode:
-        part.offers("color", writer=lamp.set_color)
+        part.add_capability("color", writer=lamp.set_color)
     if effect is not None:
-        part.offers("effect", readable=effect.is_said, writer=lamp.play, options=tuple(effect.options))
-    part.asks(*lines.ask(*features.values()))
-    return part.described()
+        part.add_capability("effect", readable=effect.is_said, writer=lamp.play, options=tuple(effect.options))
+    part.add_state_request(*lines.ask(*features.values()))
+    return part.build()
 
 
 @dataclass(frozen=True, slots=True)
-class _Lamp:
+class _Zigbee2MqttLamp:
     """Reads and tells one lamp.
 
     Attributes:
@@ -71,7 +71,7 @@ class _Lamp:
         effect: The enum of its effects.
     """
 
-    lines: Lines
+    lines: Zigbee2MqttTopics
     features: Mapping[str, Expose]
     suffix: str
     mode: str
@@ -97,11 +97,11 @@ class _Lamp:
         return found
 
     def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        return self._tell({}, transition, on=wanted_flag("on_off", value))
+        return self._tell({}, transition, on=require_bool("on_off", value))
 
     def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         """Rounded twice, by way of 0 to 255, as Home Assistant does."""
-        percent = wanted_number("level", value, 0, 100, "%")
+        percent = require_number("level", value, 0, 100, "%")
         if not percent:
             return self._tell({}, transition, on=False)
         brightness = self.features["brightness"]
@@ -110,11 +110,11 @@ class _Lamp:
 
     def set_white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         low, high = _kelvins(self.features["color_temp"]) or _KELVIN
-        kelvin = wanted_number("color_temperature", value, min(low, _KELVIN[0]), max(high, _KELVIN[1]), "K")
+        kelvin = require_number("color_temperature", value, min(low, _KELVIN[0]), max(high, _KELVIN[1]), "K")
         return self._tell({self.features["color_temp"].key: kelvin_mired(int(kelvin))}, transition)
 
     def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        hue, saturation = wanted_color(value)
+        hue, saturation = require_color(value)
         channels = from_hue_saturation(self.mode, hue, saturation, _NO_WHITE)
         color = dict(zip(CHANNELS[self.mode], channels, strict=True))
         return self._tell({self._color_property: color}, transition)
@@ -122,7 +122,7 @@ class _Lamp:
     def play(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         if self.effect is None:
             return ()
-        told: Scalar = self.effect.options[wanted_option("effect", value, self.effect.options)]
+        told: Scalar = self.effect.options[require_option("effect", value, self.effect.options)]
         return self._tell({self.effect.key: told}, transition)
 
     @property
@@ -155,13 +155,13 @@ class _Lamp:
         if mode == "color_temp" and white is not None:
             mired = finite_number(message.get(white.key))
             if mired is None or not 0 < mired <= _MOST_MIRED:
-                return NOTHING
+                return NO_READINGS
             return {"color_temperature": float(kelvin_mired(mired))} | ({"color": None} if self.mode else {})
         if mode in _COLOR_MODES and self.mode:
             color = _hue_saturation(str(mode), message.get(self._color_property))
             if color is not None:
                 return {"color": color} | ({"color_temperature": None} if white is not None else {})
-        return NOTHING
+        return NO_READINGS
 
 
 _COLOR_MODES = ("xy", "hs")

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.description import Publication
-from homebot.gateways.mqtt.wanted import wanted_transition
+from homebot.gateways.mqtt.wanted import require_transition
 from homebot.gateways.mqtt.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose
 
-__all__ = ["Lines", "whole_or_not"]
+__all__ = ["Zigbee2MqttTopics", "whole_or_not"]
 
 _MOST_SECONDS = 6_553.0
 """Longest transition that fits into a Zigbee frame: 65,535 tenths of a second, less those that mean "as you like"."""
 
 
 @dataclass(frozen=True, slots=True)
-class Lines:
+class Zigbee2MqttTopics:
     """Where one device speaks and listens.
 
     Attributes:
@@ -44,7 +44,7 @@ class Lines:
         """The topic that it listens on."""
         return f"{self._told_at}/set"
 
-    def of(self, expose: Expose) -> Lines:
+    def of(self, expose: Expose) -> Zigbee2MqttTopics:
         """Return where *expose* is told and asked for."""
         if expose.endpoint not in self.bare_endpoints:
             return self
@@ -61,7 +61,7 @@ class Lines:
         Raises:
             RefusedError: *transition* is out of bounds, or a text cannot be written in UTF-8.
         """
-        seconds = wanted_transition(transition, _MOST_SECONDS)
+        seconds = require_transition(transition, _MOST_SECONDS)
         fields = self._plain(message)
         if seconds and self.can_fade:
             fields["transition"] = whole_or_not(seconds)

@@ -11,27 +11,27 @@ from functools import partial
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
-from homebot.gateways.mqtt.wanted import wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings
+from homebot.gateways.mqtt.wanted import require_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
 from homebot.gateways.mqtt.zigbee2mqtt.features import same_scalar
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics
 
 __all__ = ["FEATURES_OF_LOCK", "build_lock"]
 
 FEATURES_OF_LOCK = frozenset({"state", "lock_state"})
 
 
-def build_lock(part: JsonPart, lines: Lines, lock: Expose) -> DescribedPart:
+def build_lock(part: JsonPart, lines: Zigbee2MqttTopics, lock: Expose) -> DescribedPart:
     """Describe a lock. A bolt that is not fully out counts as unlocked, which is the careful reading."""
     state, bolt = lock.feature("state"), lock.feature("lock_state")
-    part.reads(lines.said, partial(_read, state, bolt))
+    part.read_from(lines.said, partial(_read, state, bolt))
     writer = partial(_write, lines, state) if state is not None and state.is_settable else None
     is_said = any(one is not None and one.is_said for one in (state, bolt))
-    part.offers("lock", readable=is_said, writer=writer, options=("locked", "unlocked"))
-    part.listens(lines.told)
-    part.asks(*lines.ask(state))
-    return part.described()
+    part.add_capability("lock", readable=is_said, writer=writer, options=("locked", "unlocked"))
+    part.add_command_topics(lines.told)
+    part.add_state_request(*lines.ask(state))
+    return part.build()
 
 
 _BOLTS: Mapping[str, str] = {"locked": "locked", "unlocked": "unlocked", "not_fully_locked": "unlocked"}
@@ -45,11 +45,11 @@ def _read(state: Expose | None, bolt: Expose | None, message: JsonMessage) -> Re
         for word, expected in (("locked", state.value_on), ("unlocked", state.value_off)):
             if same_scalar(value, expected):
                 return {"lock": word}
-        return NOTHING
+        return NO_READINGS
     told = message.get(bolt.key) if bolt is not None else None
-    return {"lock": _BOLTS[told]} if isinstance(told, str) and told in _BOLTS else NOTHING
+    return {"lock": _BOLTS[told]} if isinstance(told, str) and told in _BOLTS else NO_READINGS
 
 
-def _write(lines: Lines, state: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    wanted = wanted_option("lock", value, ("locked", "unlocked"))
+def _write(lines: Zigbee2MqttTopics, state: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    wanted = require_option("lock", value, ("locked", "unlocked"))
     return lines.tell({state.key: state.value_on if wanted == "locked" else state.value_off})

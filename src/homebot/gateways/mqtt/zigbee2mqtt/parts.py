@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from homebot.gateways.mqtt.description import DescribedPart
-from homebot.gateways.mqtt.part_table import PartTable, with_own_ids
+from homebot.gateways.mqtt.part_table import PartBuilder, with_own_ids
 from homebot.gateways.mqtt.payload import clean_text
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings
 from homebot.gateways.mqtt.table_codec import json_object
 from homebot.gateways.mqtt.zigbee2mqtt.bridge_device import BridgeDevice
 from homebot.gateways.mqtt.zigbee2mqtt.climate import (
@@ -25,7 +25,7 @@ from homebot.gateways.mqtt.zigbee2mqtt.fan import FEATURES_OF_FAN, build_fan
 from homebot.gateways.mqtt.zigbee2mqtt.features import offer_flag, text_of
 from homebot.gateways.mqtt.zigbee2mqtt.generic import build_generic
 from homebot.gateways.mqtt.zigbee2mqtt.light import FEATURES_OF_LIGHT, build_light
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics
 from homebot.gateways.mqtt.zigbee2mqtt.lock import FEATURES_OF_LOCK, build_lock
 from homebot.gateways.mqtt.zigbee2mqtt.program import is_program
 from homebot.gateways.mqtt.zigbee2mqtt.siren import build_siren
@@ -35,7 +35,7 @@ __all__ = ["build_parts"]
 
 def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
     """Describe the parts of a device, each id once. One that the bridge does not know shows what it says as it is."""
-    lines = Lines(device.topic, device.is_awake, device.can_fade, device.bare_endpoints)
+    lines = Zigbee2MqttTopics(device.topic, device.is_awake, device.can_fade, device.bare_endpoints)
     exposes = read_exposes(device.exposes)
     return with_own_ids(_described(device, lines, exposes), _MOST_PARTS) or (_unknown(lines),)
 
@@ -53,7 +53,7 @@ _FEATURES: Mapping[str, frozenset[str]] = {
 _MOST_PARTS = 500
 
 
-def _described(device: BridgeDevice, whole: Lines, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
+def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
     beside = _beside(exposes)
     has_thermometer = any(one.name in ("temperature", "local_temperature") and one.is_said for one in exposes)
     for expose in exposes:
@@ -65,7 +65,7 @@ def _described(device: BridgeDevice, whole: Lines, exposes: tuple[Expose, ...]) 
             rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
         elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
             yield build_siren(
-                PartTable(json_object, "siren" + expose.suffix, "siren", advertised="warning"), lines, expose
+                PartBuilder(json_object, "siren" + expose.suffix, "siren", advertised="warning"), lines, expose
             )
             rest = []
         else:
@@ -94,11 +94,13 @@ def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
     return found
 
 
-def _specific(device: BridgeDevice, lines: Lines, expose: Expose, beside: Mapping[str, Expose]) -> DescribedPart:
+def _specific(
+    device: BridgeDevice, lines: Zigbee2MqttTopics, expose: Expose, beside: Mapping[str, Expose]
+) -> DescribedPart:
     if expose.type == "switch":
         return _switch(lines, expose)
     service_type = climate_type(expose) if expose.type == "climate" else _SERVICES[expose.type]
-    part = PartTable(
+    part = PartBuilder(
         json_object,
         expose.type + expose.suffix,
         service_type,
@@ -122,11 +124,11 @@ def _specific(device: BridgeDevice, lines: Lines, expose: Expose, beside: Mappin
 _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
 
 
-def _switch(lines: Lines, expose: Expose) -> DescribedPart:
+def _switch(lines: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
     """Describe a relay. One whose property is no state, such as ``window_detection``, is a setting."""
     state = expose.feature("state")
     is_setting = state is not None and not state.key.startswith("state")
-    part = PartTable(
+    part = PartBuilder(
         json_object,
         clean_text(state.key) if state is not None and is_setting else "switch" + expose.suffix,
         "x_setting" if is_setting else "switch",
@@ -135,34 +137,34 @@ def _switch(lines: Lines, expose: Expose) -> DescribedPart:
         category=expose.category or ("config" if is_setting else ""),
     )
     offer_flag(part, lines, state, "on_off")
-    part.asks(*lines.ask(state))
-    return part.described()
+    part.add_state_request(*lines.ask(state))
+    return part.build()
 
 
-def _update(lines: Lines) -> DescribedPart:
-    part = PartTable(json_object, "update", "x_update", advertised="update", category="diagnostic")
-    part.reads(lines.said, _read_update)
+def _update(lines: Zigbee2MqttTopics) -> DescribedPart:
+    part = PartBuilder(json_object, "update", "x_update", advertised="update", category="diagnostic")
+    part.read_from(lines.said, _read_update)
     for capability in ("version", "latest_version", "update_available"):
-        part.offers(capability)
-    return part.described()
+        part.add_capability(capability)
+    return part.build()
 
 
 def _read_update(message: JsonMessage) -> Readings:
     """A version of -1 or null is not known."""
     update = message.get("update")
     if not isinstance(update, dict):
-        return NOTHING
+        return NO_READINGS
     versions = {"version": update.get("installed_version"), "latest_version": update.get("latest_version")}
     known = {name: None if value in (None, -1) else text_of(value) for name, value in versions.items()}
     state = update.get("state")
     return {**known, "update_available": state == "available" if isinstance(state, str) else None}
 
 
-def _unknown(lines: Lines) -> DescribedPart:
-    part = PartTable(json_object, "", "x_unknown")
-    part.reads(lines.said, _read_raw)
-    part.offers("raw")
-    return part.described()
+def _unknown(lines: Zigbee2MqttTopics) -> DescribedPart:
+    part = PartBuilder(json_object, "", "x_unknown")
+    part.read_from(lines.said, _read_raw)
+    part.add_capability("raw")
+    return part.build()
 
 
 def _read_raw(message: JsonMessage) -> Readings:

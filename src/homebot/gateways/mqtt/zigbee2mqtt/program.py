@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.readings import NOTHING, JsonMessage, Readings
-from homebot.gateways.mqtt.wanted import wanted_option
+from homebot.gateways.mqtt.readings import NO_READINGS, JsonMessage, Readings
+from homebot.gateways.mqtt.wanted import require_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics
 
 __all__ = ["is_program", "offer_mode"]
 
@@ -30,7 +30,7 @@ def is_program(expose: Expose) -> bool:
     return expose.name == "operating_mode" and is_whole and set(expose.options) == {_MANUAL, *_MODES}
 
 
-def offer_mode(part: JsonPart, lines: Lines, mode: Expose, program: Expose) -> None:
+def offer_mode(part: JsonPart, lines: Zigbee2MqttTopics, mode: Expose, program: Expose) -> None:
     """Have *part* offer ``thermostat_mode``.
 
     Args:
@@ -41,23 +41,23 @@ def offer_mode(part: JsonPart, lines: Lines, mode: Expose, program: Expose) -> N
     """
     by_hand = tuple(one for one in mode.options if one not in _WORDS)
     both = _Mode(lines, mode, program, by_hand)
-    part.reads(lines.said, both.read)
-    part.offers("thermostat_mode", writer=both.write, options=("off", *by_hand, "auto"))
-    part.listens(lines.told)
+    part.read_from(lines.said, both.read)
+    part.add_capability("thermostat_mode", writer=both.write, options=("off", *by_hand, "auto"))
+    part.add_command_topics(lines.told)
 
 
 @dataclass(frozen=True, slots=True)
 class _Mode:
     """Reads and tells the mode; *by_hand* are those of manual operation."""
 
-    lines: Lines
+    lines: Zigbee2MqttTopics
     mode: Expose
     program: Expose
     by_hand: tuple[str, ...]
 
     def read(self, message: JsonMessage) -> Readings:
         if self.program.key not in message:
-            return NOTHING
+            return NO_READINGS
         said = message[self.program.key]
         if said is None:
             return {"thermostat_mode": None}
@@ -66,10 +66,10 @@ class _Mode:
             found = said if said in self.by_hand else self.by_hand[0] if len(self.by_hand) == 1 else None
         else:
             found = _MODES.get(said) if isinstance(said, str) else None
-        return NOTHING if found is None else {"thermostat_mode": found}
+        return NO_READINGS if found is None else {"thermostat_mode": found}
 
     def write(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        wanted = wanted_option("thermostat_mode", value, ("off", *self.by_hand, "auto"))
+        wanted = require_option("thermostat_mode", value, ("off", *self.by_hand, "auto"))
         if wanted in _WORDS:
             return self.lines.tell({self.program.key: _WORDS[wanted]})
         further = {self.mode.key: self.mode.options[wanted]} if len(self.mode.options) >= _PAIR else {}

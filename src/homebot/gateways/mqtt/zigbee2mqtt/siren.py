@@ -11,25 +11,25 @@ from dataclasses import dataclass
 from homebot.devices.value import PlainValue
 from homebot.gateways.mqtt.description import DescribedPart, Publication
 from homebot.gateways.mqtt.part_table import JsonPart
-from homebot.gateways.mqtt.wanted import wanted_flag, wanted_number, wanted_option
+from homebot.gateways.mqtt.wanted import require_bool, require_number, require_option
 from homebot.gateways.mqtt.zigbee2mqtt.expose import Expose
-from homebot.gateways.mqtt.zigbee2mqtt.lines import Lines
+from homebot.gateways.mqtt.zigbee2mqtt.lines import Zigbee2MqttTopics
 
 __all__ = ["build_siren"]
 
 
-def build_siren(part: JsonPart, lines: Lines, warning: Expose) -> DescribedPart:
+def build_siren(part: JsonPart, lines: Zigbee2MqttTopics, warning: Expose) -> DescribedPart:
     """Describe a siren."""
     mode = warning.feature("mode")
     tones = tuple(one for one in mode.options if one != _SILENT) if mode is not None else ()
     siren = _Siren(lines, warning.key, tones)
-    part.offers("on_off", readable=False, writer=siren.switch)
+    part.add_capability("on_off", readable=False, writer=siren.switch)
     if tones:
-        part.offers("siren_tone", readable=False, writer=siren.sound, options=tones)
+        part.add_capability("siren_tone", readable=False, writer=siren.sound, options=tones)
     if warning.feature("level") is not None:
-        part.offers("volume", readable=False, writer=siren.set_volume)
-    part.listens(lines.told)
-    return part.described()
+        part.add_capability("volume", readable=False, writer=siren.set_volume)
+    part.add_command_topics(lines.told)
+    return part.build()
 
 
 _SILENT = "stop"
@@ -42,20 +42,20 @@ _LEVELS = ((25.0, "low"), (50.0, "medium"), (75.0, "high"), (100.0, "very_high")
 class _Siren:
     """Tells the siren. Tone and volume also turn it on."""
 
-    lines: Lines
+    lines: Zigbee2MqttTopics
     key: str
     tones: tuple[str, ...]
 
     def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        if wanted_flag("on_off", value):
+        if require_bool("on_off", value):
             return self._warn()
         return self.lines.tell({self.key: {"mode": _SILENT}})
 
     def sound(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._warn(tone=wanted_option("siren_tone", value, self.tones))
+        return self._warn(tone=require_option("siren_tone", value, self.tones))
 
     def set_volume(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        percent = wanted_number("volume", value, 0, 100, "%")
+        percent = require_number("volume", value, 0, 100, "%")
         return self._warn(level=next(level for most, level in _LEVELS if percent <= most))
 
     def _warn(self, *, tone: str = "", level: str = "medium") -> tuple[Publication, ...]:
