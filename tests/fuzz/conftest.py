@@ -16,11 +16,11 @@ from typing import Any
 
 import pytest
 
+from homebot.conventions.convention import Convention
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 
 SEED = int(os.environ.get("FUZZ_SEED", "1"))
 CASES = int(os.environ.get("FUZZ_CASES", "1000"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz

@@ -7,11 +7,11 @@ import math
 import random
 from typing import TYPE_CHECKING
 
+from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.offer import ExposedDevice
 from homebot.devices.part import Capability, Part
-from homebot.gateways.mqtt.homeassistant.publisher import HomeAssistantPublisher
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator

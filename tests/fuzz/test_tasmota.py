@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from homebot.gateways.mqtt.tasmota import TasmotaDiscovery, TasmotaSettings
+from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz

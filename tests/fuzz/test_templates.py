@@ -7,9 +7,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from homebot.gateways.mqtt.templates import TemplateError, compile_template
-from homebot.gateways.mqtt.templates.checks import CHECKS
-from homebot.gateways.mqtt.templates.functions import FILTERS, FUNCTIONS
+from homebot.conventions.jinja import TemplateError, compile_template
+from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS
+from homebot.conventions.jinja.tests import CHECKS
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator

@@ -7,13 +7,13 @@ import random
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from homebot.conventions.thesis import ThesisLayout
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.ear import decoder_for
 from homebot.devices.part import Part
 from homebot.devices.words import decode_command, encode_command
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.thesis import ThesisLayout
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz, Mutator

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from homebot.devices.thing import CONTEXT
-from homebot.gateways.mqtt.thing import ThingDescriptions, ThingSettings
+from homebot.wot import CONTEXT
+from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz

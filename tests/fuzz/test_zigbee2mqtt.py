@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 
 if TYPE_CHECKING:
     from tests.fuzz.conftest import Fuzz

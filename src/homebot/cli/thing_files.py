@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from homebot.devices import Device
-from homebot.devices.thing import to_thing
 from homebot.errors import ConfigError
 from homebot.names import escape_token
+from homebot.wot import to_thing
 
 __all__ = ["thing_text", "write_things"]
 

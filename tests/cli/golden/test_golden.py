@@ -16,9 +16,9 @@ from tests.cli.golden.conftest import NOW
 from homebot.cli import main
 from homebot.cli.commands.import_thing import topic_level
 from homebot.devices.quarantine import PartFailure
-from homebot.devices.thing import CONTEXT, read_thing
 from homebot.errors import UsageError
 from homebot.messages import Time
+from homebot.wot import CONTEXT, read_thing
 
 if TYPE_CHECKING:
     from tests.cli.conftest import Homebot

@@ -14,16 +14,7 @@ import anyio.abc
 import pytest
 from pydantic import BaseModel, ConfigDict
 
-from homebot.devices import Sighting
-from homebot.devices.command import Command, SendCommand, SendCommandResponse
-from homebot.devices.identity import identifiers
-from homebot.devices.part import Capability, Part
-from homebot.devices.quarantine import GetHealth, HealthRequest, HealthResponse, Quarantine
-from homebot.devices.report import Report
-from homebot.devices.value import PlainValue, Value
-from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.gateways.mqtt.description import (
+from homebot.conventions.description import (
     AnnouncementEvent,
     AutoExpiry,
     Availability,
@@ -33,7 +24,16 @@ from homebot.gateways.mqtt.description import (
     DeviceWithdrawn,
     Publication,
 )
-from homebot.gateways.mqtt.payload import parse_object
+from homebot.conventions.payload import parse_object
+from homebot.devices import Sighting
+from homebot.devices.command import Command, SendCommand, SendCommandResponse
+from homebot.devices.identity import identifiers
+from homebot.devices.part import Capability, Part
+from homebot.devices.quarantine import GetHealth, HealthRequest, HealthResponse, Quarantine
+from homebot.devices.report import Report
+from homebot.devices.value import PlainValue, Value
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
 from homebot.messages.message import Message
 from homebot.mqtt.client import MqttSubscription

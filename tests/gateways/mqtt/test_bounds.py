@@ -14,14 +14,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from homebot.conventions.convention import Convention
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.homie import Homie, HomieSettings
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.part import Capability
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
-from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.gateways.mqtt.homie import Homie, HomieSettings
-from homebot.gateways.mqtt.thing import ThingDescriptions, ThingSettings
-from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, Publication
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryLimits
-from homebot.gateways.mqtt.description import Availability, DescribedPart, DeviceAnnounced, Publication
 from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.topics import topic_matches

@@ -9,17 +9,17 @@ from typing import Any
 import pytest
 from structlog.testing import capture_logs
 
+from homebot.conventions.description import Publication
 from homebot.devices import RawMessage, SubscribeToTopic
 from homebot.devices.command import Command, SendCommand, SendCommandResponse
 from homebot.devices.value import Value
 from homebot.errors import TypeMismatchError
-from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.sent_secrets import MAX_TOPICS, SentSecrets
 from homebot.messages.json import message_from_json
 
 pytestmark = pytest.mark.virtual_time
 
-CONVENTION = "homebot.gateways.mqtt.homeassistant:HomeAssistantDiscovery"
+CONVENTION = "homebot.conventions.homeassistant:HomeAssistantDiscovery"
 CODE = "73550173"
 ALARM = {
     "unique_id": "a",

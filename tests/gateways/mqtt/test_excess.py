@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryLimits
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, excess_of
 from homebot.gateways.mqtt.filter_tree import ReaderTree
-from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.state_topics import StateTopics
 
 REAL = Path(__file__).parent / "zigbee2mqtt" / "both_announcements.jsonl"

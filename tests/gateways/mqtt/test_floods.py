@@ -8,7 +8,7 @@ from typing import ClassVar
 import anyio
 import pytest
 
-from homebot.gateways.mqtt.description import AnnouncementEvent
+from homebot.conventions.description import AnnouncementEvent
 from homebot.gateways.mqtt.offenders import BURST, MESSAGE_WORK, RATE, SHARED_BURST
 
 from .conftest import House, MakeHouse, SimpleConvention, settled

@@ -7,9 +7,9 @@ from contextlib import suppress
 
 import pytest
 
+from homebot.conventions.convention import Convention
 from homebot.errors import WireError
-from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.conventions import default_conventions, find_conventions
+from homebot.gateways.mqtt.loaded_conventions import default_conventions, find_conventions
 
 CONVENTIONS = find_conventions(default_conventions(), {}, "").conventions
 LONG = b'{"a":[' + b"1," * (15 * 1024 * 1024) + b"1]}"

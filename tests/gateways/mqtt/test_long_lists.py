@@ -16,12 +16,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.gateways.mqtt.conftest import SimpleConvention
 
+from homebot.conventions.description import AnnouncementEvent, DeviceRequest, Publication
+from homebot.conventions.payload import parse_json, parse_list
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.discovery import Directory, DirectorySettings
 from homebot.errors import WireError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceRequest, Publication
-from homebot.gateways.mqtt.payload import parse_json, parse_list
-from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.graph import Graph, Node
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker

@@ -9,11 +9,11 @@ from collections.abc import Callable
 
 import pytest
 
+from homebot.conventions.description import DeviceAnnounced
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.discovery.index import DeviceIndex
 from homebot.gateways.mqtt.claims import AnnouncementRegistry
-from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.gateways.mqtt.filter_tree import ReaderTree
-from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.messages import Time
 

@@ -13,16 +13,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryLimits
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.gateways.mqtt.filter_tree import ReaderTree
-from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
 from homebot.gateways.mqtt.state_topics import StateTopics
-from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 
 REAL = Path(__file__).parent / "zigbee2mqtt" / "both_announcements.jsonl"
 ALL_MODELS = 4_478

@@ -2,7 +2,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from homebot.gateways.mqtt.description import Availability, AvailabilityMode
+from homebot.conventions.description import Availability, AvailabilityMode
 from homebot.gateways.mqtt.reachability import ReachabilityReader
 
 

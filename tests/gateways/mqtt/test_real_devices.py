@@ -20,15 +20,15 @@ from typing import Any, TypeAlias
 
 import pytest
 
+from homebot.conventions.convention import Convention
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.homie import Homie, HomieSettings
+from homebot.conventions.shelly import Shelly, ShellySettings
+from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, Publication
-from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.gateways.mqtt.homie import Homie, HomieSettings
-from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
-from homebot.gateways.mqtt.tasmota import TasmotaDiscovery, TasmotaSettings
-from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 
 Row: TypeAlias = dict[str, Any]
 

@@ -9,10 +9,10 @@ from typing import Any, TypeAlias
 import anyio
 import pytest
 
+from homebot.conventions.description import DeviceAnnounced
 from homebot.devices import Device
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.gateways.mqtt.description import DeviceAnnounced
 from homebot.graph import Graph, Node
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -23,11 +23,11 @@ Row: TypeAlias = dict[str, Any]
 
 FIXTURES = Path(__file__).parent / "fixtures"
 CONVENTIONS = {
-    "homeassistant": "homebot.gateways.mqtt.homeassistant:HomeAssistantDiscovery",
-    "zigbee2mqtt": "homebot.gateways.mqtt.zigbee2mqtt:Zigbee2Mqtt",
-    "tasmota": "homebot.gateways.mqtt.tasmota:TasmotaDiscovery",
-    "shelly": "homebot.gateways.mqtt.shelly:Shelly",
-    "homie": "homebot.gateways.mqtt.homie:Homie",
+    "homeassistant": "homebot.conventions.homeassistant:HomeAssistantDiscovery",
+    "zigbee2mqtt": "homebot.conventions.zigbee2mqtt:Zigbee2Mqtt",
+    "tasmota": "homebot.conventions.tasmota:TasmotaDiscovery",
+    "shelly": "homebot.conventions.shelly:Shelly",
+    "homie": "homebot.conventions.homie:Homie",
 }
 BRIDGE = "zigbee2mqtt/bridge/devices"
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from homebot.config import parse_settings
+from homebot.conventions.zigbee2mqtt.convention import MAX_BRIDGE_BYTES
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways.mqtt import MqttGatewaySettings
-from homebot.gateways.mqtt.conventions import find_conventions
-from homebot.gateways.mqtt.zigbee2mqtt.convention import MAX_BRIDGE_BYTES
+from homebot.gateways.mqtt.loaded_conventions import find_conventions
 
 
 def settings(**table: object) -> MqttGatewaySettings:

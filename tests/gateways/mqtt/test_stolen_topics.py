@@ -16,13 +16,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from homebot.conventions.convention import Convention
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.claim import StoredAnnouncement
-from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.conventions import default_conventions, find_conventions
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
+from homebot.gateways.mqtt.loaded_conventions import default_conventions, find_conventions
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.messages import Time
 

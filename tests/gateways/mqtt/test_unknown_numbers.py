@@ -7,18 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.conventions.convention import Convention
+from homebot.conventions.decode import is_unknown, read_number
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.homie import Homie, HomieSettings
+from homebot.conventions.shelly import Shelly, ShellySettings
+from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
+from homebot.conventions.thesis_parts import thesis_part
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.ear import decode_text
 from homebot.devices.value import PlainValue
-from homebot.gateways.mqtt.convention import Convention
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
-from homebot.gateways.mqtt.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.gateways.mqtt.homie import Homie, HomieSettings
-from homebot.gateways.mqtt.readings import is_unknown, read_number
-from homebot.gateways.mqtt.shelly import Shelly, ShellySettings
-from homebot.gateways.mqtt.tasmota import TasmotaDiscovery, TasmotaSettings
-from homebot.gateways.mqtt.thesis_parts import thesis_part
-from homebot.gateways.mqtt.thing import ThingDescriptions, ThingSettings
-from homebot.gateways.mqtt.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 
 Read = Callable[[str], dict[str, PlainValue]]
 

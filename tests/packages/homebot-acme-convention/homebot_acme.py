@@ -14,20 +14,20 @@ from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from homebot.devices.identity import identifiers
-from homebot.devices.value import PlainValue
-from homebot.errors import WireError
-from homebot.gateways.mqtt.description import (
+from homebot.conventions.command_values import require_bool, require_number
+from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.description import (
     AnnouncementEvent,
     DescribedPart,
     DeviceAnnounced,
     DeviceWithdrawn,
     Publication,
 )
-from homebot.gateways.mqtt.part_table import BytesPart
-from homebot.gateways.mqtt.readings import NO_READINGS, Readings
-from homebot.gateways.mqtt.table_codec import raw_bytes
-from homebot.gateways.mqtt.wanted import require_bool, require_number
+from homebot.conventions.part_builder import BytesPart
+from homebot.conventions.table_codec import raw_bytes
+from homebot.devices.identity import identifiers
+from homebot.devices.value import PlainValue
+from homebot.errors import WireError
 
 __all__ = ["Acme", "AcmeSettings"]
 

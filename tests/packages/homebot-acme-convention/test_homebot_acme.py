@@ -10,9 +10,9 @@ from homebot_acme import Acme, AcmeSettings
 from pydantic import ValidationError
 
 from homebot import App, HandleChange, Light
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.testing import TestHouse
 

@@ -14,11 +14,11 @@ from homebot.cli.inventory import all_devices
 from homebot.cli.outbox import GatewayPublisher
 from homebot.cli.table import printable
 from homebot.cli.through_door import with_client
+from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices import DEVICE_CHANGES, Device, DeviceChange
-from homebot.devices.thing import Thing, read_thing
 from homebot.errors import ConfigError, UsageError, WireError
-from homebot.gateways.mqtt.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.messages.json import message_from_json
+from homebot.wot import Thing, read_thing
 
 __all__ = ["import_thing", "topic_level"]
 

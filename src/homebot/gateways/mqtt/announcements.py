@@ -9,15 +9,15 @@ from typing import TypeGuard
 import anyio.lowlevel
 
 from homebot.clock import Clock
+from homebot.conventions.convention import Convention, SlicedConvention
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
+from homebot.conventions.payload import noting_duplicates
 from homebot.errors import WireError
 from homebot.gateways.mqtt.board import DeviceReporter
 from homebot.gateways.mqtt.claim import StoredAnnouncement
 from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryChange
-from homebot.gateways.mqtt.convention import Convention, SlicedConvention
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.deferred import DeferredMessages
-from homebot.gateways.mqtt.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
-from homebot.gateways.mqtt.payload import noting_duplicates
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.timekeeper import Scheduler
 from homebot.gateways.mqtt.tribunal import PeerQuarantine

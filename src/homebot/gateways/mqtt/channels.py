@@ -7,10 +7,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from homebot.clock import Clock
+from homebot.conventions.convention import TopicDevice, TopicLayout
 from homebot.devices import RawMessage
 from homebot.devices.ear import TextDecoder, decoder_for
 from homebot.errors import WireError
-from homebot.gateways.mqtt.convention import TopicDevice, TopicLayout
 from homebot.graph import Publisher
 from homebot.messages import Time
 

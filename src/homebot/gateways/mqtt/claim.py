@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Literal, TypeAlias
 
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.devices import KeyValue, RawMessage, Sighting
 from homebot.devices.words import accepts_text, main_part, text_address
 from homebot.gateways.mqtt.channels import missed
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.reachability import ReachabilityReader
 from homebot.messages import Time
 

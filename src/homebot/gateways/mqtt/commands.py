@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from homebot.conventions.description import Publication, TakesCode
 from homebot.devices.command import Command, SendCommandResponse
 from homebot.devices.value import PlainValue
 from homebot.devices.words import decode_command, encode_command
@@ -11,7 +12,6 @@ from homebot.gateways.mqtt.channels import Channel, Channels
 from homebot.gateways.mqtt.claim import AnnouncedPart
 from homebot.gateways.mqtt.claims import AnnouncementRegistry
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.description import Publication, TakesCode
 from homebot.gateways.mqtt.plain_voices import TextStateReader
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets

@@ -13,6 +13,14 @@ from typing import TypeVar
 import anyio
 import anyio.lowlevel
 
+from homebot.conventions.convention import (
+    Convention,
+    OfferPublisher,
+    PublishingConvention,
+    TopicLayout,
+    TroubledConvention,
+)
+from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.command import SendCommand
 from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
@@ -26,18 +34,10 @@ from homebot.gateways.mqtt.channels import Channels
 from homebot.gateways.mqtt.claim import AnnouncedPart, AvailabilityReader
 from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryChange, RegistryLimits, TopicReaders
 from homebot.gateways.mqtt.commands import CommandServer
-from homebot.gateways.mqtt.convention import (
-    Convention,
-    OfferPublisher,
-    PublishingConvention,
-    TopicLayout,
-    TroubledConvention,
-)
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.last_words import CachedMessage, LastMessageCache
 from homebot.gateways.mqtt.offers import Offers
-from homebot.gateways.mqtt.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.gateways.mqtt.plain_voices import TextStateReader
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets

@@ -6,9 +6,9 @@ ones: of lists, of templates. Only what an announcement is longer than an honest
 
 from __future__ import annotations
 
+from homebot.conventions.description import DeviceAnnounced
 from homebot.devices.text_size import size_of_parts, size_of_texts
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import DeviceAnnounced
 
 __all__ = ["MAX_EXCESS", "MAX_EXCESS_EACH", "Excess", "excess_of"]
 

@@ -18,6 +18,8 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.convention import TopicDevice
+from homebot.conventions.payload import MAX_LONG_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.words import read_text_address
@@ -28,12 +30,10 @@ from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.board import REFRESH, stamps
 from homebot.gateways.mqtt.channels import Channel, Channels, begin_of
 from homebot.gateways.mqtt.claims import TopicReaders
-from homebot.gateways.mqtt.convention import TopicDevice
-from homebot.gateways.mqtt.conventions import find_conventions
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.described_devices import AnnouncedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
-from homebot.gateways.mqtt.payload import MAX_LONG_STATE_BYTES
+from homebot.gateways.mqtt.loaded_conventions import find_conventions
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import EntityKind, Node
 from homebot.isolation import run_as

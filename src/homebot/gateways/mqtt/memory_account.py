@@ -7,8 +7,8 @@ an announcement 3 kB. What announcements are longer than that explains is the ac
 
 from __future__ import annotations
 
+from homebot.conventions.description import DeviceAnnounced
 from homebot.errors import WireError
-from homebot.gateways.mqtt.description import DeviceAnnounced
 
 __all__ = ["MAX_MEMORY", "MemoryAccount"]
 

@@ -11,14 +11,14 @@ from functools import partial
 
 import anyio
 
+from homebot.conventions.convention import OfferPublisher
+from homebot.conventions.description import Publication
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command import Command
 from homebot.devices.offer import ExposedDevice, ExposedState
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError
 from homebot.gateways.base import Gateway
-from homebot.gateways.mqtt.convention import OfferPublisher
-from homebot.gateways.mqtt.description import Publication
 from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import run_as

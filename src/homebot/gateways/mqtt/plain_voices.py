@@ -6,6 +6,7 @@ where it answers a command of ours with just that number.
 
 from __future__ import annotations
 
+from homebot.conventions.bounded_dict import BoundedDict
 from homebot.devices.ear import Decoded
 from homebot.devices.part import Part
 from homebot.devices.report import Reading
@@ -13,7 +14,6 @@ from homebot.devices.value import Value
 from homebot.devices.words import decode_command
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.board import DeviceReporter
-from homebot.gateways.mqtt.bounded import BoundedDict
 from homebot.gateways.mqtt.channels import Channel
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.mqtt.message import MqttMessage

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.gateways.mqtt.description import Availability
+from homebot.conventions.description import Availability
 
 __all__ = ["ReachabilityReader"]
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from homebot.conventions.convention import Convention, ReservingConvention, TopicLayout
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.devices.part import Part
 from homebot.errors import WireError
-from homebot.gateways.mqtt.convention import Convention, ReservingConvention, TopicLayout
-from homebot.gateways.mqtt.description import DescribedPart, DeviceAnnounced
 from homebot.gateways.mqtt.filter_tree import ReaderTree
 
 __all__ = ["ReservedTopics"]

@@ -6,8 +6,8 @@ from dataclasses import replace
 from hashlib import blake2b
 from secrets import token_bytes
 
-from homebot.gateways.mqtt.bounded import BoundedDict
-from homebot.gateways.mqtt.description import Publication
+from homebot.conventions.bounded_dict import BoundedDict
+from homebot.conventions.description import Publication
 
 __all__ = ["SentSecrets"]
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, f
 
 from homebot.config import FilePath, check_secret_file, read_secret
 from homebot.errors import HomebotError, UsageError
-from homebot.gateways.mqtt.conventions import any_announcing, check_tables, default_conventions
+from homebot.gateways.mqtt.loaded_conventions import any_announcing, check_tables, default_conventions
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic

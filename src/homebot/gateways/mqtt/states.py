@@ -7,6 +7,8 @@ from functools import partial
 
 import anyio.lowlevel
 
+from homebot.conventions.description import AutoExpiry, AvailabilitySource
+from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import Reading
@@ -17,8 +19,6 @@ from homebot.gateways.mqtt.board import DeviceReporter
 from homebot.gateways.mqtt.claim import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.mqtt.claims import AnnouncementRegistry
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.description import AutoExpiry, AvailabilitySource
-from homebot.gateways.mqtt.payload import MAX_STATE_BYTES
 from homebot.gateways.mqtt.timekeeper import Scheduler
 from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.mqtt.message import MqttMessage

@@ -8,12 +8,12 @@ from typing import TypeAlias
 
 import anyio
 
+from homebot.conventions.convention import Convention
+from homebot.conventions.description import DeviceRequest, Publication
 from homebot.errors import HomebotError, LinkError, RefusedError
 from homebot.gateways.mqtt.claim import StoredAnnouncement
 from homebot.gateways.mqtt.claims import AnnouncementRegistry
-from homebot.gateways.mqtt.convention import Convention
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.description import DeviceRequest, Publication
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.isolation import run_as

@@ -1,0 +1,1 @@
+"""The conventions: what makers' devices publish and take. Pure."""

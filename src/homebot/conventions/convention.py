@@ -1,0 +1,174 @@
+"""What a convention knows: how one family of devices uses MQTT. Pure: topics and payloads in, values out."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Protocol, runtime_checkable
+
+from pydantic import BaseModel
+
+from homebot.conventions.description import AnnouncementEvent, Publication
+from homebot.devices import KeyValue
+from homebot.devices.command import Command
+from homebot.devices.offer import ExposedDevice
+from homebot.devices.part import Part
+from homebot.devices.value import PlainValue
+
+__all__ = [
+    "Convention",
+    "OfferPublisher",
+    "PublishingConvention",
+    "ReservingConvention",
+    "SlicedConvention",
+    "TopicDevice",
+    "TopicLayout",
+    "TroubledConvention",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class TopicDevice:
+    """What a topic tells about the device that uses it.
+
+    Attributes:
+        key: What the gateway calls the device; unique at the gateway.
+        name: What people call it.
+        service_type: What it offers.
+        address: The topic it speaks on.
+        command_address: The topic it listens on; empty when it takes no commands.
+        metadata: Further facts.
+        part: What it is in the words of the vocabulary, where that is known; it then says and takes plain words.
+    """
+
+    key: str
+    name: str
+    service_type: str
+    address: str
+    command_address: str
+    metadata: tuple[KeyValue, ...] = ()
+    part: Part | None = None
+
+
+class TopicLayout(Protocol):
+    """A convention in which a topic alone tells which device speaks there, and what it says are plain words."""
+
+    def filters(self) -> tuple[str, ...]:
+        """Return the topic filters to subscribe to; no command topic of the convention may match them."""
+        ...
+
+    def announced(self, topic: str) -> TopicDevice | None:
+        """Return the device that speaks on *topic*, or None when the topic is none of this convention's.
+
+        Raises:
+            WireError: The topic belongs to this convention but breaks its rules.
+        """
+        ...
+
+
+class Convention(Protocol):
+    """One way in which devices announce themselves; the plug-in group is ``homebot.mqtt_conventions``.
+
+    A plug-in is a class that is called with the settings of its table, an instance of :attr:`Settings`. Where a device
+    tells who it is in several messages, the object keeps those of unfinished devices, bounded; it reads no clock, does
+    no input or output, and the same messages in the same order give the same result.
+
+    Attributes:
+        Settings: The model of its table.
+        name: Its name, for example ``homeassistant``.
+        rejected: Announcements that broke its rules, so far.
+    """
+
+    Settings: ClassVar[type[BaseModel]]
+    name: ClassVar[str]
+    rejected: int
+
+    def filters(self) -> tuple[str, ...]:
+        """Return the filters of its announcements, to be subscribed to one after the other, each awaited, at QoS 0."""
+        ...
+
+    def birth_messages(self) -> tuple[Publication, ...]:
+        """Return what to publish, once subscribed and at every reconnect, so that devices announce themselves."""
+        ...
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+        """Take a message that matches one of the filters, and return what it tells of devices; often nothing.
+
+        A convention whose devices tell who they are only when asked also returns what to ask them.
+
+        Raises:
+            WireError: The message belongs to this convention but breaks its rules; names field and value. What was
+                taken before stays.
+        """
+        ...
+
+
+class OfferPublisher(Protocol):
+    """The other direction of a convention: shows others what homebot offers. It knows what it published."""
+
+    def filters(self) -> tuple[str, ...]:
+        """Return the filters of the commands that others send."""
+        ...
+
+    def is_own_topic(self, topic: str) -> bool:
+        """Whether *topic* is one on which it announces; what comes there is no device."""
+        ...
+
+    def publications(self, offer: ExposedDevice) -> tuple[Publication, ...]:
+        """Return what makes *offer* be there, or be gone where it is withdrawn."""
+        ...
+
+    def states(
+        self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
+    ) -> tuple[Publication, ...]:
+        """Return what tells what is *known* of *offer* now that *changed* are news, by part and capability."""
+        ...
+
+    def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
+        """Return the commands that a message on one of the filters is, in this order; none where it is none."""
+        ...
+
+
+@runtime_checkable
+class ReservingConvention(Protocol):
+    """A convention with topics that move more than one device."""
+
+    def reserved(self) -> tuple[str, ...]:
+        """Return the filters of the topics on which no announcement may have its device told anything."""
+        ...
+
+
+@runtime_checkable
+class SlicedConvention(Protocol):
+    """A convention of which one message may tell of many devices, so that it is better taken with pauses."""
+
+    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:
+        """Do what :meth:`Convention.take` does, in steps of a few milliseconds: None where others may have a turn.
+
+        Raises:
+            WireError: As :meth:`Convention.take`.
+        """
+        ...
+
+
+@runtime_checkable
+class TroubledConvention(Protocol):
+    """A convention that may notice that something it should hear does not come."""
+
+    def problems(self) -> tuple[str, ...]:
+        """Return what is wrong now, in words for people; empty where nothing is."""
+        ...
+
+
+@runtime_checkable
+class PublishingConvention(Protocol):
+    """A convention that can also publish."""
+
+    def publisher(self, owner: str, status_topic: str) -> OfferPublisher | None:
+        """Return what publishes the offers of the homebot *owner*; None where the settings do not want it.
+
+        Args:
+            owner: A name that is lasting, and unique in the house.
+            status_topic: Where that homebot says ``online`` and ``offline``.
+        """
+        ...

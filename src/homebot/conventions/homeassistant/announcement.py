@@ -1,0 +1,198 @@
+"""A config message in full words: what it announces, before anybody looks at the components' fields. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_devices`` and the shared ``encoding``,
+``qos`` and ``message_expiry_interval`` are from 2026.11.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS, DEVICE_ABBREVIATIONS, ORIGIN_ABBREVIATIONS
+from homebot.conventions.homeassistant.topic import DEVICE, ConfigTopic
+from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_object, shown
+from homebot.errors import WireError
+
+__all__ = ["MAX_COMPONENTS", "Announced", "AnnouncedComponent", "read_announcement"]
+
+MAX_COMPONENTS = 300
+"""Most components of one device: each may bring templates, which cost a millisecond at worst."""
+
+Fields: TypeAlias = Mapping[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class AnnouncedComponent:
+    """One component that a message announces.
+
+    Attributes:
+        platform: For example ``light``.
+        discovery_id: Names it for ever where it has no ``unique_id``: the announcement's key and, in a message of a
+            whole device, its name there.
+        fields: Its config in full keys.
+    """
+
+    platform: str
+    discovery_id: str
+    fields: Fields
+
+
+@dataclass(frozen=True, slots=True)
+class Announced:
+    """What one message announces.
+
+    Attributes:
+        is_migrating: Whether it says only that another form of announcement follows; then all else is empty.
+        device: The device in full keys; empty where the message tells none.
+        origin: Who announces, in full keys.
+        components: What the device offers; those that the message takes back are left out.
+        common: The fields that all share, and of a single component its own: they tell the availability of the whole.
+    """
+
+    is_migrating: bool
+    device: Fields
+    origin: Fields
+    components: tuple[AnnouncedComponent, ...]
+    common: Fields
+
+
+def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
+    """Return what a config that is not empty announces.
+
+    Raises:
+        WireError: It is no JSON object, too long, or misses what its form must have.
+    """
+    fields = parse_object(payload, MAX_ANNOUNCEMENT_BYTES)
+    if fields.get("migrate_discovery", fields.get("migr_discvry")) is True:
+        return Announced(is_migrating=True, device={}, origin={}, components=(), common={})
+    fields = _expanded(fields)
+    device = _part(fields, "device", DEVICE_ABBREVIATIONS)
+    origin = _part(fields, "origin", ORIGIN_ABBREVIATIONS)
+    if topic.component == DEVICE:
+        components = tuple(_components(topic, fields))
+    else:
+        fields = _with_base(fields)
+        components = (AnnouncedComponent(topic.component, topic.key, fields),)
+    return Announced(is_migrating=False, device=device, origin=origin, components=components, common=fields)
+
+
+_BASE = "~"
+_SHARED = (
+    "availability",
+    "availability_mode",
+    "availability_template",
+    "availability_topic",
+    "command_topic",
+    "payload_available",
+    "payload_not_available",
+    "state_topic",
+    "encoding",
+    "qos",
+    "message_expiry_interval",
+)
+
+
+def _expanded(fields: Fields) -> dict[str, object]:
+    """Spell the keys out, also those of the availability."""
+    full = _full_keys(fields, ABBREVIATIONS)
+    availability = full.get("availability")
+    if isinstance(availability, dict):
+        full["availability"] = _full_keys(availability, ABBREVIATIONS)
+    elif isinstance(availability, list):
+        full["availability"] = [
+            _full_keys(one, ABBREVIATIONS) if isinstance(one, dict) else one for one in availability
+        ]
+    return full
+
+
+def _full_keys(fields: Fields, table: Mapping[str, str]) -> dict[str, object]:
+    """Spell the keys out; where both forms are there the short one wins."""
+    full = dict(fields)
+    if not table.keys().isdisjoint(fields):
+        for key in fields:
+            if key in table:
+                full[table[key]] = full.pop(key)
+    return full
+
+
+def _part(fields: Fields, key: str, table: Mapping[str, str]) -> Fields:
+    part = fields.get(key)
+    if part is None:
+        return {}
+    if not isinstance(part, dict):
+        raise WireError(f"{key} is {shown(part)}, not an object")
+    return _full_keys(part, table)
+
+
+def _with_base(fields: dict[str, object]) -> dict[str, object]:
+    """Put the base topic where the topics ask for it."""
+    base = fields.pop(_BASE, None)
+    if base is None:
+        return fields
+    if not isinstance(base, str):
+        raise WireError(f"~ is {shown(base)}, not a topic")
+    based = {key: _based(base, value) if key.endswith("topic") else value for key, value in fields.items()}
+    availability = based.get("availability")
+    if isinstance(availability, list):
+        based["availability"] = [_based_entry(base, one) for one in availability]
+    elif availability is not None:
+        based["availability"] = _based_entry(base, availability)
+    return based
+
+
+def _based_entry(base: str, entry: object) -> object:
+    if isinstance(entry, dict) and "topic" in entry:
+        return {**entry, "topic": _based(base, entry["topic"])}
+    return entry
+
+
+def _based(base: str, topic: object) -> object:
+    if not isinstance(topic, str) or not topic:
+        return topic
+    if topic[0] == _BASE:
+        topic = base + topic[1:]
+    if topic.endswith(_BASE):
+        topic = topic[:-1] + base
+    return topic
+
+
+def _components(topic: ConfigTopic, fields: Fields) -> list[AnnouncedComponent]:
+    """Return the components of a whole device and of its child devices."""
+    families = [fields.get("components")]
+    children = fields.get("child_devices")
+    if isinstance(children, list):
+        families += [
+            _full_keys(child, ABBREVIATIONS).get("components") for child in children if isinstance(child, dict)
+        ]
+    if all(family is None for family in families):
+        raise WireError("a device's message has no components")
+    common = {key: fields[key] for key in _SHARED if key in fields}
+    found: list[AnnouncedComponent] = []
+    for family in families:
+        if family is None:
+            continue
+        if not isinstance(family, dict):
+            raise WireError(f"components is {shown(family)}, not an object")
+        if len(found) + len(family) > MAX_COMPONENTS:
+            raise WireError(f"a device has more than {MAX_COMPONENTS} components")
+        found += [
+            component
+            for name, entry in family.items()
+            if (component := _component(topic, name, entry, common)) is not None
+        ]
+    return found
+
+
+def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> AnnouncedComponent | None:
+    """Return one component; None for one that the message takes back."""
+    if not isinstance(entry, dict):
+        raise WireError(f"component {shown(name)} is {shown(entry)}, not an object")
+    full = _expanded(entry)
+    platform = full.pop("platform", None)
+    if not isinstance(platform, str):
+        raise WireError(f"component {shown(name)}: platform is {shown(platform)}, not a text")
+    if not full:
+        return None
+    return AnnouncedComponent(platform, f"{topic.key}/{name}", _with_base({**common, **full}))

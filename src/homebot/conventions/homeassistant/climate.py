@@ -1,0 +1,122 @@
+"""The component ``climate``: thermostats, radiator valves, air conditioners, heat pumps. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/climate.py`` and ``components/climate/__init__.py``.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from homebot.conventions.command_values import require_bool
+from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.homeassistant.capabilities import offer_choice, offer_number
+from homebot.conventions.homeassistant.climate_source import source_at, source_of
+from homebot.conventions.homeassistant.climate_targets import TargetMode, offer_temperatures
+from homebot.conventions.homeassistant.command_topic import CommandTopic
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.payload import shown
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+
+__all__ = ["build_climate"]
+
+
+def build_climate(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a thermostat, or an air conditioner where it can cool and also dry or only blow."""
+    modes = _modes(config)
+    is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
+    entity = Entity(config, "room_air_conditioner" if is_conditioner else "thermostat")
+    target_mode = TargetMode(is_said=config.has("mode_state_topic") and not config.flag("optimistic"))
+    offer_temperatures(entity, config, modes, target_mode)
+    _offer_humidity(entity, config)
+    mode = config.command("mode_command_topic", "mode_command_template")
+    offer_choice(entity, "thermostat_mode", source_of(config, "mode_state"), mode, modes, on_told=target_mode.told)
+    _offer_switch(entity, config, mode, modes, target_mode)
+    offer_choice(entity, "thermostat_action", source_at(config, "action_topic", "action_template"), None, _ACTIONS)
+    for name, default in _CHOICES.items():
+        command = config.command(f"{name}_command_topic", f"{name}_command_template")
+        options = config.options(f"{name}s") if config.has(f"{name}s") else default
+        offer_choice(entity, name, source_of(config, f"{name}_state"), command, options)
+    _offer_preset(entity, config)
+    return entity.build()
+
+
+_MODES = ("auto", "off", "cool", "heat", "dry", "fan_only")
+_ACTIONS = ("off", "heating", "cooling", "drying", "idle", "fan", "preheating", "defrosting")
+_CHOICES = {"fan_mode": ("auto", "low", "medium", "high"), "swing_mode": ("on", "off")}
+"""By capability, which is also how the fields are called; what it can be where the config does not say."""
+
+_PAIR = 2
+_SHOWN = 200
+_SWITCHED_ON = ("heat_cool", "heat", "cool")
+
+
+def _modes(config: DiscoveryConfig) -> tuple[str, ...]:
+    """Return its modes; those of Home Assistant where it has a mode and does not say which.
+
+    A valve without a mode has none: that Home Assistant shows it with all of its own makes it no air conditioner.
+    """
+    if config.has("modes"):
+        return config.options("modes")
+    return _MODES if config.has("mode_command_topic") or config.has("mode_state_topic") else ()
+
+
+def _offer_humidity(entity: Entity, config: DiscoveryConfig) -> None:
+    offer_number(entity, "humidity", source_of(config, "current_humidity"), None, unit="%")
+    command = config.command("target_humidity_command_topic", "target_humidity_command_template")
+    source = source_of(config, "target_humidity_state")
+    least, most = config.number("min_humidity", 30.0), config.number("max_humidity", 99.0)
+    if least >= most or most > 100:
+        raise WireError(f"climate: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
+    if source is not None and command is None:
+        raise WireError("climate: target_humidity_state_topic is there without target_humidity_command_topic")
+    offer_number(entity, "humidity_setpoint", source, command, bounds=(least, most), unit="%", told=int)
+
+
+def _offer_switch(
+    entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: TargetMode
+) -> None:
+    """Offer on and off: with a topic of its own, and else as Home Assistant does, by changing the mode."""
+    power = config.command("power_command_topic", "power_command_template")
+    payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
+    command = power or mode
+    words = payloads if power else _modes_of_switch(modes)
+    source = source_of(config, "mode_state") if "off" in modes else None
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        is_on = require_bool("on_off", value)
+        if is_on not in words:
+            raise RefusedError(f"on_off {shown(value)}", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")
+        told = (command.publication(words[is_on]),) if command else ()
+        if power is None:
+            target_mode.told(words[is_on])
+        return told
+
+    is_readable = entity.hears(source, partial(_read_switch, modes))
+    entity.add_capability("on_off", readable=is_readable, writer=write if command and words else None)
+    entity.listens_at(power)
+
+
+def _modes_of_switch(modes: tuple[str, ...]) -> dict[bool, str]:
+    """Return the modes that stand for on and off. Of two modes the one that is not off is on, whatever it is."""
+    is_pair = len(modes) == _PAIR and "off" in modes
+    on = [mode for mode in (modes if is_pair else _SWITCHED_ON) if mode in modes and mode != "off"]
+    return {**({True: on[0]} if on else {}), **({False: "off"} if "off" in modes else {})}
+
+
+def _read_switch(modes: tuple[str, ...], text: str) -> Readings:
+    if text == "None":
+        return {"on_off": None}
+    return {"on_off": text != "off"} if text in modes else NO_READINGS
+
+
+def _offer_preset(entity: Entity, config: DiscoveryConfig) -> None:
+    presets = config.options("preset_modes")
+    if "none" in presets:
+        raise WireError("climate: preset_modes has none, which means that there is no preset")
+    command = config.command("preset_mode_command_topic", "preset_mode_command_template")
+    if presets and command is not None:
+        source = source_at(config, "preset_mode_state_topic", "preset_mode_value_template")
+        offer_choice(entity, "preset_mode", source, command, ("none", *presets), words={"None": "none"})

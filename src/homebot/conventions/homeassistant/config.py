@@ -1,0 +1,222 @@
+"""The config of one component, with its fields read in the types they should have. Pure.
+
+Every field is read as Home Assistant reads it: what should be a text may be a JSON number or boolean, and becomes a
+text as Python spells it, so that ``"payload_on": false`` is ``False``.
+
+Source: Home Assistant core 2025.4, ``helpers/config_validation.py`` and ``components/mqtt/schemas.py``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from homebot.conventions.homeassistant.command_topic import CommandTopic
+from homebot.conventions.homeassistant.topic import command_topic, state_topic
+from homebot.conventions.homeassistant.value_source import ValueSource
+from homebot.conventions.jinja import Template, compile_template
+from homebot.conventions.payload import clean_text, shown
+from homebot.errors import WireError
+
+__all__ = ["MAX_OPTIONS", "DiscoveryConfig"]
+
+MAX_OPTIONS = 2_000
+"""Most entries of a list in a config, such as the effects of a lamp."""
+
+_MAX_TEXT = 8 * 1024
+_MAX_OPTION = 255
+
+
+class DiscoveryConfig:
+    """One component of an announcement, in full keys.
+
+    Every getter raises a :class:`WireError` that names field and value where the field is there but cannot be what it
+    should be; Home Assistant refuses such a component as well. A field that is JSON ``null`` counts as absent.
+
+    Args:
+        component: For example ``light``.
+        discovery_id: What the announcement calls it; names the part where it has no ``unique_id``.
+        values: The fields, after abbreviations and base topic were replaced.
+
+    Attributes:
+        qos: With which its commands are published.
+        retain: Whether its commands are retained.
+        encoding: Of its texts; empty where its payloads are no text. UTF-8 also where the config names an odd one.
+    """
+
+    __slots__ = ("component", "discovery_id", "encoding", "qos", "retain", "values")
+
+    def __init__(self, component: str, discovery_id: str, values: Mapping[str, object]) -> None:
+        self.component = component
+        self.discovery_id = discovery_id
+        self.values = values
+        self.qos, self.retain, self.encoding = 0, False, "utf-8"
+        if not _HOW.isdisjoint(values):
+            self.qos = self.integer("qos", 0, least=0, most=2)
+            self.retain = self.flag("retain")
+            encoding = self.text("encoding", "utf-8").lower()
+            self.encoding = encoding if encoding in _CODECS else "utf-8"
+
+    def has(self, key: str) -> bool:
+        """Tell whether the field is there and not null."""
+        return self.values.get(key) is not None
+
+    def is_null(self, key: str) -> bool:
+        """Tell whether the field is there and null, which says of a payload that there is no such command."""
+        return key in self.values and self.values[key] is None
+
+    def text(self, key: str, default: str = "") -> str:
+        """Return a text, at most 8 kB long; a number or boolean as Python spells it."""
+        value = self.values.get(key)
+        if value is None:
+            return default
+        return value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value)
+
+    def words(self, key: str, limit: int = 120) -> str:
+        """Return a text fit to be shown; empty where there is none."""
+        text = self.text(key)
+        return clean_text(text, limit) if text else ""
+
+    def payload(self, key: str, default: str) -> str | None:
+        """Return the payload of a command; None where the config says null: there is no such command."""
+        return None if self.is_null(key) else self.text(key, default)
+
+    def flag(self, key: str, default: bool = False) -> bool:  # noqa: FBT001, FBT002 - reads like a mapping's get
+        """Return a boolean; also ``yes``, ``on``, ``1`` and the like."""
+        value = self.values.get(key)
+        match value:
+            case None:
+                return default
+            case bool():
+                return value
+            case int() | float():
+                return value != 0
+            case str() if (word := value.strip().lower()) in _FLAGS:
+                return _FLAGS[word]
+            case _:
+                raise self._refusal(key, value, "true or false")
+
+    def number(self, key: str, default: float) -> float:
+        """Return a number with an end."""
+        value = self.values.get(key)
+        return default if value is None else self._as_number(key, value)
+
+    def optional_number(self, key: str) -> float | None:
+        """Return a number with an end, or None where there is none."""
+        value = self.values.get(key)
+        return None if value is None else self._as_number(key, value)
+
+    def integer(self, key: str, default: int, *, least: int = -(2**53), most: int = 2**53) -> int:
+        """Return a whole number within the bounds; a fraction is cut off."""
+        value = self.values.get(key)
+        if value is None:
+            return default
+        if type(value) is int and least <= value <= most:
+            return value
+        try:
+            whole = int(value) if isinstance(value, (str, int, float)) and len(str(value)) <= _MAX_DIGITS else None
+        except (ValueError, OverflowError):
+            whole = None
+        if whole is None or not least <= whole <= most:
+            raise self._refusal(key, value, f"a whole number from {least} to {most}")
+        return whole
+
+    def options(self, key: str) -> tuple[str, ...]:
+        """Return a list of texts, each at most 255 long; one text alone is a list of one. Empty where there is none."""
+        value = self.values.get(key)
+        if value is None:
+            return ()
+        entries = value if isinstance(value, list) else [value]
+        if len(entries) > MAX_OPTIONS:
+            raise self._refusal(key, value, f"a list of at most {MAX_OPTIONS} texts")
+        options = tuple([one if type(one) is str else self._as_text(key, one) for one in entries])
+        for option in options:
+            if len(option) > _MAX_OPTION:
+                raise self._refusal(key, option, f"texts of at most {_MAX_OPTION} characters")
+        return options
+
+    def template(self, key: str) -> Template | None:
+        """Return a template, or None where there is none; see its ``problem`` for whether it can be used."""
+        value = self.values.get(key)
+        return None if value is None else compile_template(self._as_text(key, value))
+
+    def state_topic(self, key: str = "state_topic") -> str:
+        """Return a topic to subscribe to, wildcards allowed; empty where there is none."""
+        value = self.values.get(key)
+        return "" if value is None else state_topic(self._as_text(key, value))
+
+    def source(
+        self,
+        topic_key: str,
+        template_key: str = "value_template",
+        variables: Mapping[str, object] | None = None,
+    ) -> ValueSource | None:
+        """Return where a value is said, and how it is found in the message; None where it is not said.
+
+        Args:
+            topic_key: The field with the topic.
+            template_key: The field with the template.
+            variables: What the template may name beside the message.
+        """
+        topic = self.state_topic(topic_key)
+        return ValueSource(topic, self.template(template_key), self.encoding, variables) if topic else None
+
+    def required_source(self, topic_key: str, template_key: str = "value_template") -> ValueSource:
+        """As :meth:`source`, but the topic must be there."""
+        source = self.source(topic_key, template_key)
+        if source is None:
+            raise self._refusal(topic_key, None, "a topic")
+        return source
+
+    def command(self, topic_key: str, template_key: str = "command_template") -> CommandTopic | None:
+        """Return where a command goes, and how it is written; None where the part takes none.
+
+        Args:
+            topic_key: The field with the topic.
+            template_key: The field with the template; empty for a command that has none.
+        """
+        value = self.values.get(topic_key)
+        if value is None:
+            return None
+        topic = command_topic(self._as_text(topic_key, value))
+        template = self.template(template_key) if template_key else None
+        return CommandTopic(topic, template, self.qos, self.retain, self.encoding)
+
+    def required_command(
+        self, topic_key: str = "command_topic", template_key: str = "command_template"
+    ) -> CommandTopic:
+        """As :meth:`command`, but the topic must be there."""
+        command = self.command(topic_key, template_key)
+        if command is None:
+            raise self._refusal(topic_key, None, "a topic")
+        return command
+
+    def _as_text(self, key: str, value: object) -> str:
+        if isinstance(value, str):
+            if len(value) > _MAX_TEXT:
+                raise self._refusal(key, value, f"a text of at most {_MAX_TEXT} characters")
+            return value
+        if isinstance(value, (bool, float)) or (isinstance(value, int) and -_HUGE < value < _HUGE):
+            return str(value)
+        raise self._refusal(key, value, "a text")
+
+    def _as_number(self, key: str, value: object) -> float:
+        try:
+            number = float(value) if isinstance(value, (str, int, float)) else math.nan
+        except (ValueError, OverflowError):
+            number = math.nan
+        if not math.isfinite(number):
+            raise self._refusal(key, value, "a number")
+        return number
+
+    def _refusal(self, key: str, value: object, wanted: str) -> WireError:
+        return WireError(f"{self.component}: {key} is {shown(value)}, not {wanted}")
+
+
+_CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})
+_HOW = frozenset({"qos", "retain", "encoding"})
+_HUGE = 10**30
+_MAX_DIGITS = 40
+_FLAGS = dict.fromkeys(("1", "true", "yes", "on", "enable"), True) | dict.fromkeys(
+    ("0", "false", "no", "off", "disable"), False
+)

@@ -1,0 +1,139 @@
+"""Who a config is about: the device's identifiers, name, room and facts. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py``; ``child_device`` is from 2026.11.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from homebot.conventions.payload import clean_text, shown
+from homebot.devices.identity import identifiers
+from homebot.errors import WireError
+
+__all__ = ["MAX_IDENTIFIERS", "DeviceInfo", "DeviceReader", "read_device"]
+
+MAX_IDENTIFIERS = 64
+"""Most identifiers and connections of one device."""
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceInfo:
+    """Who the device is.
+
+    Attributes:
+        identifiers: See :func:`homebot.devices.identity.identifiers`; empty where the config tells none.
+        name: What people call it; empty where the config does not say.
+        area: The room it was said to be in.
+        facts: Such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``; ``origin`` is who announced it.
+    """
+
+    identifiers: tuple[str, ...]
+    name: str
+    area: str
+    facts: Mapping[str, str]
+
+
+def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> DeviceInfo:
+    """Return who the device is.
+
+    Args:
+        device: The config's ``device`` in full keys; empty where it has none.
+        origin: The config's ``origin`` in full keys.
+
+    Raises:
+        WireError: The device is there but has neither identifier nor connection, or too many, or one is no text.
+    """
+    child = device.get("child_device")
+    facts = _facts(device, _DEVICE_FACTS)
+    if isinstance(child, dict):
+        parent = _declared(device)
+        device = {"suggested_area": device.get("suggested_area"), **child}
+        facts = {**facts, **_facts(child, _DEVICE_FACTS), **({"via_device": parent[0]} if parent else {})}
+    declared = _declared(device)
+    if device and not declared:
+        raise WireError("a device has neither identifiers nor connections")
+    facts.update(_facts(origin, _ORIGIN_FACTS))
+    return DeviceInfo(
+        identifiers(declared),
+        _word(device.get("name"), _MAX_NAME),
+        _word(device.get("suggested_area"), _MAX_NAME),
+        facts,
+    )
+
+
+class DeviceReader:
+    """Reads devices and remembers the last: the entities of one are announced one after the other."""
+
+    def __init__(self) -> None:
+        self._last: tuple[Mapping[str, object], Mapping[str, object], DeviceInfo] | None = None
+
+    def read(self, device: Mapping[str, object], origin: Mapping[str, object]) -> DeviceInfo:
+        """As :func:`read_device`."""
+        last = self._last
+        if last is not None and last[0] == device and last[1] == origin:
+            return last[2]
+        info = read_device(device, origin)
+        self._last = device, origin, info
+        return info
+
+
+_MAX_NAME = 120
+_MAX_FACT = 255
+_MAX_ID = 255
+_DEVICE_FACTS = {
+    name: name
+    for name in (
+        "manufacturer",
+        "model",
+        "model_id",
+        "serial_number",
+        "hw_version",
+        "sw_version",
+        "via_device",
+        "configuration_url",
+    )
+}
+_ORIGIN_FACTS = {"name": "origin", "sw_version": "origin_sw_version", "support_url": "origin_url"}
+_PLAIN_CONNECTIONS = frozenset({"mac", "bluetooth", "zigbee"})
+_PAIR = 2
+
+
+def _facts(fields: Mapping[str, object], names: Mapping[str, str]) -> dict[str, str]:
+    return {names[key]: text for key, value in fields.items() if key in names and (text := _word(value, _MAX_FACT))}
+
+
+def _word(value: object, limit: int) -> str:
+    if isinstance(value, str):
+        return clean_text(value, limit)
+    if isinstance(value, (bool, float)) or (isinstance(value, int) and abs(value) < _HUGE):
+        return str(value)
+    return ""
+
+
+_HUGE = 10**30
+
+
+def _declared(device: Mapping[str, object]) -> list[str]:
+    listed = device.get("identifiers")
+    ids = listed if isinstance(listed, list) else [] if listed is None else [listed]
+    connections = device.get("connections")
+    pairs = connections if isinstance(connections, list) else [] if connections is None else [connections]
+    if len(ids) + len(pairs) > MAX_IDENTIFIERS:
+        raise WireError(f"a device has {len(ids) + len(pairs)} identifiers; {MAX_IDENTIFIERS} is the limit")
+    return [_identifier(one) for one in ids] + [_connection(pair) for pair in pairs]
+
+
+def _identifier(value: object) -> str:
+    text = _word(value, _MAX_ID)
+    if not text:
+        raise WireError(f"an identifier of a device is {shown(value)}, not a text")
+    return text
+
+
+def _connection(pair: object) -> str:
+    if not isinstance(pair, list) or len(pair) != _PAIR:
+        raise WireError(f"a connection of a device is {shown(pair)}, not a type and a value")
+    kind, value = (_identifier(one) for one in pair)
+    return value if kind.lower() in _PLAIN_CONNECTIONS else f"{kind}:{value}"

@@ -1,0 +1,180 @@
+"""What a lamp is told, before its schema spells it; the same for all three schemas. Pure.
+
+Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the service ``light.turn_on``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from homebot.conventions.command_values import (
+    require_bool,
+    require_color,
+    require_number,
+    require_option,
+    require_transition,
+)
+from homebot.conventions.description import Publication
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.light_color import (
+    Channels,
+    KelvinRange,
+    from_hue_saturation,
+    kelvin_mired,
+    mired_bounds,
+)
+from homebot.devices.value import PlainValue
+
+__all__ = ["Lamp", "LightOrder", "WhiteRange", "read_white_range"]
+
+_MOST_SECONDS = 6_553.0
+"""Longest transition that Home Assistant lets pass."""
+
+
+@dataclass(frozen=True, slots=True)
+class LightOrder:
+    """One command to a lamp.
+
+    Attributes:
+        on: Whether it shall be on.
+        brightness: 1 to 255; None to leave it.
+        kelvin: Its white; None to leave it.
+        mode: In which channels *color* is; empty to leave the colour.
+        color: Its colour.
+        effect: What to play; empty to leave it.
+        transition: Seconds that the change shall take; None where nothing was said of it.
+    """
+
+    on: bool
+    brightness: int | None = None
+    kelvin: int | None = None
+    mode: str = ""
+    color: Channels = ()
+    effect: str = ""
+    transition: float | None = None
+
+
+Publish: TypeAlias = Callable[[LightOrder], tuple[Publication, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class WhiteRange:
+    """The whites of a lamp.
+
+    Attributes:
+        kelvins: Warmest and coldest, as Home Assistant counts with them.
+        bounds: The lowest and the highest kelvin that it takes; see :func:`mired_bounds`.
+    """
+
+    kelvins: KelvinRange
+    bounds: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Lamp:
+    """What a lamp can do, and how it is told.
+
+    Attributes:
+        modes: Its colour modes, as Home Assistant names them.
+        white: Warmest and coldest white.
+        publish: Spells an order.
+        effects: What it can play.
+        any_effect: Whether it plays what is not listed, too.
+    """
+
+    modes: frozenset[str]
+    white: WhiteRange
+    publish: Publish
+    effects: tuple[str, ...] = ()
+    any_effect: bool = False
+
+    @property
+    def has_level(self) -> bool:
+        """Whether its brightness can be set."""
+        return bool(self.modes - {"onoff"})
+
+    @property
+    def has_white(self) -> bool:
+        """Whether it has whites from warm to cold."""
+        return "color_temp" in self.modes
+
+    @property
+    def color_mode(self) -> str:
+        """The channels in which a colour is told; empty where it has no colours."""
+        return next((mode for mode in _PREFERRED if mode in self.modes), "")
+
+    def offer(self, entity: Entity, readable: Callable[[str], bool]) -> None:
+        """Give the part its capabilities.
+
+        Args:
+            entity: The part in the making.
+            readable: Tells of a capability whether the lamp says it.
+        """
+        entity.add_capability("on_off", readable=readable("on_off"), writer=self._on_off)
+        if self.has_level:
+            entity.add_capability("level", readable=readable("level"), writer=self._level)
+        if self.has_white:
+            entity.add_capability(
+                "color_temperature",
+                readable=readable("color_temperature"),
+                writer=self._white,
+                bounds=self.white.bounds,
+            )
+        if self.color_mode:
+            entity.add_capability("color", readable=readable("color"), writer=self._color)
+        if self.effects or self.any_effect:
+            entity.add_capability("effect", readable=readable("effect"), writer=self._effect, options=self.effects)
+
+    def _tell(self, order: LightOrder, transition: float) -> tuple[Publication, ...]:
+        seconds = require_transition(transition, _MOST_SECONDS)
+        return self.publish(replace(order, transition=seconds) if seconds else order)
+
+    def _on_off(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        return self._tell(LightOrder(on=require_bool("on_off", value)), transition)
+
+    def _level(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        brightness = round(255 * require_number("level", value, 0, 100, "%") / 100)
+        order = LightOrder(on=True, brightness=brightness) if brightness else LightOrder(on=False)
+        return self._tell(order, transition)
+
+    def _white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        low, high = self.white.bounds
+        kelvin = require_number(
+            "color_temperature", value, min(low, _LEAST_KELVIN), max(high, _MOST_WANTED_KELVIN), "K"
+        )
+        return self._tell(LightOrder(on=True, kelvin=int(kelvin)), transition)
+
+    def _color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        hue, saturation = require_color(value)
+        color = from_hue_saturation(self.color_mode, hue, saturation, self.white.kelvins)
+        return self._tell(LightOrder(on=True, mode=self.color_mode, color=color), transition)
+
+    def _effect(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+        if self.effects or not isinstance(value, str):
+            require_option("effect", value, self.effects)
+        return self._tell(LightOrder(on=True, effect=str(value)), transition)
+
+
+def read_white_range(config: DiscoveryConfig) -> WhiteRange:
+    """Return warmest and coldest white, whichever way the config tells them."""
+    most = config.integer("max_mireds", 0, least=0, most=_MOST_MIRED)
+    least = config.integer("min_mireds", 0, least=0, most=_MOST_MIRED)
+    low = config.integer("min_kelvin", 2_000, least=1, most=_MOST_KELVIN)
+    high = config.integer("max_kelvin", 6_535, least=1, most=_MOST_KELVIN)
+    return WhiteRange(
+        kelvins=(kelvin_mired(most) if most else low, kelvin_mired(least) if least else high),
+        bounds=(
+            mired_bounds(most, most)[0] if most else float(low),
+            mired_bounds(least, least)[1] if least else float(high),
+        ),
+    )
+
+
+_PREFERRED = ("hs", "rgb", "rgbw", "rgbww", "xy")
+_MOST_MIRED = 1_000_000
+_MOST_KELVIN = 1_000_000
+_LEAST_KELVIN = 1_000.0
+_MOST_WANTED_KELVIN = 40_000.0

@@ -1,0 +1,148 @@
+"""A lamp of schema ``json``: one JSON object tells its state, one commands it. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_json.py``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.homeassistant.command_topic import CommandTopic
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.incoming import Said
+from homebot.conventions.homeassistant.light_command import Lamp, LightOrder, read_white_range
+from homebot.conventions.homeassistant.value_parsing import number_of
+from homebot.conventions.light_color import (
+    CHANNELS,
+    KelvinRange,
+    kelvin_mired,
+    to_hue_saturation,
+    white_kelvin,
+)
+from homebot.conventions.payload import clean_text, shown
+from homebot.devices.value import PlainValue
+from homebot.errors import WireError
+
+__all__ = ["build_json_light"]
+
+
+def build_json_light(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a lamp that speaks JSON."""
+    command = config.required_command(template_key="")
+    scale = config.integer("brightness_scale", 255, least=1)
+    in_kelvin = config.flag("color_temp_kelvin")
+    lamp = Lamp(
+        modes=_modes(config),
+        white=read_white_range(config),
+        publish=partial(_publish, command, scale, in_kelvin),
+        effects=config.options("effect_list"),
+        any_effect=config.flag("effect"),
+    )
+    entity = Entity(config, "light")
+    state_topic = config.state_topic()
+    lamp.offer(entity, lambda _capability: bool(state_topic))
+    if state_topic:
+        entity.read_from(state_topic, _State(lamp, scale, in_kelvin, config.encoding).read)
+    entity.listens_at(command)
+    return entity.build()
+
+
+def _modes(config: DiscoveryConfig) -> frozenset[str]:
+    modes = frozenset(config.options("supported_color_modes"))
+    if not modes:
+        return frozenset({"brightness" if config.flag("brightness") else "onoff"})
+    alone = len(modes) > 1 and modes & {"brightness", "onoff"}
+    if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
+        raise WireError(f"light: supported_color_modes are {shown(', '.join(sorted(modes)))}, which cannot be")
+    return modes
+
+
+def _publish(command: CommandTopic, scale: int, in_kelvin: bool, order: LightOrder) -> tuple[Publication, ...]:  # noqa: FBT001 - bound once, above
+    message: dict[str, object] = {"state": "ON" if order.on else "OFF"}
+    if order.color:
+        message["color"] = dict(zip(CHANNELS[order.mode], order.color, strict=True))
+    if order.transition is not None:
+        message["transition"] = order.transition
+    if order.brightness is not None:
+        message["brightness"] = max(round(order.brightness * scale / 255), 1)
+    if order.kelvin is not None:
+        message["color_temp"] = order.kelvin if in_kelvin else kelvin_mired(order.kelvin)
+    if order.effect:
+        message["effect"] = order.effect
+    return (command.publication(json.dumps(message, ensure_ascii=False, separators=(",", ":"))),)
+
+
+@dataclass(frozen=True, slots=True)
+class _State:
+    """Reads what the lamp says.
+
+    A colour counts where the message names its mode, as in Home Assistant, and where it names none but has one only.
+    """
+
+    lamp: Lamp
+    scale: int
+    in_kelvin: bool
+    encoding: str
+
+    def read(self, said: Said) -> Readings:
+        message = said.json_object(self.encoding)
+        if message is None:
+            return NO_READINGS
+        found: dict[str, PlainValue] = {}
+        state = message.get("state", "")
+        if isinstance(state, str | None) and state in _STATES:
+            found["on_off"] = _STATES[state]
+        brightness = message.get("brightness")
+        if self.lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
+            found["level"] = min(255, max(1, round(brightness * 255 / self.scale))) * 100 / 255
+        mode = message["color_mode"] if "color_mode" in message else self._only_mode(message)
+        if isinstance(mode, str) and mode in self.lamp.modes:
+            found.update(self._color(mode, message))
+        effect = message.get("effect")
+        if isinstance(effect, str) and (self.lamp.effects or self.lamp.any_effect):
+            found["effect"] = clean_text(effect)
+        return found
+
+    def _only_mode(self, message: Mapping[str, object]) -> str:
+        """Return the one mode in which the message has a value; empty where it has none, or several."""
+        has_white, color = message.get("color_temp") is not None, message.get("color")
+        if has_white:
+            return "" if isinstance(color, dict) else "color_temp"
+        letters = set(color) if isinstance(color, dict) else set()
+        fitting = [mode for mode in CHANNELS if mode in self.lamp.modes and letters.issuperset(CHANNELS[mode])]
+        return max(fitting, key=lambda mode: len(CHANNELS[mode]), default="")
+
+    def _color(self, mode: str, message: Mapping[str, object]) -> Readings:
+        if mode == "color_temp":
+            kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self.in_kelvin)
+            if kelvin is None:
+                return NO_READINGS
+            return {"color_temperature": kelvin} | ({"color": None} if self.lamp.color_mode else {})
+        color = _hue_saturation(mode, message.get("color"), self.lamp.white.kelvins) if mode in CHANNELS else None
+        if color is None:
+            return NO_READINGS
+        return {"color": color} | ({"color_temperature": None} if self.lamp.has_white else {})
+
+
+_MODES = frozenset({"onoff", "brightness", "color_temp", "white", *CHANNELS})
+_STATES: Mapping[str | None, bool | None] = {"ON": True, "OFF": False, None: None}
+_HUGE = 10**9
+_BOUNDS = {"h": 360.0, "s": 100.0, "x": 1.0, "y": 1.0}
+
+
+def _hue_saturation(mode: str, color: object, white: KelvinRange) -> tuple[float, ...] | None:
+    if not isinstance(color, dict):
+        return None
+    channels = []
+    for letter in CHANNELS[mode]:
+        number = number_of(color.get(letter))
+        if number is None or not 0 <= number <= _BOUNDS.get(letter, 255.0):
+            return None
+        channels.append(number if letter in _BOUNDS else float(int(number)))
+    return to_hue_saturation(mode, tuple(channels), white)

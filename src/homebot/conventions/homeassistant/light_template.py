@@ -1,0 +1,132 @@
+"""A lamp of schema ``template``: templates read its state, two templates make its commands. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_template.py``.
+"""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.homeassistant.command_topic import CommandTopic
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.incoming import Said
+from homebot.conventions.homeassistant.light_command import Lamp, LightOrder, read_white_range
+from homebot.conventions.homeassistant.value_parsing import whole_of
+from homebot.conventions.homeassistant.value_source import ValueSource
+from homebot.conventions.light_color import kelvin_mired, to_hue_saturation, white_kelvin
+from homebot.errors import WireError
+
+__all__ = ["build_template_light"]
+
+
+def build_template_light(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a lamp that templates speak for."""
+    for key in ("command_on_template", "command_off_template"):
+        if not config.has(key):
+            raise WireError(f"light: {key} is missing, which a lamp of schema template must have")
+    on = config.required_command(template_key="command_on_template")
+    off = config.required_command(template_key="command_off_template")
+    in_kelvin = config.flag("color_temp_kelvin")
+    lamp = Lamp(
+        modes=_modes(config),
+        white=read_white_range(config),
+        publish=partial(_publish, on, off, in_kelvin),
+        effects=config.options("effect_list"),
+    )
+    sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
+    entity = Entity(config, "light")
+    reader = _TemplateLightReader(sources, lamp, in_kelvin)
+    readable = {
+        name
+        for name, key, read in (
+            ("on_off", "state", reader.state),
+            ("level", "brightness", reader.level),
+            ("color_temperature", "color_temp", reader.white),
+            ("color", "red", reader.color),
+            ("effect", "effect", reader.effect),
+        )
+        if entity.hears_message(sources.get(key), read)
+    }
+    lamp.offer(entity, readable.__contains__)
+    entity.listens_at(on)
+    return entity.build()
+
+
+_TEMPLATES = ("state", "brightness", "color_temp", "red", "green", "blue", "effect")
+_RGB = ("red", "green", "blue")
+_STATES: Mapping[str, bool | None] = {"on": True, "off": False, "None": None}
+_BYTE = 255
+
+
+def _source(config: DiscoveryConfig, key: str) -> ValueSource | None:
+    template_key = f"{key}_template"
+    return config.source("state_topic", template_key) if config.has(template_key) else None
+
+
+def _modes(config: DiscoveryConfig) -> frozenset[str]:
+    modes = set()
+    if config.has("color_temp_template"):
+        modes.add("color_temp")
+    if all(config.has(f"{color}_template") for color in _RGB):
+        modes.add("hs")
+    if not modes:
+        modes.add("brightness" if config.has("brightness_template") else "onoff")
+    return frozenset(modes)
+
+
+def _publish(on: CommandTopic, off: CommandTopic, in_kelvin: bool, order: LightOrder) -> tuple[Publication, ...]:  # noqa: FBT001 - bound once, above
+    variables: dict[str, object] = {"state": order.on}
+    if order.brightness is not None:
+        variables["brightness"] = order.brightness
+    if order.kelvin is not None:
+        variables["color_temp"] = order.kelvin if in_kelvin else kelvin_mired(order.kelvin)
+    if order.color:
+        hue, saturation = order.color
+        channels = colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1)
+        variables |= {color: round(one * _BYTE) for color, one in zip(_RGB, channels, strict=True)}
+        variables |= {"hue": hue, "sat": saturation}
+    if order.effect:
+        variables["effect"] = order.effect
+    if order.transition is not None:
+        variables["transition"] = order.transition
+    return ((on if order.on else off).publication(None, variables),)
+
+
+@dataclass(frozen=True, slots=True)
+class _TemplateLightReader:
+    """Reads what the lamp says, one template at a time; the colour needs three."""
+
+    sources: Mapping[str, ValueSource]
+    lamp: Lamp
+    in_kelvin: bool
+
+    def state(self, _said: Said, text: str) -> Readings:
+        return {"on_off": _STATES[text]} if text in _STATES else NO_READINGS
+
+    def level(self, _said: Said, text: str) -> Readings:
+        brightness = whole_of(text) or 0
+        return {"level": brightness * 100 / _BYTE} if 0 < brightness <= _BYTE else NO_READINGS
+
+    def white(self, _said: Said, text: str) -> Readings:
+        if text == "None":
+            return {"color_temperature": None}
+        kelvin = white_kelvin(whole_of(text), in_kelvin=self.in_kelvin)
+        return NO_READINGS if kelvin is None else {"color_temperature": kelvin}
+
+    def color(self, said: Said, red: str) -> Readings:
+        green, blue = (self.sources[one].text(said) if one in self.sources else None for one in ("green", "blue"))
+        if (red, green, blue) == ("None", "None", "None"):
+            return {"color": None}
+        channels = [value for one in (red, green, blue) if one and (value := whole_of(one)) is not None]
+        if len(channels) != len(_RGB) or not all(0 <= one <= _BYTE for one in channels):
+            return NO_READINGS
+        return {"color": to_hue_saturation("rgb", tuple(channels), self.lamp.white.kelvins)}
+
+    def effect(self, _said: Said, text: str) -> Readings:
+        return {"effect": text} if text in self.lamp.effects else NO_READINGS

@@ -1,0 +1,160 @@
+"""The other direction: what homebot offers, as configs and states that a Home Assistant understands. Pure.
+
+Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from homebot.conventions.description import Publication
+from homebot.conventions.homeassistant.published_entity import CommandReader, EntityTopics, PublishedEntity
+from homebot.conventions.homeassistant.published_part import publish_part
+from homebot.devices.command import Command
+from homebot.devices.offer import ExposedDevice
+from homebot.devices.part import Part
+from homebot.devices.value import PlainValue, Value
+
+__all__ = ["HomeAssistantPublisher"]
+
+_MAX_COMMAND = 1000
+_WATCHED = frozenset({"binary_sensor", "sensor"})
+"""Components that Home Assistant lets be diagnostic, but no settings."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """Whose orders come on a topic, and how they are read."""
+
+    offer_id: str
+    part_id: str
+    read: CommandReader
+
+
+class HomeAssistantPublisher:
+    """The configs of what is offered, retained, as its states are; an event is not.
+
+    Args:
+        prefix: The discovery prefix.
+        owner: Which homebot this is: lasting, and unique in the house.
+        status_topic: Where that says ``online`` and ``offline``.
+    """
+
+    def __init__(self, prefix: str, owner: str, status_topic: str) -> None:
+        self._prefix = prefix
+        self._owner = f"homebot_{_slug(owner)}"
+        self._base = f"homebot/{_slug(owner)}/offers"
+        self._status_topic = status_topic
+        self._orders: dict[str, _Order] = {}
+        self._shown: dict[str, tuple[tuple[Part, tuple[PublishedEntity, ...]], ...]] = {}
+
+    def filters(self) -> tuple[str, ...]:
+        """Return where Home Assistant's commands come."""
+        return (f"{self._base}/+/+/+/set",)
+
+    def is_own_topic(self, topic: str) -> bool:
+        """Whether *topic* holds a config of this homebot, which it must not take for a device."""
+        return topic.startswith(f"{self._prefix}/") and f"/{self._owner}/" in topic
+
+    def publications(self, offer: ExposedDevice) -> tuple[Publication, ...]:
+        """Return what makes *offer* be there, or be gone, with all that the broker kept of it."""
+        entities = tuple((part, self._entities(offer, part)) for part in offer.parts)
+        publish = self._withdrawal if offer.is_withdrawn else self._config
+        if offer.is_withdrawn:
+            self._shown.pop(offer.id, None)
+        else:
+            self._shown[offer.id] = entities
+        return tuple(one for part, found in entities for entity in found for one in publish(offer, part, entity))
+
+    def states(
+        self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
+    ) -> tuple[Publication, ...]:
+        """Return what tells what is *known* of *offer* now that *changed* are news, by part and capability."""
+        found: list[Publication] = []
+        for part, entities in self._shown.get(offer.id, ()):
+            news = {name for part_id, name in changed if part_id == part.id}
+            values = {name: value for (part_id, name), value in known.items() if part_id == part.id} if news else {}
+            found.extend(
+                Publication(state.topic, state.write(values).encode(), qos=1, retain=not state.is_event)
+                for entity in entities
+                for state in entity.states
+                if state.capabilities & news
+            )
+        return tuple(found)
+
+    def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
+        """Return the commands that a message on one of the filters is, in this order; none where it is none."""
+        order = self._orders.get(topic)
+        if order is None or len(payload) > _MAX_COMMAND:
+            return ()
+        try:
+            text = payload.decode()
+        except UnicodeDecodeError:
+            return ()
+        return tuple(
+            Command(key=order.offer_id, part=order.part_id, capability=name, value=Value.of(value))
+            for name, value in order.read(text).items()
+        )
+
+    def _entities(self, offer: ExposedDevice, part: Part) -> tuple[PublishedEntity, ...]:
+        return publish_part(part, EntityTopics(f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"))
+
+    def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
+        for topic, read in entity.commands.items():
+            self._orders[topic] = _Order(offer.id, part.id, read)
+        config: dict[str, object] = {
+            "device": self._device(offer),
+            "origin": {"name": "homebot"},
+            "availability_topic": self._status_topic,
+            **entity.config,
+        }
+        if entity.component == "tag":
+            config = {key: config[key] for key in ("device", "origin", "topic")}
+        else:
+            config["name"] = " ".join(one for one in (part.name, _title(entity.name)) if one) or None
+            config["unique_id"] = f"{self._owner}_{self._object_id(offer, part, entity)}"
+            if part.category:
+                config["entity_category"] = "diagnostic" if entity.component in _WATCHED else part.category
+        payload = json.dumps(config, ensure_ascii=False).encode()
+        return (Publication(self._config_topic(offer, part, entity), payload, qos=1, retain=True),)
+
+    def _withdrawal(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> tuple[Publication, ...]:
+        for topic in entity.commands:
+            self._orders.pop(topic, None)
+        kept = [state.topic for state in entity.states if not state.is_event]
+        return tuple(
+            Publication(topic, b"", qos=1, retain=True) for topic in (self._config_topic(offer, part, entity), *kept)
+        )
+
+    def _config_topic(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> str:
+        return f"{self._prefix}/{entity.component}/{self._owner}/{self._object_id(offer, part, entity)}/config"
+
+    def _object_id(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> str:
+        """Two ``_`` part what it is made of, because no piece has them."""
+        return "__".join(_slug(one) for one in (offer.id, part.id, entity.name or entity.component) if one)
+
+    def _device(self, offer: ExposedDevice) -> dict[str, object]:
+        facts = {
+            "identifiers": [f"{self._owner}_{_slug(offer.id)}"],
+            "name": offer.name,
+            "manufacturer": "homebot",
+            "model": offer.model,
+            "suggested_area": offer.area,
+        }
+        return {key: value for key, value in facts.items() if value}
+
+
+def _title(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _slug(text: str) -> str:
+    """Letters, digits and ``_`` alone; what other characters it had stays told apart by a checksum."""
+    slug = re.sub("[^a-zA-Z0-9]+", "_", text).strip("_")
+    if slug == text:
+        return slug
+    return f"{slug}_{hashlib.sha256(text.encode()).hexdigest()[:6]}" if text else ""

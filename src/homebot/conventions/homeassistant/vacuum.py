@@ -1,0 +1,89 @@
+"""The component ``vacuum``. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/vacuum.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+from homebot.conventions.command_values import require_option
+from homebot.conventions.decode import Readings
+from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.homeassistant.capabilities import offer_push
+from homebot.conventions.homeassistant.command_topic import CommandTopic
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.value_parsing import fields_of, number_of
+from homebot.conventions.payload import clean_text
+from homebot.devices.value import PlainValue
+
+__all__ = ["build_vacuum"]
+
+
+def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a robot that cleans; it is told only what its ``supported_features`` say."""
+    features = frozenset(config.options("supported_features") if config.has("supported_features") else _FEATURES)
+    command = config.command("command_topic", template_key="")
+    set_speed = config.command("set_fan_speed_topic", template_key="")
+    source = config.source("state_topic", template_key="")
+    told = {word: config.text(key, default) for word, (feature, key, default) in _TOLD.items() if feature in features}
+    speeds = config.options("fan_speed_list") if "fan_speed" in features else ()
+    has_battery = "battery" in features
+    entity = Entity(config, "robotic_vacuum_cleaner")
+    is_readable = entity.hears(source, partial(_read, has_speed=bool(speeds), has_battery=has_battery))
+    entity.add_capability(
+        "vacuum", readable=is_readable, writer=partial(_tell, command, told) if command and told else None
+    )
+    if speeds:
+        writer = partial(_set_speed, set_speed, speeds) if set_speed else None
+        entity.add_capability("fan_mode", readable=is_readable, writer=writer, options=speeds)
+    if has_battery:
+        entity.add_capability("battery", readable=is_readable, unit="%")
+    if "locate" in features and command:
+        offer_push(entity, "locate", command, config.text("payload_locate", "locate"))
+    entity.listens_at(command, set_speed if speeds else None)
+    return entity.build()
+
+
+_FEATURES = ("start", "stop", "return_home", "battery", "clean_spot")
+_STATES = frozenset({"cleaning", "docked", "paused", "idle", "returning", "error"})
+_TOLD = {
+    "cleaning": ("start", "payload_start", "start"),
+    "paused": ("pause", "payload_pause", "pause"),
+    "idle": ("stop", "payload_stop", "stop"),
+    "returning": ("return_home", "payload_return_to_base", "return_to_base"),
+    "spot": ("clean_spot", "payload_clean_spot", "clean_spot"),
+}
+"""What it is told: the feature that it needs for that, and the payload."""
+
+_LONGEST = 120
+
+
+def _read(text: str, *, has_speed: bool, has_battery: bool) -> Readings:
+    message = fields_of(text)
+    found: dict[str, PlainValue] = {}
+    state, speed, charge = (message.get(key) for key in ("state", "fan_speed", "battery_level"))
+    if isinstance(state, str) and state in _STATES:
+        found["vacuum"] = state
+    elif "state" in message and state is None:
+        found["vacuum"] = None
+    if has_speed and isinstance(speed, str):
+        found["fan_mode"] = clean_text(speed, _LONGEST)
+    number = number_of(charge)
+    if has_battery and number is not None:
+        found["battery"] = max(0.0, min(100.0, number))
+    return found
+
+
+def _tell(
+    command: CommandTopic, told: Mapping[str, str], value: PlainValue, _transition: float
+) -> tuple[Publication, ...]:
+    return (command.publication(told[require_option("vacuum", value, told)]),)
+
+
+def _set_speed(
+    command: CommandTopic, speeds: tuple[str, ...], value: PlainValue, _transition: float
+) -> tuple[Publication, ...]:
+    return (command.publication(require_option("fan_mode", value, speeds)),)

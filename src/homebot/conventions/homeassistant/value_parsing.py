@@ -1,0 +1,72 @@
+"""What a text says that a template rendered, or that a device sent plainly. Pure; nothing here raises."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+from homebot.conventions.decode import NO_READINGS, Readings, is_unknown
+from homebot.conventions.payload import parse_json
+from homebot.errors import WireError
+
+__all__ = ["fields_of", "number_of", "numbers_of", "read_number", "whole_of"]
+
+
+def number_of(value: object) -> float | None:
+    """Return the number that a text or a JSON value is; None where it is none, or one without end."""
+    if isinstance(value, str) and len(value) > _MAX_DIGITS:
+        return None
+    try:
+        number = float(value) if isinstance(value, (str, int, float)) else math.nan
+    except (ValueError, OverflowError):
+        return None
+    return number if math.isfinite(number) else None
+
+
+def read_number(
+    capability: str, text: str, *, unknown: str = "None", heard: Callable[[float], float | None] = float
+) -> Readings:
+    """Return the number that *text* tells of *capability*; nothing where it tells none.
+
+    Args:
+        capability: What the number is.
+        text: What the device says.
+        unknown: The word which says that it is unknown, beside those that always do.
+        heard: Makes the outside number of what the device says; None where that cannot be.
+    """
+    if text == unknown or is_unknown(text):
+        return {capability: None}
+    number = number_of(text)
+    value = None if number is None else heard(number)
+    return NO_READINGS if value is None else {capability: value}
+
+
+def whole_of(text: str) -> int | None:
+    """Return the whole number that *text* is, without point or exponent; None where it is none."""
+    try:
+        return int(text) if len(text) <= _MAX_DIGITS else None
+    except ValueError:
+        return None
+
+
+def numbers_of(text: str, count: int) -> tuple[float, ...] | None:
+    """Return the *count* numbers that *text* has between commas; None where it has others."""
+    parts = text.split(",", count)
+    numbers = [number for part in parts if (number := number_of(part)) is not None]
+    return tuple(numbers) if len(numbers) == len(parts) == count else None
+
+
+def fields_of(text: str) -> Mapping[str, object]:
+    """Return the JSON object that *text* is; empty where it is none."""
+    if not text.lstrip().startswith("{"):
+        return _NO_FIELDS
+    try:
+        message = parse_json(text)
+    except WireError:
+        return _NO_FIELDS
+    return message if isinstance(message, dict) else _NO_FIELDS
+
+
+_NO_FIELDS: Mapping[str, object] = MappingProxyType({})
+_MAX_DIGITS = 40

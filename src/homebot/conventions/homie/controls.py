@@ -1,0 +1,160 @@
+"""Covers, locks, valves, thermostats and fans. Pure.
+
+Source: hc-smarthome v2, shutter, garage-door, lock, valve and thermostat.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+from homebot.conventions.command_values import require_bool, require_option
+from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.description import Publication
+from homebot.conventions.homie.model import HomieProperty
+from homebot.conventions.homie.property_codecs import (
+    add_flag,
+    add_percent,
+    add_temperature,
+    add_words,
+    percent_of,
+    percent_written,
+)
+from homebot.conventions.homie.values import publication, read_plain
+from homebot.conventions.part_builder import BytesPart
+from homebot.devices.value import PlainValue
+
+__all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_valve"]
+
+Props = Mapping[str, HomieProperty]
+
+_OPENINGS = ("open", "closed", "opening", "closing", "stopped")
+_HEARD = {"open": "open", "close": "closed", "closed": "closed", "stop": "stopped", "up": "open", "down": "closed"}
+_MOVES = {"open": ("open", "up"), "closed": ("close", "closed", "down"), "stopped": ("stop", "stopped")}
+_LOCKS = {True: "locked", False: "unlocked"}
+_LOCK_WORDS = {"locked": ("lock", "locked"), "unlocked": ("unlock", "unlocked"), "open": ("open",)}
+_VALVES = {True: "open", False: "closed"}
+
+
+def add_cover(part: BytesPart, props: Props) -> None:
+    """Let *part* be a cover. One without orders in words is moved by its position."""
+    position, state, order = props.get("position"), props.get("movement"), props.get("move")
+    for capability in ("position", "tilt"):
+        if capability in props:
+            add_percent(part, capability, props[capability])
+
+    def read(prop: HomieProperty, payload: bytes) -> Readings:
+        value = read_plain(prop, payload)
+        word = value.casefold() if isinstance(value, str) else ""
+        word = _HEARD.get(word, word)
+        return {"movement": word} if word in _OPENINGS else NO_READINGS
+
+    def move(prop: HomieProperty, orders: Mapping[str, str], value: PlainValue, _: float) -> tuple[Publication, ...]:
+        return (publication(prop, orders[require_option("movement", value, orders)]),)
+
+    def go(prop: HomieProperty, value: PlainValue, _: float) -> tuple[Publication, ...]:
+        percent = {"open": 100.0, "closed": 0.0}
+        return (percent_written(prop, "position", percent[require_option("movement", value, percent)]),)
+
+    if state is not None:
+        part.read_from(state.topic, partial(read, state))
+    orders = _words(order, _MOVES)
+    writer = None
+    if order is not None and orders:
+        part.add_command_topics(f"{order.topic}/set")
+        writer = partial(move, order, orders)
+    elif position is not None and position.is_settable:
+        writer = partial(go, position)
+    if state is not None or writer is not None:
+        part.add_capability("movement", readable=state is not None, writer=writer, options=_OPENINGS)
+
+
+def add_lock(part: BytesPart, props: Props) -> None:
+    """Let *part* be a lock: locked where its state is true."""
+    state, order = props.get("lock"), props.get("lock_action")
+    orders = _words(order, _LOCK_WORDS)
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(state, payload) if state is not None else None
+        return {"lock": _LOCKS[value]} if isinstance(value, bool) else NO_READINGS
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        if state is not None and state.is_settable and value != "open":
+            wanted = require_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in orders else ())))
+            return (publication(state, "true" if wanted == "locked" else "false"),)
+        word = orders[require_option("lock", value, orders)]
+        return () if order is None else (publication(order, word),)
+
+    if state is not None:
+        part.read_from(state.topic, read)
+    for prop in (state, order):
+        if prop is not None and prop.is_settable:
+            part.add_command_topics(f"{prop.topic}/set")
+    is_settable = bool(orders) or (state is not None and state.is_settable)
+    part.add_capability("lock", readable=state is not None, writer=write if is_settable else None)
+
+
+def add_valve(part: BytesPart, props: Props) -> None:
+    """Let *part* be a valve: open where its state is true."""
+    state = props["valve"]
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(state, payload)
+        return {"valve": _VALVES[value]} if isinstance(value, bool) else NO_READINGS
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (
+            publication(state, "true" if require_option("valve", value, ("open", "closed")) == "open" else "false"),
+        )
+
+    part.read_from(state.topic, read)
+    if state.is_settable:
+        part.add_command_topics(f"{state.topic}/set")
+    part.add_capability("valve", writer=write if state.is_settable else None, options=("open", "closed"))
+
+
+def add_thermostat(part: BytesPart, props: Props) -> None:
+    """Let *part* be a thermostat."""
+    for capability in ("heating_setpoint", "cooling_setpoint", "local_temperature"):
+        if capability in props:
+            add_temperature(part, capability, props[capability])
+    for capability in ("thermostat_mode", "fan_mode"):
+        if capability in props:
+            add_words(part, capability, props[capability])
+
+
+def add_fan(part: BytesPart, props: Props) -> None:
+    """Let *part* be a fan. One without a switch is off at speed 0."""
+    speed = props.get("fan_speed")
+    if "on_off" in props:
+        add_flag(part, props["on_off"])
+    elif speed is not None:
+        _add_switch_of_speed(part, speed)
+    if speed is not None:
+        add_percent(part, "fan_speed", speed)
+    if "fan_mode" in props:
+        add_words(part, "fan_mode", props["fan_mode"])
+
+
+def _add_switch_of_speed(part: BytesPart, speed: HomieProperty) -> None:
+    def read(payload: bytes) -> Readings:
+        percent = percent_of(speed, payload)
+        return NO_READINGS if percent is None else {"on_off": percent > 0}
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return (percent_written(speed, "fan_speed", 100.0 if require_bool("on_off", value) else 0.0),)
+
+    part.read_from(speed.topic, read)
+    part.add_capability("on_off", readable=speed.is_retained, writer=write if speed.is_settable else None)
+
+
+def _words(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+    """The word of *prop* for each thing that it may be told."""
+    if prop is None:
+        return {}
+    by_word = {option.casefold(): option for option in prop.options}
+    return {
+        meaning: by_word[word]
+        for meaning, words in spellings.items()
+        if (word := next((one for one in words if one in by_word), ""))
+    }

@@ -1,0 +1,126 @@
+"""What a number measures, by its unit and by the words around it. Tables, pure.
+
+Source: Homie convention 5, Units; Homie 4.0, Property Attributes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from homebot.conventions.homie.qualifiers import is_object
+
+__all__ = ["CONDITIONS", "condition_of", "quantity_of"]
+
+_BY_UNIT: Mapping[str, str] = MappingProxyType(
+    {
+        "°C": "temperature",
+        "°F": "temperature",
+        "C": "temperature",
+        "F": "temperature",
+        "W": "power",
+        "kW": "power",
+        "mW": "power",
+        "kWh": "energy",
+        "Wh": "energy",
+        "MWh": "energy",
+        "V": "voltage",
+        "mV": "voltage",
+        "A": "current",
+        "mA": "current",
+        "kA": "current",
+        "Hz": "frequency",
+        "lx": "illuminance",
+        "hPa": "pressure",
+        "mbar": "pressure",
+        "Pa": "pressure",
+        "kPa": "pressure",
+        "bar": "pressure",
+        "psi": "pressure",
+        "dBm": "signal_strength",
+        "m³/h": "flow",
+        "L/h": "flow",
+        "L/min": "flow",
+    }
+)
+
+_BY_WORD: tuple[tuple[str, str, frozenset[str]], ...] = (
+    ("battery", "battery", frozenset({"", "%"})),
+    ("humidity", "humidity", frozenset({"", "%"})),
+    ("moisture", "soil_moisture", frozenset({"%"})),
+    ("temperature", "temperature", frozenset({""})),
+    ("illuminance", "illuminance", frozenset({""})),
+    ("lux", "illuminance", frozenset({""})),
+    ("pressure", "pressure", frozenset({""})),
+    ("co2", "carbon_dioxide", frozenset({"", "ppm"})),
+    ("dioxide", "carbon_dioxide", frozenset({"", "ppm"})),
+    ("monoxide", "carbon_monoxide", frozenset({"", "ppm"})),
+    ("co", "carbon_monoxide", frozenset({"ppm"})),
+    ("pm25", "pm25", frozenset({"", "µg/m³"})),
+    ("pm10", "pm10", frozenset({"", "µg/m³"})),
+    ("voc", "volatile_organic_compounds", frozenset({"µg/m³"})),
+    ("rssi", "signal_strength", frozenset({""})),
+)
+
+_NO_MEASURE = frozenset({"color", "colour", "count", "cycles", "health", "time"})
+"""Beside these a number is not what another word names: the temperature of a colour, the cycles of a battery."""
+
+_SHORT = 4
+"""A longer word also counts where another begins with it, as ``battery`` in ``batterystate``."""
+
+CONDITIONS: Mapping[str, str] = MappingProxyType(
+    {
+        "motion": "occupancy",
+        "occupancy": "occupancy",
+        "presence": "occupancy",
+        "contact": "contact",
+        "door": "contact",
+        "window": "contact",
+        "open": "contact",
+        "water": "water_leak",
+        "leak": "water_leak",
+        "flood": "water_leak",
+        "smoke": "smoke",
+        "co": "carbon_monoxide_alarm",
+        "gas": "gas",
+        "vibration": "vibration",
+        "tamper": "tamper",
+        "sabotage": "tamper",
+        "rain": "rain",
+    }
+)
+"""What a truth tells, by a word."""
+
+
+def quantity_of(unit: str, words: frozenset[str]) -> tuple[str, bool]:
+    """Return the capability of a number with *unit* near *words*, and whether that is a guess."""
+    unit = unit.strip()
+    if unit in _BY_UNIT:
+        return _BY_UNIT[unit], False
+    if not words.isdisjoint(_NO_MEASURE):
+        return "measurement", False
+    for word, capability, units in _BY_WORD:
+        if unit in units and any(one.startswith(word) if len(word) > _SHORT else one == word for one in words):
+            return capability, True
+    return "measurement", False
+
+
+def condition_of(words: frozenset[str], around: frozenset[str]) -> str:
+    """Return the capability of a truth; ``state`` where nothing tells.
+
+    Args:
+        words: Of the property. One of a thing, such as a water tank, is no condition.
+        around: Of its node; they count where the property's own say nothing.
+    """
+    if is_object(words):
+        return "state"
+    told = words if words & CONDITIONS.keys() or not words <= _NEUTRAL else around
+    if told is around and is_object(around):
+        return "state"
+    return next((capability for word, capability in CONDITIONS.items() if word in told), "state")
+
+
+_NEUTRAL = frozenset(
+    {"active", "alarm", "alert", "detected", "detection", "detector", "sensor", "state", "status", "triggered", "value"}
+)
+"""Words that say of a truth nothing but that it is one."""

@@ -1,0 +1,186 @@
+"""Devices of Homie 4 and 3, put together from single retained topics. Pure.
+
+A device is complete when every node it announces has its properties, every property its datatype, and its state is
+known and not ``init``.
+
+Source: Homie 4.0 and 3.0.1, Device, Node and Property Attributes; arrays: 3.0.1, Arrays.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from homebot.conventions.bounded_dict import BoundedDict
+from homebot.conventions.decode import to_text
+from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn
+from homebot.conventions.homie.attribute_collector import Assembly
+from homebot.conventions.homie.described import describe
+from homebot.conventions.homie.model import MAX_PROPERTIES, HomieDevice
+from homebot.conventions.homie.state import STATES
+from homebot.conventions.payload import clean_text, shown
+from homebot.errors import WireError
+
+__all__ = ["FILTERS", "Version4"]
+
+_OF_PROPERTY = ("$name", "$format", "$unit", "$settable", "$retained", "$datatype")
+_OF_NODE = ("$name", "$type", "$array", "$properties")
+_OF_DEVICE = ("$name", "$mac", "$fw/name", "$fw/version", "$implementation", "$nodes", "$homie", "$state")
+
+FILTERS = (
+    *(f"{{domain}}/+/+/+/{attribute}" for attribute in _OF_PROPERTY),
+    *(f"{{domain}}/+/+/{attribute}" for attribute in _OF_NODE),
+    *(f"{{domain}}/+/{attribute}" for attribute in _OF_DEVICE),
+)
+"""What is retained comes in this order, so that all of a device is there when its state is."""
+
+_MAX_DEVICES = 2000
+_MAX_CHARACTERS = 16_000_000
+_MAX_ATTRIBUTES = 6 * MAX_PROPERTIES
+_LONGEST = 4000
+_ID = re.compile(r"[A-Za-z0-9_-]{1,100}")
+_VERSION = re.compile(r"[34]\.[0-9.]{1,20}")
+_FACTS = {"$mac": "host_mac", "$fw/name": "firmware", "$fw/version": "sw_version", "$implementation": "model"}
+
+
+@dataclass(slots=True)
+class _Homie4Device:
+    attributes: dict[str, str] = field(default_factory=dict)
+    size: int = 0
+    datatypes: int = 0
+    is_changed: bool = True
+    is_described: bool = False
+
+
+class Version4:
+    """Knows the devices of versions 3 and 4.
+
+    There is room for 2,000, and for 16 million characters of all of them: of more devices, the one that was heard
+    first and never became complete is forgotten; of more characters, the newest are not taken.
+
+    Attributes:
+        ignored: Properties that were illegal, so far.
+    """
+
+    def __init__(self) -> None:
+        self.ignored = 0
+        self._devices: BoundedDict[_Homie4Device] = BoundedDict(_MAX_DEVICES, self._release)
+        self._size = 0
+        self._refused = 0
+
+    @property
+    def dropped(self) -> int:
+        """How many devices and attributes were forgotten or not taken for want of room."""
+        return self._devices.dropped + self._refused
+
+    def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        """Take an attribute of a device.
+
+        Args:
+            domain: The device's domain.
+            device_id: The device.
+            attribute: Its topic below the device's.
+            payload: Its value.
+
+        Raises:
+            WireError: It is illegal.
+        """
+        if not _is_known(attribute):
+            return ()
+        text = to_text(payload) if len(payload) <= _LONGEST else None
+        if not _ID.fullmatch(device_id) or text is None:
+            raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
+        name = f"{domain}/{device_id}"
+        device = self._devices.get(name)
+        if not text and attribute in {"$state", "$homie"}:
+            return self._removed(name, device)
+        _check(attribute, text)
+        if device is None:
+            device = _Homie4Device()
+            if not self._devices.add(name, device):
+                return ()
+        if not self._keep(device, attribute, text) or not _may_be_complete(device, attribute):
+            return ()
+        return self._heard(device, domain, device_id)
+
+    def _keep(self, device: _Homie4Device, attribute: str, text: str) -> bool:
+        known = device.attributes.get(attribute)
+        if known == text:
+            return attribute == "$state"
+        grown = len(text) + len(attribute) - (0 if known is None else len(known) + len(attribute))
+        if self._size + grown > _MAX_CHARACTERS or (known is None and len(device.attributes) >= _MAX_ATTRIBUTES):
+            self._refused += 1
+            return False
+        if known is None and attribute.endswith("/$datatype"):
+            device.datatypes += 1
+        device.attributes[attribute] = text
+        device.size += grown
+        self._size += grown
+        device.is_changed = device.is_changed or attribute != "$state"
+        return True
+
+    def _heard(self, device: _Homie4Device, domain: str, device_id: str) -> tuple[AnnouncementEvent, ...]:
+        state = device.attributes.get("$state", "")
+        if not device.is_changed or state in {"", "init"} or "$homie" not in device.attributes:
+            return ()
+        assembly = Assembly(f"{domain}/{device_id}", device.attributes)
+        nodes = assembly.nodes()
+        if nodes is None:
+            return ()
+        device.is_changed = False
+        self.ignored += assembly.ignored
+        whole = HomieDevice(
+            id=device_id,
+            name=clean_text(device.attributes.get("$name", "")) or device_id,
+            type="",
+            topic=f"{domain}/{device_id}",
+            nodes=nodes,
+            facts={
+                fact: told
+                for attribute, fact in _FACTS.items()
+                if (told := clean_text(device.attributes.get(attribute, "")))
+            },
+        )
+        described = describe(whole, domain, is_alive=bool(STATES[state]))
+        if described is None:
+            was_described, device.is_described = device.is_described, False
+            return (DeviceWithdrawn(whole.topic, "it offers nothing any more"),) if was_described else ()
+        self._devices.keep(whole.topic)
+        device.is_described = True
+        return (described,)
+
+    def _removed(self, name: str, device: _Homie4Device | None) -> tuple[AnnouncementEvent, ...]:
+        if device is None:
+            return ()
+        self._devices.remove(name)
+        self._release(device)
+        return (DeviceWithdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
+
+    def _release(self, device: _Homie4Device) -> None:
+        self._size -= device.size
+
+
+def _is_known(attribute: str) -> bool:
+    if attribute in _OF_DEVICE:
+        return True
+    owner, _, name = attribute.rpartition("/")
+    return bool(owner) and name in (_OF_NODE, _OF_PROPERTY, ())[min(owner.count("/"), 2)]
+
+
+def _check(attribute: str, text: str) -> None:
+    if attribute == "$state" and text not in STATES:
+        raise WireError(f"$state is {shown(text)}")
+    if attribute == "$homie" and not _VERSION.fullmatch(text):
+        raise WireError(f"$homie is {shown(text)}, not 3 or 4")
+
+
+def _may_be_complete(device: _Homie4Device, attribute: str) -> bool:
+    """Whether it is worth looking: not for every attribute of a device that is only beginning."""
+    return (
+        attribute == "$state"
+        or device.is_described
+        or (device.datatypes > 0 and "$state" in device.attributes and attribute.endswith(_LAST))
+    )
+
+
+_LAST = ("$datatype", "$properties", "$nodes", "$homie", "$array")

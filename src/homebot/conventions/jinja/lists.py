@@ -1,0 +1,214 @@
+"""Filters over lists and mappings, and what else goes through many values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Final
+
+from homebot.conventions.jinja.errors import TemplateError
+from homebot.conventions.jinja.evaluation import Run
+from homebot.conventions.jinja.limits import MAX_ITEMS
+from homebot.conventions.jinja.methods import join
+from homebot.conventions.jinja.tests import CHECKS
+from homebot.conventions.jinja.undefined import UNDEFINED, Undefined
+from homebot.conventions.jinja.values import item, text, whole
+
+__all__ = ["LIST_FILTERS", "LIST_FUNCTIONS", "attribute_of", "values_of"]
+
+
+def values_of(run: Run, value: object) -> list[object]:
+    """Return what going through *value* gives: the items of a list, the keys of a mapping, the characters of a text.
+
+    Raises:
+        TemplateError: There are too many.
+        TypeError: There is nothing to go through.
+    """
+    if isinstance(value, Undefined):
+        return []
+    if not isinstance(value, (list, tuple, dict, str)):
+        raise TypeError(f"a {type(value).__name__} has no items")
+    if len(value) > MAX_ITEMS:
+        raise TemplateError(f"a list or mapping has more than {MAX_ITEMS} values")
+    run.spend(1 + len(value) // 16)
+    return list(value)
+
+
+def attribute_of(value: object, path: object) -> object:
+    """Return what *value* holds at *path*: keys and indexes with dots between them, or one index."""
+    for part in path.split(".") if isinstance(path, str) else [path]:
+        value = item(value, int(part) if isinstance(part, str) and _INDEX.fullmatch(part) else part)
+    return value
+
+
+def _folded(value: object) -> object:
+    return value.lower() if isinstance(value, str) else value
+
+
+def _key(case_sensitive: object, attribute: object) -> Callable[[object], object]:
+    def key(value: object) -> object:
+        found = value if attribute is None else attribute_of(value, attribute)
+        return found if case_sensitive else _folded(found)
+
+    return key
+
+
+def _sort(
+    run: Run, value: object, reverse: object = False, case_sensitive: object = False, attribute: object = None
+) -> object:
+    values = values_of(run, value)
+    run.spend(len(values))
+    key: Callable[..., object] = _key(case_sensitive, attribute)
+    return _python_sorted(values, key=key, reverse=bool(reverse))
+
+
+def _extreme(choose: Callable[..., object]) -> Callable[..., object]:
+    def extreme(run: Run, value: object, case_sensitive: object = False, attribute: object = None) -> object:
+        values = values_of(run, value)
+        run.spend(len(values))
+        return choose(values, key=_key(case_sensitive, attribute)) if values else UNDEFINED
+
+    return extreme
+
+
+def _extreme_of(choose: Callable[..., object]) -> Callable[..., object]:
+    extreme = _extreme(choose)
+
+    def function(run: Run, *values: object, **named: object) -> object:
+        return extreme(run, values[0] if len(values) == 1 else values, **named)
+
+    return function
+
+
+def _unique(run: Run, value: object, case_sensitive: object = False, attribute: object = None) -> object:
+    values = values_of(run, value)
+    run.spend(len(values))
+    key = _key(case_sensitive, attribute)
+    first: dict[object, object] = {}
+    for one in values:
+        first.setdefault(key(one), one)
+    return list(first.values())
+
+
+def _sum(run: Run, value: object, attribute: object = None, start: object = 0) -> object:
+    total: int | float = 0
+    for one in [start, *values_of(run, value)]:
+        number = one if attribute is None or one is start else attribute_of(one, attribute)
+        if isinstance(number, Undefined):
+            number.fail()
+        if not isinstance(number, (int, float)):
+            raise TypeError(f"a {type(number).__name__} cannot be summed")
+        total += number
+    return total
+
+
+def _selecting(*, wanted: bool, of_attribute: bool) -> Callable[..., object]:
+    def select(run: Run, value: object, *arguments: object) -> object:
+        values = values_of(run, value) if value else []
+        run.spend(4 * len(values))
+        rest = arguments[1:] if of_attribute else arguments
+        check = CHECKS[str(rest[0])] if rest else lambda _, one: bool(one)
+        return [
+            one
+            for one in values
+            if bool(check(run, attribute_of(one, arguments[0]) if of_attribute else one, *rest[1:])) is wanted
+        ]
+
+    return select
+
+
+def _join(run: Run, value: object, separator: object = "", attribute: object = None) -> str:
+    values = values_of(run, value)
+    found = values if attribute is None else [attribute_of(one, attribute) for one in values]
+    return join(text(separator), [text(run.handle(one)) for one in found])
+
+
+def _last(run: Run, value: object) -> object:
+    if isinstance(value, str):
+        return value[-1:] or UNDEFINED
+    return (values_of(run, value) or [UNDEFINED])[-1]
+
+
+def _first(run: Run, value: object) -> object:
+    if isinstance(value, str):
+        return value[:1] or UNDEFINED
+    return (values_of(run, value) or [UNDEFINED])[0]
+
+
+def _reverse(run: Run, value: object) -> object:
+    return value[::-1] if isinstance(value, str) else values_of(run, value)[::-1]
+
+
+def _length(_: Run, value: object) -> int:
+    if isinstance(value, (str, bytes, list, tuple, dict, Undefined)):
+        return len(value)
+    raise TypeError(f"a {type(value).__name__} has no length")
+
+
+def _items(_: Run, value: object) -> object:
+    if isinstance(value, Undefined):
+        return []
+    if not isinstance(value, dict):
+        raise TypeError("only a mapping has items")
+    return list(value.items())
+
+
+def _dictionary_sort(
+    run: Run, value: object, case_sensitive: object = False, by: object = "key", reverse: object = False
+) -> object:
+    if not isinstance(value, dict):
+        raise TypeError("only a mapping can be sorted by its keys")
+    column = {"key": 0, "value": 1}[str(by)]
+    return _sort(run, _items(run, value), reverse, case_sensitive, column)
+
+
+def _range(_: Run, *bounds: object) -> object:
+    numbers = range(*[whole(one) for one in bounds])
+    if len(numbers) > MAX_ITEMS:
+        raise TemplateError(f"a range has more than {MAX_ITEMS} numbers")
+    return list(numbers)
+
+
+def _of(kind: Callable[[list[object]], object]) -> Callable[..., object]:
+    return lambda run, value: kind(values_of(run, value))
+
+
+def _dictionary(_: Run, *values: object, **named: object) -> object:
+    if values:
+        raise TypeError("dict() takes names only")
+    return named
+
+
+_INDEX = re.compile("[0-9]{1,5}", re.ASCII)
+_python_sorted: Callable[..., object] = sorted
+
+LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
+    "count": _length,
+    "dictsort": _dictionary_sort,
+    "first": _first,
+    "items": _items,
+    "join": _join,
+    "last": _last,
+    "length": _length,
+    "list": _of(list),
+    "max": _extreme(max),
+    "min": _extreme(min),
+    "reject": _selecting(wanted=False, of_attribute=False),
+    "rejectattr": _selecting(wanted=False, of_attribute=True),
+    "reverse": _reverse,
+    "select": _selecting(wanted=True, of_attribute=False),
+    "selectattr": _selecting(wanted=True, of_attribute=True),
+    "sort": _sort,
+    "sum": _sum,
+    "unique": _unique,
+}
+"""By name; each takes the run and the value first."""
+
+LIST_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
+    "dict": _dictionary,
+    "max": _extreme_of(max),
+    "min": _extreme_of(min),
+    "range": _range,
+    "tuple": _of(tuple),
+}
+"""By name; each takes the run first."""

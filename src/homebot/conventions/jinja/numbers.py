@@ -1,0 +1,199 @@
+"""Filters and functions that make or use numbers, as Home Assistant has them.
+
+Source: ``homeassistant/helpers/template.py`` of Home Assistant 2025.4.4. What has a *default* gives it for a value that
+is no number, and fails without one; what is undefined fails with one too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+from homebot.conventions.jinja.errors import TemplateError
+from homebot.conventions.jinja.evaluation import Run
+from homebot.conventions.jinja.limits import MAX_NUMERAL
+from homebot.conventions.jinja.undefined import Undefined
+from homebot.conventions.jinja.values import real, text, whole
+
+__all__ = ["MISSING", "NUMBER_CONSTANTS", "NUMBER_FILTERS", "NUMBER_FUNCTIONS", "is_number"]
+
+MISSING: Final = object()
+"""Stands for a default that was not given."""
+
+_MOST_DECIMALS = 300
+
+
+def is_number(_: Run, value: object) -> bool:
+    """Return whether *value* is a number with an end, or the text of one."""
+    try:
+        return math.isfinite(real(value))
+    except (ValueError, TypeError):
+        return False
+
+
+def _or_default(value: object, default: object, filter_: str) -> object:
+    if default is MISSING:
+        raise TemplateError(f"{filter_} is given a {type(value).__name__} that is no such value, and no default")
+    return default
+
+
+def _float(_: Run, value: object, default: object = MISSING) -> object:
+    try:
+        return real(value)
+    except (ValueError, TypeError):
+        return _or_default(value, default, "float")
+
+
+def _int(_: Run, value: object, default: object = MISSING, base: object = 10) -> object:
+    if isinstance(value, Undefined):
+        value.fail()
+    if isinstance(value, str) and len(value) > MAX_NUMERAL:
+        return _or_default(value, default, "int")
+    try:
+        return int(value, whole(base)) if isinstance(value, str) else int(real(value)) if _inexact(value) else value
+    except (ValueError, TypeError):
+        pass
+    try:
+        # So that "42.23" gives 42.
+        return int(real(value))
+    except (ValueError, TypeError, OverflowError):
+        return _or_default(value, default, "int")
+
+
+def _inexact(value: object) -> bool:
+    return isinstance(value, bool) or not isinstance(value, int)
+
+
+def _bool(_: Run, value: object, default: object = MISSING) -> object:
+    if isinstance(value, str):
+        word = value[:_LONGEST_WORD].lower().strip()
+        if word in _YES or word in _NO:
+            return word in _YES
+    elif isinstance(value, (bool, int, float)):
+        return value != 0
+    return _or_default(value, default, "bool")
+
+
+def _round(
+    _: Run, value: object, precision: object = 0, method: object = "common", default: object = MISSING
+) -> object:
+    places = whole(precision)
+    if abs(places) > _MOST_DECIMALS:
+        raise TemplateError(f"a number is rounded to more than {_MOST_DECIMALS} places")
+    try:
+        multiplier = float(10**places)
+        number = real(value)
+        if method == "ceil":
+            number = math.ceil(number * multiplier) / multiplier
+        elif method == "floor":
+            number = math.floor(number * multiplier) / multiplier
+        elif method == "half":
+            number = round(number * 2) / 2
+        else:
+            number = round(number, places)
+        return int(number) if places == 0 else number
+    except (ValueError, TypeError):
+        return _or_default(value, default, "round")
+
+
+def _with_amount(operate: Callable[[float, float], object], name: str) -> Callable[..., object]:
+    def calculate(_: Run, value: object, amount: object, default: object = MISSING) -> object:
+        try:
+            return operate(real(value), _amount(amount))
+        except (ValueError, TypeError):
+            return _or_default(value, default, name)
+
+    return calculate
+
+
+def _amount(value: object) -> float:
+    if isinstance(value, Undefined):
+        value.fail()
+    if not isinstance(value, (int, float)):
+        raise TypeError(f"a {type(value).__name__} is no amount")
+    return value
+
+
+def _of_number(calculate: Callable[[float], float], name: str) -> Callable[..., object]:
+    def filter_(_: Run, value: object, default: object = MISSING) -> object:
+        try:
+            return calculate(real(value))
+        except (ValueError, TypeError):
+            return _or_default(value, default, name)
+
+    return filter_
+
+
+def _log(_: Run, value: object, base: object = math.e, default: object = MISSING) -> object:
+    try:
+        return math.log(real(value), real(base))
+    except (ValueError, TypeError):
+        return _or_default(value, default, "log")
+
+
+def _abs(_: Run, value: object) -> object:
+    if not isinstance(value, (int, float)):
+        raise TypeError(f"abs is given a {type(value).__name__}")
+    return abs(value)
+
+
+def _bitwise(operate: Callable[[int, int], int]) -> Callable[..., object]:
+    return lambda _, first, second: operate(whole(first), whole(second))
+
+
+def _average(_: Run, values: object, default: object = MISSING) -> object:
+    if not isinstance(values, (list, tuple)) or not values:
+        return _or_default(values, default, "average")
+    if not all(isinstance(one, (int, float)) for one in values):
+        return _or_default(values, default, "average")
+    return math.fsum(values) / len(values)
+
+
+def _iif(_: Run, value: object, if_true: object = True, if_false: object = False, if_none: object = MISSING) -> object:
+    if value is None and if_none is not MISSING:
+        return if_none
+    return if_true if value else if_false
+
+
+def _ordinal(_: Run, value: object) -> str:
+    shown = text(value)
+    tens, ones = int(shown[-2:]) % 100, int(shown[-1]) % 10
+    return shown + ("th" if tens in range(11, 14) else {1: "st", 2: "nd", 3: "rd"}.get(ones, "th"))
+
+
+_LONGEST_WORD = 32
+_YES = frozenset({"1", "true", "yes", "on", "enable"})
+_NO = frozenset({"0", "false", "no", "off", "disable"})
+
+_CURVES: Final = {
+    name: _of_number(getattr(math, name), name) for name in ("acos", "asin", "atan", "cos", "sin", "sqrt", "tan")
+}
+
+NUMBER_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
+    **_CURVES,
+    "bool": _bool,
+    "float": _float,
+    "iif": _iif,
+    "int": _int,
+    "is_number": is_number,
+    "log": _log,
+}
+"""By name; each takes the run first."""
+
+NUMBER_FILTERS: Final[dict[str, Callable[..., object]]] = {
+    **NUMBER_FUNCTIONS,
+    "abs": _abs,
+    "add": _with_amount(lambda value, amount: value + amount, "add"),
+    "average": _average,
+    "bitwise_and": _bitwise(lambda first, second: first & second),
+    "bitwise_or": _bitwise(lambda first, second: first | second),
+    "bitwise_xor": _bitwise(lambda first, second: first ^ second),
+    "multiply": _with_amount(lambda value, amount: value * amount, "multiply"),
+    "ordinal": _ordinal,
+    "round": _round,
+}
+"""By name; each takes the run and the value first."""
+
+NUMBER_CONSTANTS: Final[dict[str, float]] = {"e": math.e, "pi": math.pi, "tau": math.tau}
+"""What these names mean where the template and its variables say nothing else."""

@@ -1,0 +1,184 @@
+"""Filters that make texts of values, or values of texts."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import re
+import struct
+from collections.abc import Callable
+from typing import Final
+
+from homebot.conventions.jinja.errors import NotDefinedError, TemplateError
+from homebot.conventions.jinja.evaluation import Run
+from homebot.conventions.jinja.formatting import percent
+from homebot.conventions.jinja.methods import METHODS, replace
+from homebot.conventions.jinja.undefined import Undefined
+from homebot.conventions.jinja.values import text, whole
+from homebot.conventions.payload import parse_json
+from homebot.errors import WireError
+
+__all__ = ["TEXT_FILTERS", "TEXT_FUNCTIONS"]
+
+
+def _default(_: Run, value: object, default: object = "", boolean: object = False) -> object:
+    return default if isinstance(value, Undefined) or (boolean and not value) else value
+
+
+def _is_defined(_: Run, value: object) -> object:
+    if isinstance(value, Undefined):
+        raise NotDefinedError("the message lacks the value that the template asks for")
+    return value
+
+
+def _title(run: Run, value: object) -> str:
+    run.spend(len(text(value)) // 4)
+    return "".join(word[0].upper() + word[1:].lower() for word in _WORD_STARTS.split(text(value)) if word)
+
+
+def _replace(_: Run, value: object, old: object, new: object, count: object = None) -> str:
+    return replace(text(value), text(old), text(new), -1 if count is None else whole(count))
+
+
+def _trim(_: Run, value: object, characters: object = None) -> str:
+    return text(value).strip(None if characters is None else text(characters))
+
+
+def _center(_: Run, value: object, width: object = 80) -> object:
+    return METHODS[str]["center"](text(value), whole(width))
+
+
+def _truncate(
+    _: Run,
+    value: object,
+    length: object = 255,
+    killwords: object = False,
+    end: object = "...",
+    leeway: object = 5,
+) -> object:
+    if not isinstance(value, (str, list, tuple, dict, Undefined)):
+        raise TypeError(f"truncate is given a {type(value).__name__}")
+    ending, longest, extra = text(end), whole(length), 5 if leeway is None else whole(leeway)
+    if longest < len(ending) or extra < 0:
+        raise TemplateError("truncate is given a length below that of its end")
+    if len(value) <= longest + extra:
+        return value
+    if not isinstance(value, str):
+        raise TypeError(f"truncate is given a long {type(value).__name__}")
+    kept = value[: longest - len(ending)]
+    return (kept if killwords else kept.rsplit(" ", 1)[0]) + ending
+
+
+def _format(_: Run, value: object, *values: object, **named: object) -> str:
+    if values and named:
+        raise TypeError("format takes values or names")
+    return percent(text(value), named or values)
+
+
+def _from_json(_: Run, value: object) -> object:
+    try:
+        return parse_json(text(value))
+    except WireError:
+        raise TemplateError("from_json is given a text that is no JSON") from None
+
+
+def _to_json(
+    _: Run, value: object, ensure_ascii: object = False, pretty_print: object = False, sort_keys: object = False
+) -> str:
+    pretty = bool(pretty_print)
+    return json.dumps(
+        value,
+        ensure_ascii=bool(ensure_ascii),
+        indent=2 if pretty else None,
+        sort_keys=bool(sort_keys),
+        separators=None if ensure_ascii or pretty else (",", ":"),
+    )
+
+
+def _jinja_json(_: Run, value: object, indent: object = None) -> str:
+    spaces = None if indent is None else whole(indent)
+    if spaces is not None and not 0 <= spaces <= _WIDEST_INDENT:
+        raise TemplateError("JSON is indented too far")
+    return json.dumps(value, sort_keys=True, indent=spaces).translate(_HTML)
+
+
+def _base64_encode(_: Run, value: object) -> str:
+    return base64.b64encode(value if isinstance(value, bytes) else text(value).encode()).decode()
+
+
+def _base64_decode(_: Run, value: object, encoding: object = "utf-8") -> object:
+    try:
+        decoded = base64.b64decode(text(value))
+    except binascii.Error as error:
+        raise TemplateError("base64_decode is given no Base64") from error
+    if not encoding:
+        return decoded
+    if text(encoding).lower() not in _ENCODINGS:
+        raise TemplateError("base64_decode is given an encoding that is not supported")
+    return decoded.decode(text(encoding))
+
+
+def _pack(_: Run, value: object, layout: object) -> object:
+    try:
+        return struct.pack(_layout(layout), value)
+    except struct.error:
+        return None
+
+
+def _unpack(_: Run, value: object, layout: object, offset: object = 0) -> object:
+    if not isinstance(value, bytes):
+        raise TypeError(f"unpack is given a {type(value).__name__}")
+    try:
+        return struct.unpack_from(_layout(layout), value, whole(offset))[0]
+    except struct.error:
+        return None
+
+
+def _layout(layout: object) -> str:
+    shape = text(layout)
+    if not _LAYOUT.fullmatch(shape):
+        raise TemplateError("bytes are packed in more than single values")
+    return shape
+
+
+def _ord(_: Run, value: object) -> int:
+    return ord(text(value))
+
+
+def _of_text(make: Callable[[str], str]) -> Callable[..., object]:
+    return lambda _, value: make(text(value))
+
+
+_WORD_STARTS = re.compile(r"([-\s({\[<]+)")
+_HTML = {ord(one): f"\\u{ord(one):04x}" for one in "<>&'"}
+_WIDEST_INDENT = 8
+_ENCODINGS = frozenset({"utf-8", "utf8", "ascii", "latin-1", "iso-8859-1"})
+_LAYOUT = re.compile("[@=<>!]?[a-zA-Z?]{1,16}")
+
+TEXT_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {"pack": _pack, "unpack": _unpack}
+"""By name; each takes the run first."""
+
+TEXT_FILTERS: Final[dict[str, Callable[..., object]]] = {
+    **TEXT_FUNCTIONS,
+    "base64_decode": _base64_decode,
+    "base64_encode": _base64_encode,
+    "capitalize": _of_text(str.capitalize),
+    "center": _center,
+    "d": _default,
+    "default": _default,
+    "format": _format,
+    "from_json": _from_json,
+    "is_defined": _is_defined,
+    "lower": _of_text(str.lower),
+    "ord": _ord,
+    "replace": _replace,
+    "string": _of_text(str),
+    "title": _title,
+    "to_json": _to_json,
+    "tojson": _jinja_json,
+    "trim": _trim,
+    "truncate": _truncate,
+    "upper": _of_text(str.upper),
+}
+"""By name; each takes the run and the value first."""

@@ -1,0 +1,123 @@
+"""The values a template handles: how they are looked into, and what text they give, each in bounded work."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import final
+
+from homebot.conventions.jinja.errors import TemplateError
+from homebot.conventions.jinja.limits import MAX_ITEMS, MAX_NUMERAL, MAX_TEXT
+from homebot.conventions.jinja.undefined import UNDEFINED, Undefined
+
+__all__ = ["Namespace", "item", "real", "text", "weigh", "whole"]
+
+
+@final
+class Namespace:
+    """What ``namespace()`` gives: the one value that a template may change."""
+
+    __slots__ = ("attributes",)
+
+    def __init__(self, attributes: dict[str, object]) -> None:
+        self.attributes = attributes
+
+    def __repr__(self) -> str:
+        return "<Namespace>"
+
+
+def item(value: object, key: object) -> object:
+    """Return what *value* holds at *key*: a key, an index, or a part of a time; UNDEFINED where there is none.
+
+    Jinja would go on to look for an attribute of that name. We do not: what a message lacks is not there.
+
+    Raises:
+        TemplateError: *value* is undefined itself.
+    """
+    if isinstance(value, Undefined):
+        value.fail()
+    try:
+        if isinstance(value, dict):
+            return value[key]
+        if isinstance(value, (list, tuple, str, bytes)) and isinstance(key, int):
+            return value[key]
+        if isinstance(value, Namespace) and isinstance(key, str):
+            return value.attributes[key]
+        if isinstance(value, datetime) and isinstance(key, str) and key in _TIME_PARTS:
+            return getattr(value, key)
+    except (TypeError, LookupError):
+        pass
+    return UNDEFINED
+
+
+def text(value: object) -> str:
+    """Return the text of *value*, as Python has it.
+
+    Raises:
+        TemplateError: It is too long.
+    """
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (dict, list, tuple)):
+        weigh(value)
+    return str(value)
+
+
+def weigh(value: object) -> int:
+    """Return how many values *value* is made of, itself counted, with one more for every 256 characters.
+
+    Raises:
+        TemplateError: There are more than a template may handle.
+    """
+    waiting = [value]
+    count = characters = 0
+    while waiting:
+        one = waiting.pop()
+        count += 1
+        if isinstance(one, (str, bytes)):
+            characters += len(one)
+        elif isinstance(one, (dict, list, tuple)):
+            if count + len(waiting) + len(one) > MAX_ITEMS:
+                raise TemplateError(f"a list or mapping has more than {MAX_ITEMS} values")
+            if isinstance(one, dict):
+                waiting.extend(one.keys())
+                waiting.extend(one.values())
+            else:
+                waiting.extend(one)
+    if characters > MAX_TEXT:
+        raise TemplateError(f"a text has more than {MAX_TEXT} characters")
+    return count + characters // 256
+
+
+def real(value: object) -> float:
+    """Return ``float(value)``.
+
+    Raises:
+        TypeError: *value* has no number.
+        ValueError: Its text is none.
+        TemplateError: It is undefined.
+    """
+    if isinstance(value, Undefined):
+        value.fail()
+    if isinstance(value, str):
+        if len(value) > MAX_NUMERAL:
+            raise ValueError(f"a text of {len(value)} characters is no number")
+    elif not isinstance(value, (int, float)):
+        raise TypeError(f"a {type(value).__name__} is no number")
+    return float(value)
+
+
+def whole(value: object) -> int:
+    """Return *value*, which must be a whole number already.
+
+    Raises:
+        TypeError: It is none.
+        TemplateError: It is undefined.
+    """
+    if isinstance(value, Undefined):
+        value.fail()
+    if not isinstance(value, int):
+        raise TypeError(f"a {type(value).__name__} is no whole number")
+    return value
+
+
+_TIME_PARTS = frozenset({"year", "month", "day", "hour", "minute", "second", "microsecond"})

@@ -1,0 +1,163 @@
+"""A part in the making: what it can do, collected by whoever describes it. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import lru_cache
+from itertools import islice
+from typing import Generic, TypeAlias, TypeVar
+
+from homebot.conventions.decode import JsonMessage
+from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
+from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, TableCodec, Writer
+from homebot.devices.part import Capability, Category, Part
+
+__all__ = ["BytesPart", "JsonPart", "PartBuilder", "with_own_ids"]
+
+MessageT = TypeVar("MessageT")
+
+
+class PartBuilder(Generic[MessageT]):
+    """Collects what one part can do, and becomes its description.
+
+    Args:
+        opened: What its readers are given of a payload.
+        part_id: See :class:`homebot.devices.part.Part`, as are the others.
+    """
+
+    def __init__(
+        self,
+        opened: PayloadParser[MessageT],
+        part_id: str,
+        service_type: str,
+        *,
+        name: str = "",
+        advertised: str = "",
+        tag: str = "",
+        category: Category = "",
+        guessed: bool = False,
+    ) -> None:
+        self._opened = opened
+        self._about = (part_id, service_type, name, advertised, tag, category, guessed)
+        self._capabilities: dict[str, Capability] = {}
+        self._readers: dict[str, tuple[Reader[MessageT], ...]] = {}
+        self._event_readers: dict[str, tuple[Reader[MessageT], ...]] = {}
+        self._writers: dict[str, Writer] = {}
+        self._coded_writers: dict[str, CodedWriter] = {}
+        self._writes: dict[str, None] = {}
+        self._asks: dict[Publication, None] = {}
+        self._fades: tuple[AutoExpiry, ...] = ()
+        self._remembers = False
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it can do nothing at all, so far."""
+        return not self._capabilities
+
+    def add_capability(
+        self,
+        name: str,
+        *,
+        readable: bool = True,
+        writer: Writer | None = None,
+        unit: str = "",
+        bounds: tuple[float, ...] = (),
+        options: tuple[str, ...] = (),
+    ) -> None:
+        """Have the capability *name*, settable where there is a *writer*. One that is neither is left out."""
+        if not readable and writer is None:
+            return
+        make = _capability if len(options) <= _FEW_OPTIONS else _capability.__wrapped__
+        self._capabilities[name] = make(name, readable, writer is not None, unit, bounds, options)
+        if writer is not None:
+            self._writers[name] = writer
+
+    def offers_coded(
+        self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()
+    ) -> None:
+        """As :meth:`offers`, for what may be told with a code alone."""
+        self._capabilities[name] = Capability(name=name, readable=readable, settable=True, options=options)
+        self._coded_writers[name] = writer
+
+    def read_from(self, topic: str, reader: Reader[MessageT]) -> None:
+        """Read every message on *topic* with *reader*."""
+        self._readers[topic] = (*self._readers.get(topic, ()), reader)
+
+    def read_events_from(self, topic: str, reader: Reader[MessageT]) -> None:
+        """As :meth:`reads`, but what the broker had kept is not read: it happened before."""
+        self._readers.setdefault(topic, ())
+        self._event_readers[topic] = (*self._event_readers.get(topic, ()), reader)
+
+    def add_command_topics(self, *topics: str) -> None:
+        """Name the topics that the part listens on."""
+        self._writes.update(dict.fromkeys(topics))
+
+    def add_state_request(self, *publications: Publication) -> None:
+        """Name what makes the device tell the part's state."""
+        self._asks.update(dict.fromkeys(publications))
+
+    def add_expiry(self, *fades: AutoExpiry) -> None:
+        """Let values end by themselves."""
+        self._fades += fades
+
+    def remembers(self) -> None:
+        """Say that its codec needs what was said before; see :attr:`DescribedPart.remembers`."""
+        self._remembers = True
+
+    def build(self) -> DescribedPart:
+        """Return the finished part."""
+        part_id, service_type, name, advertised, tag, category, guessed = self._about
+        codec = TableCodec(self._opened, self._readers, self._event_readers, self._writers, self._coded_writers)
+        part = Part(
+            id=part_id,
+            name=name,
+            service_type=service_type,
+            advertised=advertised,
+            tag=tag,
+            category=category,
+            guessed=guessed,
+            capabilities=tuple(self._capabilities.values()),
+            reads=codec.topics(),
+            writes=tuple(self._writes),
+        )
+        slim = Part.of_checked(**part.__dict__)  # without a set of its fields of its own, which is 700 bytes
+        return DescribedPart(
+            slim, codec, state_requests=tuple(self._asks), expiries=self._fades, remembers=self._remembers
+        )
+
+
+JsonPart: TypeAlias = PartBuilder[JsonMessage]
+"""A part whose readers are given a JSON object."""
+
+BytesPart: TypeAlias = PartBuilder[bytes]
+"""A part whose readers are given the payload."""
+
+
+def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPart, ...]:
+    """Return the first *most* of *parts*; one whose id another has already gets a number behind it."""
+    found: dict[str, DescribedPart] = {}
+    counts: dict[str, int] = {}
+    for one in islice(parts, most):
+        part_id = one.part.id
+        while part_id in found:
+            counts[one.part.id] = counts.get(one.part.id, 1) + 1
+            part_id = f"{one.part.id}_{counts[one.part.id]}"
+        is_own = part_id == one.part.id
+        found[part_id] = one if is_own else replace(one, part=one.part.model_copy(update={"id": part_id}))
+    return tuple(found.values())
+
+
+_FEW_OPTIONS = 50
+
+
+@lru_cache(maxsize=512)
+def _capability(  # the same few for all devices of a house: making one costs ten times as much as finding it
+    name: str,
+    readable: bool,  # noqa: FBT001 - only called above
+    settable: bool,  # noqa: FBT001 - only called above
+    unit: str,
+    bounds: tuple[float, ...],
+    options: tuple[str, ...],
+) -> Capability:
+    return Capability(name=name, readable=readable, settable=settable, unit=unit, bounds=bounds, options=options)

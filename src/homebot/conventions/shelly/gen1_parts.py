@@ -1,0 +1,164 @@
+"""What a Shelly of the first generation consists of, by the topics it publishes. Pure.
+
+Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0, ``lib/devices/gen1``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.part_builder import BytesPart
+from homebot.conventions.shelly.gen1_controls import build_relay, build_roller
+from homebot.conventions.shelly.gen1_inputs import Presses, build_input
+from homebot.conventions.shelly.gen1_lights import build_light
+from homebot.conventions.shelly.gen1_models import Gen1Model
+from homebot.conventions.shelly.gen1_sensors import SENSORS, build_meter, build_sensor
+from homebot.conventions.shelly.gen1_status import build_motion, build_valve
+from homebot.conventions.shelly.gen1_topics import Gen1Place
+
+__all__ = ["MAX_CHANNELS", "build_parts", "is_known_topic"]
+
+MAX_CHANNELS = 16
+"""Channels of one kind that a device may have: more is nothing Shelly made."""
+
+
+def is_known_topic(suffix: str) -> bool:
+    """Whether *suffix*, a topic below the device's own, tells of a part."""
+    if suffix in SENSORS or suffix in _WHOLE:
+        return True
+    match = _CHANNEL.fullmatch(suffix)
+    return match is not None and int(match["index"]) < MAX_CHANNELS and (match["rest"] or "") in _RESTS[match["kind"]]
+
+
+def build_parts(
+    place: Gen1Place, model: Gen1Model | None, suffixes: frozenset[str], presses: defaultdict[int, Presses]
+) -> tuple[DescribedPart, ...]:
+    """Return the parts of the device at *place* that publishes *suffixes*; first what it is there for.
+
+    Args:
+        place: Where it speaks.
+        model: What it is, where that is known.
+        suffixes: What it publishes on.
+        presses: What it told so far of each of its inputs.
+    """
+    parts: list[BytesPart] = []
+    for channel in _channels(suffixes):
+        if channel.kind == "input":
+            parts.append(_input(place, channel, suffixes, model, presses[channel.index]))
+            continue
+        parts.extend(part for build in _BUILDERS[channel.kind] if (part := build(place, channel, suffixes, model)))
+    if "relay/power" in suffixes and "relay/0/power" not in suffixes:
+        parts.append(build_meter(place, "meter", {"power": "relay/power", "energy": "relay/energy"}))
+    parts.extend(build_sensor(place, SENSORS[suffix]) for suffix in SENSORS if suffix in suffixes)
+    if "status" in suffixes:
+        parts.extend(build_valve(place) if model is not None and model.name == "SHTRV-01" else build_motion(place))
+    for part in parts[:1]:
+        part.add_state_request(Publication(f"{place.topic}/command", b"update"))
+    return tuple(part.build() for part in parts)
+
+
+@dataclass(frozen=True, slots=True)
+class _Channel:
+    kind: str
+    index: int
+
+    @property
+    def topic(self) -> str:
+        return f"{self.kind}/{self.index}"
+
+
+_Build = Callable[[Gen1Place, _Channel, frozenset[str], Gen1Model | None], BytesPart | None]
+
+_CHANNEL = re.compile(
+    r"(?P<kind>relay|roller|light|color|white|input|input_event|emeter|adc|ext_temperature|ext_humidity|ext_switch)"
+    r"/(?P<index>[0-9]{1,2})(?:/(?P<rest>[a-z_]+))?"
+)
+_WHOLE = frozenset({"relay/power", "relay/energy", "status"})
+_METERED = frozenset({"", "power", "energy"})
+_RESTS: Mapping[str, frozenset[str]] = {
+    "emeter": frozenset({"power", "voltage", "current", "total", "total_returned"}),
+    "relay": _METERED,
+    "roller": _METERED | {"pos"},
+    "light": _METERED | {"status"},
+    "color": _METERED | {"status"},
+    "white": _METERED | {"status"},
+    "input": frozenset({""}),
+    "input_event": frozenset({""}),
+    "adc": frozenset({""}),
+    "ext_temperature": frozenset({""}),
+    "ext_humidity": frozenset({""}),
+    "ext_switch": frozenset({""}),
+}
+
+
+def _channels(suffixes: frozenset[str]) -> tuple[_Channel, ...]:
+    found = {
+        _Channel("input" if match["kind"] == "input_event" else match["kind"], int(match["index"]))
+        for suffix in suffixes
+        if (match := _CHANNEL.fullmatch(suffix)) and int(match["index"]) < MAX_CHANNELS
+    }
+    order = tuple(_RESTS)
+    return tuple(sorted(found, key=lambda one: (order.index(one.kind), one.index)))
+
+
+def _relay(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
+    return build_relay(place, channel.index, is_plug=model is not None and model.is_plug)
+
+
+def _roller(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
+    return build_roller(place, channel.index)
+
+
+def _light(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
+    return build_light(place, channel.kind, channel.index, "" if model is None else model.name)
+
+
+def _input(
+    place: Gen1Place, channel: _Channel, suffixes: frozenset[str], model: Gen1Model | None, presses: Presses
+) -> BytesPart:
+    return build_input(
+        place,
+        channel.index,
+        presses,
+        has_state=channel.topic in suffixes,
+        has_events=f"input_event/{channel.index}" in suffixes,
+        counts_first=model is not None and model.sleeps,
+    )
+
+
+def _meter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart | None:
+    topic = channel.topic
+    told = {name: f"{topic}/{name}" for name in ("power", "energy") if f"{topic}/{name}" in suffixes}
+    return build_meter(place, f"{channel.kind}:{channel.index}/meter", told) if told else None
+
+
+def _emeter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
+    names = ("power", "voltage", "current", "total", "total_returned")
+    told = {name: f"{channel.topic}/{name}" for name in names if f"{channel.topic}/{name}" in suffixes}
+    return build_meter(place, f"emeter:{channel.index}", told)
+
+
+def _adc(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
+    return build_meter(place, f"adc:{channel.index}", {"voltage": channel.topic})
+
+
+def _external(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
+    return build_sensor(place, SENSORS[channel.kind], channel.index)
+
+
+_BUILDERS: Mapping[str, tuple[_Build, ...]] = {
+    "relay": (_relay, _meter),
+    "roller": (_roller, _meter),
+    "light": (_light, _meter),
+    "color": (_light, _meter),
+    "white": (_light, _meter),
+    "emeter": (_emeter,),
+    "adc": (_adc,),
+    "ext_temperature": (_external,),
+    "ext_humidity": (_external,),
+    "ext_switch": (_external,),
+}

@@ -1,0 +1,201 @@
+"""Shelly's second generation and later: who is there, and what they answer when asked. Pure.
+
+These devices do not announce themselves. One that says that it is online, or tells anything, is asked who it is, how
+it is set up and how it is; the last answer makes it known. One that sleeps most of the time tells its whole status
+when it wakes, which does as well. One that does not answer is known by the components that it tells of,
+where its topics begin with its own id.
+
+Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
+"""
+
+from __future__ import annotations
+
+from homebot.conventions.bounded_dict import BoundedDict
+from homebot.conventions.decode import to_json
+from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn
+from homebot.conventions.payload import parse_object, shown
+from homebot.conventions.shelly.gen2_answers import is_prefix, kind_of, mac_in, tells_change, text_of
+from homebot.conventions.shelly.gen2_component import Fields
+from homebot.conventions.shelly.gen2_device import Gen2Device, looks
+from homebot.conventions.shelly.rpc import call
+from homebot.errors import WireError
+
+__all__ = ["MAX_ANSWER_BYTES", "Gen2"]
+
+MAX_ANSWER_BYTES = 128 * 1024
+"""Longest answer; that of a gateway with all the sensors it takes is about 40 kB."""
+
+_MAX_DEVICES = 3000
+_MAX_KEPT_BYTES = 32 * 1024 * 1024
+_QUESTIONS = ("Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus")
+
+
+class Gen2:
+    """Knows the devices of the second generation in one broker.
+
+    There is room for 3,000: of more, the one that was heard first and never described is forgotten. Answers are kept
+    up to 32 MB together.
+
+    Args:
+        client: As whom homebot asks; answers come on ``<client>/rpc`` and ``<client>/<prefix>/rpc``.
+        prefixes: Filters of prefixes of several levels.
+    """
+
+    def __init__(self, client: str, prefixes: tuple[str, ...]) -> None:
+        self.filters = (
+            f"{client}/rpc",
+            *(f"{client}/{prefix}/rpc" for prefix in ("+", *prefixes)),
+            *(f"{prefix}/{rest}" for prefix in ("+", *prefixes) for rest in ("online", "events/rpc")),
+            "+/status/+",
+        )
+        self._client = client
+        self._devices: BoundedDict[Gen2Device] = BoundedDict(_MAX_DEVICES, self._release)
+        self._kept = 0
+        self._refused = 0
+
+    def knows(self, prefix: str) -> bool:
+        """Whether a device of this generation was heard at *prefix*."""
+        return self._devices.get(prefix) is not None
+
+    @property
+    def dropped(self) -> int:
+        """How many devices or answers were forgotten or not taken for want of room."""
+        return self._devices.dropped + self._refused
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+        """Take a message on one of the filters.
+
+        Raises:
+            WireError: An answer breaks the rules.
+        """
+        if topic == f"{self._client}/rpc":
+            return self._answered("", payload)
+        if topic.startswith(f"{self._client}/") and topic.endswith("/rpc"):
+            return self._answered(topic.removeprefix(f"{self._client}/").removesuffix("/rpc"), payload)
+        if topic.endswith("/events/rpc"):
+            return self._notified(topic.removesuffix("/events/rpc"), payload)
+        prefix, _, component = topic.partition("/status/")
+        if component:
+            return self._told(prefix, component, payload) if mac_in(prefix) else ()
+        return self._online(topic.removesuffix("/online"), payload, retained=retained)
+
+    def _online(self, prefix: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+        if not payload:
+            return self._gone(prefix)
+        if payload != b"true":
+            return ()
+        device = self._device(prefix)
+        if device is None:
+            return ()
+        if device.described is not None:
+            return () if retained else (self._question(device),)
+        return (self._question(device),) if retained else self._asked(device)
+
+    def _told(self, prefix: str, component: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        device = self._device(prefix)
+        if device is None or device.is_told:
+            return ()
+        return self._overheard(device, {component: to_json(payload)}, f"{prefix}/status/{component}", len(payload))
+
+    def _overheard(
+        self, device: Gen2Device, components: Fields, topic: str, size: int
+    ) -> tuple[AnnouncementEvent, ...]:
+        """What *device* tells without having answered, if ever it will."""
+        asked = self._asked(device)
+        kept = device.sizes.get("overheard", 0) + size
+        if not device.overhears(components) or not self._has_room(device, "overheard", kept):
+            return asked
+        device.overhear(components, kept)
+        return self._described(device, topic, device.prefix) + asked
+
+    def _gone(self, prefix: str) -> tuple[AnnouncementEvent, ...]:
+        device = self._devices.remove(prefix)
+        if device is None:
+            return ()
+        self._release(device)
+        return (DeviceWithdrawn(prefix, "its online topic was removed"),) if device.described is not None else ()
+
+    def _release(self, device: Gen2Device) -> None:
+        self._kept -= sum(device.sizes.values())
+
+    def _notified(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        frame = to_json(payload)
+        if not isinstance(frame, dict):
+            return ()
+        device = self._device(prefix)
+        if device is None:
+            return ()
+        method, params = frame.get("method"), frame.get("params")
+        if not isinstance(params, dict):
+            return ()
+        if device.is_told and device.described is not None:
+            return (self._question(device),) if method == "NotifyEvent" and tells_change(params) else ()
+        if method == "NotifyStatus" and mac_in(prefix):
+            return self._overheard(device, params, f"{prefix}/events/rpc", len(payload))
+        asked = self._asked(device)
+        if method == "NotifyFullStatus" and self._keep(device, "status", params, len(payload)):
+            return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + asked
+        return asked
+
+    def _answered(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        frame = parse_object(payload, MAX_ANSWER_BYTES)
+        result, source = frame.get("result"), frame.get("src")
+        if not isinstance(result, dict):
+            return ()
+        if not isinstance(source, str):
+            raise WireError(f"an answer has the src {shown(source)}")
+        device = self._device(prefix or source)
+        kind = kind_of(result)
+        if device is None or not kind or not self._keep(device, kind, result, len(payload)):
+            return ()
+        return self._described(device, f"{device.prefix}/rpc", text_of(source))
+
+    def _device(self, prefix: str) -> Gen2Device | None:
+        device = self._devices.get(prefix)
+        if device is None and is_prefix(prefix):
+            device = Gen2Device(prefix)
+            if not self._devices.add(prefix, device):
+                return None
+        return device
+
+    def _asked(self, device: Gen2Device) -> tuple[AnnouncementEvent, ...]:
+        """Ask at the first sign of life, the second, the fourth, the eighth: it may be no Shelly at all."""
+        device.heard += 1
+        return (self._question(device),) if device.heard & (device.heard - 1) == 0 else ()
+
+    def _question(self, device: Gen2Device) -> DeviceRequest:
+        source = f"{self._client}/{device.prefix}"
+        return DeviceRequest(device.prefix, tuple(call(device.prefix, source, method) for method in _QUESTIONS))
+
+    def _keep(self, device: Gen2Device, kind: str, result: Fields, size: int) -> bool:
+        if not self._has_room(device, kind, size):
+            return False
+        device.keep(kind, result, size)
+        return True
+
+    def _has_room(self, device: Gen2Device, kind: str, size: int) -> bool:
+        """Whether *size* bytes of *kind* may be kept of *device*; they count from now on."""
+        grown = size - device.sizes.get(kind, 0)
+        if size > MAX_ANSWER_BYTES or self._kept + grown > _MAX_KEPT_BYTES:
+            self._refused += 1
+            return False
+        self._kept += grown
+        return True
+
+    def _described(self, device: Gen2Device, topic: str, device_id: str) -> tuple[AnnouncementEvent, ...]:
+        if not device.status or not device.mac:
+            return ()
+        described = device.describe(self._client, topic, device_id)
+        if not described.parts:
+            return self._emptied(device)
+        self._devices.keep(device.prefix)
+        if device.described is not None and looks(device.described) == looks(described):
+            return ()
+        device.described = described
+        return (described,)
+
+    def _emptied(self, device: Gen2Device) -> tuple[AnnouncementEvent, ...]:
+        if device.described is None:
+            return ()
+        device.described = None
+        return (DeviceWithdrawn(device.prefix, "no component of it is left"),)

@@ -1,0 +1,141 @@
+"""What a Shelly hears by Bluetooth and tells as a gateway: devices that speak BTHome, each value a component. Pure.
+
+Source: Shelly Gen2+ API, components BTHomeDevice and BTHomeSensor; BTHome v2, object ids.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from homebot.conventions.decode import NO_READINGS, Readings, to_number
+from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, measured
+from homebot.conventions.shelly.gen2_sensors import PRESSES
+from homebot.conventions.units import SENSOR_TYPES
+from homebot.devices.capabilities import CAPABILITIES
+
+__all__ = ["build_bluetooth_device", "build_bluetooth_sensor"]
+
+
+def build_bluetooth_device(component: ShellyComponent) -> tuple[JsonPart, ...]:
+    """Describe a device itself: its battery, how well it is heard, and the presses of its buttons."""
+    parts: list[JsonPart] = []
+    for field, service_type, capability in _OF_DEVICES:
+        if field in component.status:
+            part = component.part(field, service_type, category="diagnostic")
+            component.tells(part, measured(field, capability))
+            part.add_capability(capability)
+            parts.append(part)
+    keys = component.part("", "generic_switch")
+    component.hears_presses(keys, PRESSES)
+    return (keys, *parts)
+
+
+_OF_DEVICES = (("battery", "x_battery", "battery"), ("rssi", "x_sensor", "signal_strength"))
+
+
+def build_bluetooth_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
+    """Describe one value of a device; nothing where it is not known what it means."""
+    object_id = component.config.get("obj_id")
+    if object_id == _BUTTON:
+        part = component.part("", "generic_switch")
+        component.hears_presses(part, PRESSES)
+        return (part,)
+    known = _OBJECTS.get(object_id) if isinstance(object_id, int) else None
+    if known is None:
+        return ()
+    capability, unit = known
+    is_number = CAPABILITIES[capability].kind == "number"
+
+    def told(status: Fields) -> Readings:
+        value = status.get("value")
+        if isinstance(value, bool):
+            return NO_READINGS if is_number else {capability: value}
+        number = to_number(value)
+        return {capability: number} if number is not None and is_number else NO_READINGS
+
+    service_type = SENSOR_TYPES.get(capability, "x_sensor" if is_number else "x_binary_sensor")
+    part = component.part("", service_type, category="diagnostic" if capability in _DIAGNOSTIC else "")
+    component.tells(part, told)
+    part.add_capability(capability, unit=unit)
+    return (part,)
+
+
+_BUTTON = 58
+_DIAGNOSTIC = frozenset({"battery", "battery_low", "battery_charging"})
+_CONDITIONS: Mapping[int, str] = {
+    15: "state",
+    16: "power_detected",
+    17: "contact",
+    21: "battery_low",
+    22: "battery_charging",
+    23: "carbon_monoxide_alarm",
+    24: "freeze",
+    25: "connectivity",
+    26: "contact",
+    27: "contact",
+    28: "gas",
+    29: "heat",
+    30: "light_detected",
+    31: "unlocked",
+    32: "water_leak",
+    33: "occupancy",
+    34: "moving",
+    35: "occupancy",
+    36: "plugged_in",
+    37: "occupancy",
+    38: "problem",
+    39: "running",
+    40: "safety",
+    41: "smoke",
+    42: "sound",
+    43: "tamper",
+    44: "vibration",
+    45: "contact",
+}
+_QUANTITIES: Mapping[str, tuple[int, ...]] = {
+    "battery": (1,),
+    "temperature": (2, 69, 87, 88),
+    "humidity": (3, 46),
+    "pressure": (4,),
+    "illuminance": (5,),
+    "energy": (10, 77),
+    "power": (11, 92),
+    "voltage": (12, 74),
+    "pm25": (13,),
+    "pm10": (14,),
+    "carbon_dioxide": (18,),
+    "volatile_organic_compounds": (19,),
+    "soil_moisture": (20, 47),
+    "current": (67, 93),
+    "flow": (73,),
+}
+_MEASURED: Mapping[str, tuple[int, ...]] = {
+    "": (9, 61, 62, 70, 89, 90, 91),
+    "kg": (6,),
+    "lb": (7,),
+    "°C": (8,),
+    "°": (63, 94),
+    "mm": (64, 95),
+    "m": (65,),
+    "s": (66,),
+    "m/s": (68, 98),
+    "L": (71, 78, 79, 85),
+    "mL": (72,),
+    "m³": (75, 76),
+    "m/s²": (81, 99),
+    "°/s": (82,),
+    "µS/cm": (86,),
+    "rpm": (97,),
+}
+"""Numbers of no capability of their own, by their unit."""
+
+_OBJECTS: Mapping[int, tuple[str, str]] = MappingProxyType(
+    {
+        **{one: (capability, "") for one, capability in _CONDITIONS.items()},
+        **{one: (capability, "") for capability, ids in _QUANTITIES.items() for one in ids},
+        **{one: ("measurement", unit) for unit, ids in _MEASURED.items() for one in ids},
+    }
+)
+"""Capability and unit of each object id."""

@@ -1,0 +1,162 @@
+"""One component of a Shelly of the second generation: where it speaks, and a part made of it. Pure.
+
+What a component tells comes on three topics: all of it on ``<prefix>/status/<component>`` and in the answer to
+``Shelly.GetStatus``, and what changed on ``<prefix>/events/rpc``.
+
+Source: Shelly Gen2+ API, General, Notifications; MQTT.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TypeAlias
+
+from homebot.conventions.decode import NO_READINGS, Readings, read_number
+from homebot.conventions.description import Publication
+from homebot.conventions.part_builder import JsonPart, PartBuilder
+from homebot.conventions.payload import clean_text
+from homebot.conventions.shelly.rpc import call
+from homebot.conventions.table_codec import json_object
+from homebot.devices.part import Category
+from homebot.devices.value import PlainValue
+
+__all__ = ["Fields", "Gen2Place", "ShellyComponent", "Told", "flag", "measured"]
+
+Fields: TypeAlias = Mapping[str, object]
+"""A status or a configuration, or a part of one."""
+
+Told: TypeAlias = Callable[[Fields], Readings]
+"""What a status, or what changed of one, tells. Never raises."""
+
+_NO_FIELDS: Fields = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class Gen2Place:
+    """Where a device speaks and listens.
+
+    Attributes:
+        prefix: What its topics begin with.
+        source: As whom we call it; its answers come on ``<source>/rpc``.
+        answers: Where it answers questions for its state.
+        is_plug: Whether its relays are sockets.
+    """
+
+    prefix: str
+    source: str
+    answers: str
+    is_plug: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ShellyComponent:
+    """One component.
+
+    Attributes:
+        place: Of its device.
+        key: Its name, for example ``switch:0``.
+        status: What it told when it was asked.
+        config: How it is set up; empty where that is not known.
+    """
+
+    place: Gen2Place
+    key: str
+    status: Fields
+    config: Fields = field(default_factory=dict)
+
+    @property
+    def kind(self) -> str:
+        """What it is, for example ``switch``."""
+        return self.key.partition(":")[0]
+
+    @property
+    def index(self) -> int:
+        """Which of its kind."""
+        return int(self.key.partition(":")[2] or 0)
+
+    @property
+    def name(self) -> str:
+        """What people call it; empty where they do not."""
+        name = self.config.get("name")
+        return clean_text(name) if isinstance(name, str) else ""
+
+    def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> JsonPart:
+        """Return a part of it without capabilities.
+
+        Args:
+            suffix: Tells it from other parts of the same component; empty for the main one.
+            service_type: See :attr:`homebot.devices.Part.service_type`.
+            tag: See :attr:`homebot.devices.Part.tag`.
+            category: See :attr:`homebot.devices.Part.category`.
+        """
+        part_id = f"{self.key}/{suffix}" if suffix else self.key
+        return PartBuilder(
+            json_object, part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category
+        )
+
+    def tells(self, part: JsonPart, told: Told, key: str = "") -> None:
+        """Have *part* read the component, or the one called *key*, with *told*."""
+        key = key or self.key
+        prefix = self.place.prefix
+        part.read_from(f"{prefix}/events/rpc", lambda frame: _read(frame, "params", key, told))
+        part.read_from(f"{prefix}/status/{key}", told)
+        part.read_from(self.place.answers, lambda frame: _read(frame, "result", key, told))
+
+    def hears_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
+        """Have *part* read its events, named as in *presses*."""
+        key = self.key
+        part.read_events_from(f"{self.place.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses))
+        part.add_capability("press", options=tuple(presses.values()))
+
+    def listens(self, part: JsonPart) -> None:
+        """Name the topic that commands to *part* go to."""
+        part.add_command_topics(f"{self.place.prefix}/rpc")
+
+    def call(self, method: str, /, **params: object) -> tuple[Publication, ...]:
+        """Return the call of *method* of this component."""
+        return (call(self.place.prefix, self.place.source, method, {"id": self.index, **params}),)
+
+
+def measured(field: str, capability: str, factor: float = 1.0) -> Told:
+    """Return a reader of one number; ``null`` in its place is *unknown*."""
+
+    def told(status: Fields) -> Readings:
+        if field not in status:
+            return NO_READINGS
+        return read_number(capability, status[field], lambda number: number * factor)
+
+    return told
+
+
+def flag(field: str, capability: str) -> Told:
+    """Return a reader of one truth; ``null`` in its place is *unknown*."""
+
+    def told(status: Fields) -> Readings:
+        value: object = status.get(field, _NO_FIELDS)
+        return {capability: value} if value is None or isinstance(value, bool) else NO_READINGS
+
+    return told
+
+
+def _read(frame: Fields, member: str, key: str, told: Told) -> Readings:
+    components = frame.get(member)
+    status = components.get(key) if isinstance(components, dict) else None
+    return told(status) if isinstance(status, dict) else NO_READINGS
+
+
+_MOST_EVENTS = 32
+
+
+def _read_events(frame: Fields, key: str, presses: Mapping[str, str]) -> Readings:
+    params = frame.get("params")
+    events = params.get("events") if isinstance(params, dict) else None
+    if not isinstance(events, list):
+        return NO_READINGS
+    found: dict[str, PlainValue] = {}
+    for event in events[:_MOST_EVENTS]:
+        name = event.get("event") if isinstance(event, dict) and event.get("component") == key else None
+        if isinstance(name, str) and name in presses:
+            found["press"] = presses[name]
+    return found

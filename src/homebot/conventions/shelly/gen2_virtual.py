@@ -1,0 +1,157 @@
+"""Values that users or makers of a device define themselves, in Shelly's second generation. Pure.
+
+Source: Shelly Gen2+ API, Virtual Components: Boolean, Number, Text, Enum and Button; XT1, Irrigation Controller.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from homebot.conventions.command_values import require_bool, require_number, require_option
+from homebot.conventions.decode import NO_READINGS, Readings, to_number
+from homebot.conventions.description import Publication
+from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+__all__ = ["VIRTUAL", "build_virtual", "build_virtual_button"]
+
+VIRTUAL: Mapping[str, str] = {"boolean": "state", "number": "number", "text": "text", "enum": "option"}
+"""The capability of each kind."""
+
+_MOST = 1e15
+_LONGEST_TEXT = 255
+_MOST_OPTIONS = 100
+
+
+def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
+    """Describe a value as a setting, or as what its role or its access says."""
+    role = _role(component.config)
+    if component.kind == "boolean" and _ZONE.fullmatch(role):
+        return (_build_zone(component),)
+    access = component.config.get("access")
+    if role in _WATCHED or (isinstance(access, str) and "w" not in access):
+        return (_build_watched(component, role),)
+    capability = VIRTUAL[component.kind]
+    options = _options(component.config)
+    bounds = _bounds(component.config)
+    least, most = bounds or (-_MOST, _MOST)
+
+    def told(status: Fields) -> Readings:
+        value = _plain(component.kind, status.get("value"))
+        return NO_READINGS if value is None else {capability: value}
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        method = f"{component.kind.capitalize()}.Set"
+        match component.kind:
+            case "boolean":
+                return component.call(method, value=require_bool(capability, value))
+            case "number":
+                number = require_number(capability, value, least, most)
+                return component.call(method, value=int(number) if number.is_integer() else number)
+            case "enum" if options:
+                return component.call(method, value=require_option(capability, value, options))
+            case _:
+                return component.call(method, value=_wanted_text(capability, value))
+
+    part = component.part("", "x_setting", category="config")
+    component.tells(part, told)
+    component.listens(part)
+    part.add_capability(
+        capability,
+        writer=write,
+        bounds=bounds if component.kind == "number" else (),
+        options=options if component.kind == "enum" else (),
+    )
+    return (part,)
+
+
+def _build_zone(component: ShellyComponent) -> JsonPart:
+    """Describe a zone of an irrigation controller: a valve that is open while the zone is watered."""
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return component.call("Boolean.Set", value=require_option("valve", value, _VALVES) == "open")
+
+    def told(status: Fields) -> Readings:
+        value = status.get("value")
+        return {"valve": "open" if value else "closed"} if isinstance(value, bool) else NO_READINGS
+
+    part = component.part("", "water_valve", tag=_role(component.config))
+    component.tells(part, told)
+    component.listens(part)
+    part.add_capability("valve", writer=write, options=_VALVES)
+    return part
+
+
+def _build_watched(component: ShellyComponent, role: str) -> JsonPart:
+    """Describe a value that is only told."""
+    service_type, capability, unit = _WATCHED.get(role, ("x_sensor", _TOLD[component.kind], ""))
+
+    def told(status: Fields) -> Readings:
+        value = _plain(component.kind, status.get("value"))
+        return NO_READINGS if value is None else {capability: value}
+
+    part = component.part("", "x_binary_sensor" if capability == "state" else service_type)
+    component.tells(part, told)
+    part.add_capability(capability, unit=unit)
+    return part
+
+
+_VALVES = ("open", "closed")
+_ZONE = re.compile(r"zone[0-9]{1,2}")
+_TOLD: Mapping[str, str] = {"boolean": "state", "number": "measurement", "text": "value", "enum": "value"}
+_WATCHED: Mapping[str, tuple[str, str, str]] = {
+    "average_temperature": ("temperature_sensor", "temperature", ""),
+    "last_precipitation": ("x_sensor", "measurement", "mm"),
+}
+"""What the numbers of a maker's service tell, by their roles."""
+
+
+def _role(config: Fields) -> str:
+    """What a maker's service means by the value; empty for a user's own."""
+    owner, role = config.get("owner"), config.get("role")
+    is_makers = isinstance(owner, str) and owner.startswith("service:")
+    return role if is_makers and isinstance(role, str) else ""
+
+
+def build_virtual_button(component: ShellyComponent) -> tuple[JsonPart, ...]:
+    """Describe a button that can be pressed by command."""
+
+    def push(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        if not require_bool("push", value):
+            raise RefusedError("push False", "it takes true")
+        return component.call("Button.Trigger", event="single_push")
+
+    part = component.part("", "generic_switch")
+    component.listens(part)
+    part.add_capability("push", readable=False, writer=push)
+    return (part,)
+
+
+def _plain(kind: str, value: object) -> PlainValue:
+    if kind == "number":
+        return to_number(value)
+    if kind == "boolean":
+        return value if isinstance(value, bool) else None
+    return clean_text(value, _LONGEST_TEXT) if isinstance(value, str) else None
+
+
+def _wanted_text(capability: str, value: PlainValue) -> str:
+    if isinstance(value, str) and len(value) <= _LONGEST_TEXT and value.isprintable():
+        return value
+    raise RefusedError(f"{capability} {shown(value)}", f"it takes a text of at most {_LONGEST_TEXT} characters")
+
+
+def _options(config: Fields) -> tuple[str, ...]:
+    options = config.get("options")
+    if not isinstance(options, list):
+        return ()
+    return tuple(one for one in options[:_MOST_OPTIONS] if isinstance(one, str) and len(one) <= _LONGEST_TEXT)
+
+
+def _bounds(config: Fields) -> tuple[float, ...]:
+    least, most = to_number(config.get("min")), to_number(config.get("max"))
+    return (least, most) if least is not None and most is not None and least < most else ()

@@ -1,0 +1,127 @@
+"""A codec that is tables: what each topic tells, and how each capability is told. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Generic, Never, Protocol, TypeAlias, TypeVar
+
+from homebot.conventions.command_values import require_transition
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, to_json
+from homebot.conventions.description import Publication
+from homebot.conventions.payload import shown
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+from homebot.mqtt.topics import topic_matches
+
+__all__ = ["CodedWriter", "PayloadParser", "Reader", "TableCodec", "Writer", "json_object", "raw_bytes"]
+
+MessageT = TypeVar("MessageT")
+MessageT_co = TypeVar("MessageT_co", covariant=True)
+
+Reader: TypeAlias = Callable[[MessageT], Readings]
+"""What one opened message tells. Never raises."""
+
+Writer: TypeAlias = Callable[[PlainValue, float], tuple[Publication, ...]]
+"""What to publish for a value and a transition in seconds; raises RefusedError."""
+
+
+CodedWriter: TypeAlias = Callable[[PlainValue, str], tuple[Publication, ...]]
+"""What to publish for a value and a code, which is empty where none was given; raises RefusedError."""
+
+
+class PayloadParser(Protocol[MessageT_co]):
+    """How a payload becomes what the readers of a part are given."""
+
+    def __call__(self, payload: bytes, *, retained: bool) -> MessageT_co | None:
+        """Return the message; None where the payload is none. Never raises."""
+        ...
+
+
+_NONE: Mapping[str, Never] = MappingProxyType({})
+"""One for all: most parts of a house have nothing in most tables."""
+
+
+def raw_bytes(payload: bytes, *, retained: bool) -> bytes:
+    """Open a payload for readers of bytes: as it is."""
+    del retained
+    return payload
+
+
+def json_object(payload: bytes, *, retained: bool) -> JsonMessage | None:
+    """Open a payload for readers of a JSON object, which they share."""
+    del retained
+    message = to_json(payload)
+    return message if isinstance(message, dict) else None
+
+
+class TableCodec(Generic[MessageT]):
+    """How one part speaks and listens; see :class:`homebot.conventions.description.Codec`.
+
+    Args:
+        opened: What the readers are given of a payload.
+        readers: By topic, or filter where the device declared one; every topic is here.
+        event_readers: By topic; they are not given what the broker had kept.
+        writers: By capability.
+        coded_writers: Those that take a code, by capability; they are not among *writers*.
+    """
+
+    __slots__ = ("_coded_writers", "_event_readers", "_opened", "_readers", "_wild", "_writers")
+
+    def __init__(
+        self,
+        opened: PayloadParser[MessageT],
+        readers: Mapping[str, tuple[Reader[MessageT], ...]],
+        event_readers: Mapping[str, tuple[Reader[MessageT], ...]],
+        writers: Mapping[str, Writer],
+        coded_writers: Mapping[str, CodedWriter] | None = None,
+    ) -> None:
+        self._coded_writers: Mapping[str, CodedWriter] = coded_writers or _NONE
+        self._opened = opened
+        self._readers = readers
+        self._event_readers: Mapping[str, tuple[Reader[MessageT], ...]] = event_readers or _NONE
+        self._writers: Mapping[str, Writer] = writers or _NONE
+        self._wild = tuple(topic for topic in readers if "+" in topic or "#" in topic)
+
+    def topics(self) -> tuple[str, ...]:
+        """Return the topic filters that it speaks on."""
+        return tuple(self._readers)
+
+    def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
+        """Return what a message tells."""
+        readers = self._readers.get(topic, ())
+        if self._event_readers and not retained:
+            readers += self._event_readers.get(topic, ())
+        if self._wild:
+            readers += self._readers_on_filters(topic, retained=retained)
+        message = self._opened(payload, retained=retained) if readers else None
+        if message is None:
+            return NO_READINGS
+        if len(readers) == 1:
+            return readers[0](message)
+        found: dict[str, PlainValue] = {}
+        for read in readers:
+            found.update(read(message))
+        return found
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+        """Return what to publish so that *capability* becomes *value*."""
+        if capability in self._coded_writers:
+            require_transition(transition)
+            return self._coded_writers[capability](value, "")
+        writer = self._writers.get(capability)
+        if writer is None:
+            known = ", ".join((*self._writers, *self._coded_writers)) or "nothing"
+            raise RefusedError(shown(capability), f"this part takes {known}")
+        return writer(value, require_transition(transition))
+
+    def write_with_code(self, capability: str, value: PlainValue, code: str) -> tuple[Publication, ...]:
+        """Return what to publish so that *capability* becomes *value*, which *code* allows."""
+        if capability not in self._coded_writers:
+            raise RefusedError(shown(capability), "it takes no code")
+        return self._coded_writers[capability](value, code)
+
+    def _readers_on_filters(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
+        matching = tuple(wild for wild in self._wild if topic_matches(wild, topic))
+        tables = (self._readers,) if retained else (self._readers, self._event_readers)
+        return tuple(reader for wild in matching for table in tables for reader in table.get(wild, ()))

@@ -1,0 +1,212 @@
+"""The ``config`` message of a Tasmota device, checked. Pure.
+
+Source: Tasmota 14.4 firmware, ``xdrv_12_discovery.ino``; hatasmota 0.10.2, ``discovery.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from homebot.conventions.payload import clean_text, parse_object, shown
+from homebot.errors import InvalidNameError, WireError
+from homebot.mqtt.topics import validate_topic
+
+__all__ = ["LIGHT", "RELAY", "SHUTTER", "TasmotaConfig", "Tilt", "read_config"]
+
+RELAY, LIGHT, SHUTTER = 1, 2, 3
+"""What an output may be, besides 0 for none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tilt:
+    """How the slats of a shutter turn.
+
+    Attributes:
+        least: The angle that is 0 %.
+        most: The angle that is 100 %.
+    """
+
+    least: int
+    most: int
+
+
+@dataclass(frozen=True, slots=True)
+class TasmotaConfig:
+    """What a device tells of itself.
+
+    Attributes:
+        mac: Its hardware address, 12 upper-case digits.
+        name: What people call it.
+        output_names: What people call its outputs; empty where one has no name of its own.
+        commands: Where it listens: a topic's beginning, to which a command is appended.
+        results: Where it answers: likewise.
+        telemetry: Where it tells by itself: likewise.
+        words: Its words for off, on, toggle and hold.
+        online: Its word for being there.
+        offline: Its last will.
+        outputs: What each output is; see :data:`RELAY`.
+        switch_modes: How each input works; -1 for none.
+        switch_names: What each input is called in messages.
+        buttons: Which of its buttons are there.
+        options: Its options by number.
+        light_type: 0 none or on and off only, 1 dimmer, 2 whites, 3 colours, 4 colours and white, 5 colours and whites.
+        is_linked: Whether colours and whites are one lamp.
+        is_tuya: Whether another processor drives it.
+        is_fan: Whether it is an iFan.
+        is_sleeper: Whether it sleeps most of the time; its last will says nothing then.
+        shutter_options: Bits for each shutter; 1 turns its positions round.
+        tilts: How the slats of each shutter turn; None where they do not.
+        facts: Such as ``model`` and ``sw_version``.
+    """
+
+    mac: str
+    name: str
+    output_names: tuple[str, ...]
+    commands: str
+    results: str
+    telemetry: str
+    words: tuple[str, str, str, str]
+    online: str
+    offline: str
+    outputs: tuple[int, ...]
+    switch_modes: tuple[int, ...]
+    switch_names: tuple[str, ...]
+    buttons: tuple[int, ...]
+    options: Mapping[int, int]
+    light_type: int
+    is_linked: bool
+    is_tuya: bool
+    is_fan: bool
+    is_sleeper: bool
+    shutter_options: tuple[int, ...]
+    tilts: tuple[Tilt | None, ...]
+    facts: Mapping[str, str]
+
+    def option(self, number: int) -> bool:
+        """Return whether SetOption *number* is on."""
+        return bool(self.options.get(number))
+
+    def output_name(self, index: int) -> str:
+        """Return what people call an output; empty where that is the device's own name or nothing."""
+        name = self.output_names[index] if index < len(self.output_names) else ""
+        return "" if index == 0 and name == self.name else name
+
+
+def read_config(mac: str, payload: bytes) -> TasmotaConfig:
+    """Return what the message of the device *mac* says. What it leaves out is as the firmware's defaults have it.
+
+    Raises:
+        WireError: It is no JSON object, of another version or device, or its topics cannot be topics.
+    """
+    fields = parse_object(payload)
+    if fields.get("ver") != 1:
+        raise WireError(f"config: ver is {shown(fields.get('ver'))}, not 1")
+    if fields.get("mac") != mac:
+        raise WireError(f"config: mac is {shown(fields.get('mac'))}, but it was announced as {shown(mac)}")
+    prefixes = _texts(fields, "tp", _MOST_PREFIXES)
+    if len(prefixes) != _MOST_PREFIXES or not all(prefixes):
+        raise WireError(f"config: tp is {shown(fields.get('tp'))}, not three prefixes")
+    words = _texts(fields, "state", len(_WORDS))
+    names = _texts(fields, "fn", _MOST_INPUTS)
+    return TasmotaConfig(
+        mac=mac,
+        name=clean_text(_text(fields, "dn")) or next((name for name in names if name), "") or mac,
+        output_names=tuple(clean_text(name) for name in names),
+        commands=_topic(fields, mac, prefixes[0]),
+        results=_topic(fields, mac, prefixes[1]),
+        telemetry=_topic(fields, mac, prefixes[2]),
+        words=(words[0], words[1], words[2], words[3]) if len(words) == len(_WORDS) and all(words) else _WORDS,
+        online=_text(fields, "onln") or "Online",
+        offline=_text(fields, "ofln") or "Offline",
+        outputs=_outputs(fields),
+        switch_modes=_numbers(fields.get("swc"), _MOST_INPUTS),
+        switch_names=_texts(fields, "swn", _MOST_INPUTS),
+        buttons=_numbers(fields.get("btn"), _MOST_INPUTS),
+        options=_options(fields.get("so")),
+        light_type=_number(fields.get("lt_st")),
+        is_linked=fields.get("lk") != 0,
+        is_tuya=bool(_number(fields.get("ty"))),
+        is_fan=bool(_number(fields.get("if"))),
+        is_sleeper=bool(_number(fields.get("dslp"))),
+        shutter_options=_numbers(fields.get("sho"), _MOST_OUTPUTS),
+        tilts=_tilts(fields.get("sht")),
+        facts=_facts(fields),
+    )
+
+
+_WORDS = ("OFF", "ON", "TOGGLE", "HOLD")
+_MOST_PREFIXES = 3
+_MOST_OUTPUTS = 64
+_MOST_INPUTS = 64
+_MOST_OPTIONS = 200
+_MAX_TEXT = 255
+_TILT_NUMBERS = 3
+_FACTS = {"model": "md", "sw_version": "sw", "hostname": "hn", "ip": "ip"}
+
+
+def _topic(fields: Mapping[str, object], mac: str, prefix: str) -> str:
+    topic = _text(fields, "ft")
+    if not topic:
+        raise WireError(f"config: ft is {shown(fields.get('ft'))}, not a topic of at most {_MAX_TEXT} characters")
+    for name, value in (("hostname", _text(fields, "hn")), ("id", mac[-6:]), ("prefix", prefix)):
+        topic = topic.replace(f"%{name}%", value)
+    topic = topic.replace("%topic%", _text(fields, "t"))
+    try:
+        validate_topic(topic)
+    except InvalidNameError as error:
+        raise WireError(f"config: ft makes a topic that cannot be: {error}") from None
+    return topic
+
+
+def _outputs(fields: Mapping[str, object]) -> tuple[int, ...]:
+    outputs = fields.get("rl")
+    if not isinstance(outputs, list) or len(outputs) > _MOST_OUTPUTS:
+        raise WireError(f"config: rl is {shown(outputs)}, not a list of at most {_MOST_OUTPUTS} outputs")
+    return _numbers(outputs, _MOST_OUTPUTS)
+
+
+def _tilts(value: object) -> tuple[Tilt | None, ...]:
+    """Of each shutter: smallest angle, largest angle and the time to turn, which is 0 where it cannot."""
+    listed = value[:_MOST_OUTPUTS] if isinstance(value, list) else []
+    triples = [_numbers(one, _TILT_NUMBERS) for one in listed]
+    return tuple(
+        Tilt(one[0], one[1]) if len(one) == _TILT_NUMBERS and one[2] and one[0] != one[1] else None for one in triples
+    )
+
+
+def _options(value: object) -> dict[int, int]:
+    listed = list(value.items())[:_MOST_OPTIONS] if isinstance(value, dict) else []
+    return {int(key): _number(one) for key, one in listed if key.isascii() and key.isdecimal() and len(key) < _DIGITS}
+
+
+_DIGITS = 5
+
+
+def _facts(fields: Mapping[str, object]) -> dict[str, str]:
+    told = {fact: clean_text(_text(fields, key)) for fact, key in _FACTS.items()}
+    return {"manufacturer": "Tasmota", **{fact: text for fact, text in told.items() if text}}
+
+
+def _text(fields: Mapping[str, object], key: str) -> str:
+    value = fields.get(key)
+    return value if isinstance(value, str) and len(value) <= _MAX_TEXT else ""
+
+
+def _texts(fields: Mapping[str, object], key: str, most: int) -> tuple[str, ...]:
+    """Return the texts of a list; what is none is empty."""
+    listed = fields.get(key)
+    values = listed[:most] if isinstance(listed, list) else []
+    return tuple(value if isinstance(value, str) and len(value) <= _MAX_TEXT else "" for value in values)
+
+
+def _numbers(value: object, most: int) -> tuple[int, ...]:
+    return tuple(_number(one) for one in value[:most]) if isinstance(value, list) else ()
+
+
+def _number(value: object) -> int:
+    """Return a small whole number; what is none is 0."""
+    return value if isinstance(value, int) and abs(value) <= _MOST_NUMBER else 0
+
+
+_MOST_NUMBER = 100_000

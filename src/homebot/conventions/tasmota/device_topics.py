@@ -1,0 +1,104 @@
+"""The topics of one Tasmota device, and how a command is written there. Pure.
+
+Source: tasmota.github.io/docs, MQTT and Commands; hatasmota 0.10.2 for the spelling of commands.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+from homebot.conventions.command_values import require_bool
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
+from homebot.conventions.description import Publication
+from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.tasmota.config import TasmotaConfig
+from homebot.devices.value import PlainValue
+
+__all__ = ["TasmotaTopics", "told_of_sensors"]
+
+
+@dataclass(frozen=True, slots=True)
+class TasmotaTopics:
+    """Where one device speaks and listens.
+
+    Attributes:
+        config: What it told of itself.
+    """
+
+    config: TasmotaConfig
+
+    @property
+    def states(self) -> tuple[str, str]:
+        """The topics on which outputs are told: at once, and every few minutes."""
+        return f"{self.config.results}RESULT", f"{self.config.telemetry}STATE"
+
+    @property
+    def sensors(self) -> tuple[str, str]:
+        """The topics on which sensors are told: every few minutes, and when asked."""
+        return f"{self.config.telemetry}SENSOR", f"{self.config.results}STATUS10"
+
+    @property
+    def asks_state(self) -> tuple[Publication, ...]:
+        """What makes it tell its outputs; nothing for one that sleeps, because it would never hear it."""
+        return self._ask("STATE", b"")
+
+    @property
+    def asks_sensors(self) -> tuple[Publication, ...]:
+        """What makes it tell its sensors; likewise."""
+        return self._ask("STATUS", b"10")
+
+    def tell(self, command: str, argument: str | int = "") -> tuple[Publication, ...]:
+        """Return what to publish for one command."""
+        return (Publication(self.topic(command), str(argument).encode()),)
+
+    def tell_all(self, commands: list[tuple[str, str | int]]) -> tuple[Publication, ...]:
+        """Return what to publish for several commands that are carried out in one go."""
+        backlog = ";".join(f"NoDelay;{command} {argument}" for command, argument in commands)
+        return (Publication(self.topic("Backlog"), backlog.encode()),)
+
+    def topic(self, command: str) -> str:
+        """Return the topic of a command."""
+        return f"{self.config.commands}{command}"
+
+    def word(self, on: bool) -> str:  # noqa: FBT001 - it is what the word says
+        """Return its word for on or off."""
+        return self.config.words[1 if on else 0]
+
+    def offer_power(self, part: JsonPart, index: int) -> None:
+        """Have *part* be switched as the output *index*, by a command of its own."""
+        for topic in self.states:
+            part.read_from(topic, partial(self.read_power, index))
+        part.add_capability("on_off", writer=partial(self._switch, index))
+        part.add_command_topics(self.topic(f"Power{index + 1}"))
+        part.add_state_request(*self.asks_state)
+
+    def tell_power(self, part: JsonPart, index: int) -> None:
+        """Have *part* tell whether the output *index* is on."""
+        for topic in self.states:
+            part.read_from(topic, partial(self._read_state, index))
+        part.add_capability("state")
+        part.add_state_request(*self.asks_state)
+
+    def read_power(self, index: int, message: JsonMessage) -> Readings:
+        """Return whether the output *index* is on. The first is not numbered where there is one only."""
+        word = message.get(f"POWER{index + 1}", message.get("POWER") if index == 0 else None)
+        if not isinstance(word, str) or word not in self.config.words[:2]:
+            return NO_READINGS
+        return {"on_off": word == self.config.words[1]}
+
+    def _read_state(self, index: int, message: JsonMessage) -> Readings:
+        told = self.read_power(index, message)
+        return {"state": told["on_off"]} if told else NO_READINGS
+
+    def _switch(self, index: int, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return self.tell(f"Power{index + 1}", self.word(require_bool("on_off", value)))
+
+    def _ask(self, command: str, argument: bytes) -> tuple[Publication, ...]:
+        return () if self.config.is_sleeper else (Publication(self.topic(command), argument),)
+
+
+def told_of_sensors(message: JsonMessage) -> JsonMessage:
+    """Return the object that has the sensors: the message itself, or what is in it where it was asked for."""
+    inner = message.get("StatusSNS")
+    return inner if isinstance(inner, dict) else message

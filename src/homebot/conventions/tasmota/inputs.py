@@ -1,0 +1,122 @@
+"""Switches and buttons that are wired to a Tasmota device. Pure.
+
+Source: tasmota.github.io/docs, Buttons and Switches; hatasmota 0.10.2, ``switch.py`` and ``button.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import partial
+
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
+from homebot.conventions.description import AutoExpiry, DescribedPart
+from homebot.conventions.part_builder import PartBuilder
+from homebot.conventions.payload import clean_text
+from homebot.conventions.table_codec import json_object
+from homebot.conventions.tasmota.device_topics import TasmotaTopics, told_of_sensors
+
+__all__ = ["describe_inputs"]
+
+
+def describe_inputs(lines: TasmotaTopics) -> Iterable[DescribedPart]:
+    """Describe what the inputs tell: whether a contact is on, and how a switch or a button was pressed."""
+    for index, mode in enumerate(lines.config.switch_modes):
+        if mode in _FOLLOWED:
+            yield _contact(lines, index, mode)
+        if mode in _PRESSED:
+            words = {lines.config.words[place]: press for place, press in _PRESSED[mode].items()}
+            yield _presses(lines, f"switch_{index + 1}_press", _switch_name(lines, index), words)
+    if lines.config.option(_BUTTONS_OPTION):
+        for index, is_there in enumerate(lines.config.buttons):
+            if is_there:
+                yield _presses(lines, f"button_{index + 1}", f"Button{index + 1}", _button_words(lines))
+
+
+_TOGGLE, _HOLD = 2, 3
+"""Places in a device's words."""
+
+_PULSES = frozenset({13, 14})
+"""Modes of what says that it is on, and never that it is off."""
+
+_FOLLOWED = frozenset({1, 2, 3, 4, 5, 6, 9, 10, 13, 14, 15, 16})
+"""Modes in which the input's state is told."""
+
+_SINGLE = {_TOGGLE: "single"}
+_PRESSED: Mapping[int, Mapping[int, str]] = {
+    0: _SINGLE,
+    3: _SINGLE,
+    4: _SINGLE,
+    5: {_TOGGLE: "single", _HOLD: "hold"},
+    6: {_TOGGLE: "single", _HOLD: "hold"},
+    7: _SINGLE,
+    8: {_TOGGLE: "single", _HOLD: "double"},
+    9: {_HOLD: "double"},
+    10: {_HOLD: "double"},
+    11: _SINGLE,
+    12: _SINGLE,
+}
+"""Modes in which presses are told, and what each word then means."""
+
+_BUTTONS_OPTION, _SWAP_OPTION, _SINGLE_ONLY_OPTION = 73, 11, 13
+_BUTTON_WORDS: Mapping[str, str] = {
+    "SINGLE": "single",
+    "DOUBLE": "double",
+    "TRIPLE": "triple",
+    "QUAD": "quadruple",
+    "PENTA": "quintuple",
+    "HOLD": "hold",
+}
+_PULSE_SECONDS = 1.0
+
+
+def _switch_name(lines: TasmotaTopics, index: int) -> str:
+    """Return what an input is called in messages."""
+    names = lines.config.switch_names
+    return (names[index] if index < len(names) else "") or f"Switch{index + 1}"
+
+
+def _contact(lines: TasmotaTopics, index: int, mode: int) -> DescribedPart:
+    name = _switch_name(lines, index)
+    part = PartBuilder(
+        json_object, f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch"
+    )
+    read = partial(_read_state, lines.config.words[0], lines.config.words[1], name)
+    part.add_capability("state")
+    if mode in _PULSES:
+        part.read_events_from(lines.states[0], read)
+        part.add_expiry(AutoExpiry("state", _PULSE_SECONDS, value=False, only=True))
+    else:
+        for topic in (lines.states[0], *lines.sensors):
+            part.read_from(topic, read)
+        part.add_state_request(*lines.asks_sensors)
+    return part.build()
+
+
+def _read_state(off: str, on: str, name: str, message: JsonMessage) -> Readings:
+    """The action on one topic, the bare word on the others."""
+    said = told_of_sensors(message).get(name)
+    word = said.get("Action") if isinstance(said, dict) else said
+    if not isinstance(word, str) or word not in (off, on):
+        return NO_READINGS
+    return {"state": word == on}
+
+
+def _button_words(lines: TasmotaTopics) -> Mapping[str, str]:
+    if lines.config.option(_SINGLE_ONLY_OPTION):
+        return {"SINGLE": "single"}
+    if lines.config.option(_SWAP_OPTION):
+        return {**_BUTTON_WORDS, "SINGLE": "double", "DOUBLE": "single"}
+    return _BUTTON_WORDS
+
+
+def _presses(lines: TasmotaTopics, part_id: str, name: str, words: Mapping[str, str]) -> DescribedPart:
+    part = PartBuilder(json_object, part_id, "generic_switch", name=clean_text(name), advertised="button")
+    part.read_events_from(lines.states[0], partial(_read_press, name, words))
+    part.add_capability("press", options=tuple(dict.fromkeys(words.values())))
+    return part.build()
+
+
+def _read_press(name: str, words: Mapping[str, str], message: JsonMessage) -> Readings:
+    said = message.get(name)
+    action = said.get("Action") if isinstance(said, dict) else None
+    return {"press": words[action]} if isinstance(action, str) and action in words else NO_READINGS

@@ -1,0 +1,149 @@
+"""Sensors of a Tasmota device: each leaf of its ``sensors`` message. Pure.
+
+Source: hatasmota 0.10.2, ``sensor.py``; tasmota.github.io/docs, JSON status responses, for the names in use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
+
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, finite_number, is_unknown
+from homebot.conventions.description import DescribedPart
+from homebot.conventions.part_builder import PartBuilder
+from homebot.conventions.payload import clean_text
+from homebot.conventions.table_codec import json_object
+from homebot.conventions.tasmota.device_topics import TasmotaTopics, told_of_sensors
+from homebot.conventions.tasmota.sensor_tables import quantity_of
+from homebot.conventions.units import Quantity
+
+__all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "read_leaves"]
+
+MOST_SENSORS = 200
+"""Most leaves of one device that become sensors."""
+
+Path: TypeAlias = tuple[str | int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """One value that a device measures.
+
+    Attributes:
+        path: Where it is in the message: sensor, quantity, and at times an index or a name.
+        quantity: What it is.
+        is_number: Whether it was announced as a number.
+    """
+
+    path: Path
+    quantity: Quantity
+    is_number: bool
+
+
+def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
+    """Return the leaves of the ``sensors`` message; empty where it has none, or is of another version.
+
+    Those with names that no sensor has, longer than 100 characters, are left out.
+    """
+    sensors = message.get("sn")
+    if message.get("ver") != 1 or not isinstance(sensors, dict):
+        return ()
+    leaves: list[Leaf] = []
+    for path, value in _leaves(sensors):
+        if len(leaves) == MOST_SENSORS:
+            break
+        if any(len(step) > _MAX_KEY for step in path if isinstance(step, str)):
+            continue
+        leaves.append(Leaf(path, quantity_of(path, sensors), finite_number(value) is not None))
+    return tuple(leaves)
+
+
+def describe_sensors(lines: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
+    """Describe a part for each leaf, and one for the strength of the wireless signal."""
+    for leaf in leaves:
+        what = leaf.quantity
+        is_number = leaf.is_number or what.capability != "measurement"
+        part = PartBuilder(
+            json_object,
+            clean_text("_".join(map(str, leaf.path)), _MAX_ID),
+            what.service_type,
+            name=clean_text(" ".join(map(str, leaf.path))),
+            advertised=clean_text(str(leaf.path[-1 if isinstance(leaf.path[-1], str) else -2])),
+        )
+        capability = what.capability if is_number else "value"
+        for topic in lines.sensors:
+            part.read_from(topic, partial(_read, leaf.path, capability, what))
+        part.add_capability(capability, unit=what.unit if is_number else "")
+        part.add_state_request(*lines.asks_sensors)
+        yield part.build()
+    yield _signal(lines)
+
+
+_IGNORED = frozenset({"Time", "PN532", "RDM6300"})
+"""No sensors, or readers of tags that say nothing between tags."""
+
+_MAX_KEY = 100
+_MAX_ID = 255
+_MAX_VALUE = 255
+
+
+def _leaves(sensors: Mapping[str, object]) -> Iterable[tuple[Path, object]]:
+    for name, sensor in sensors.items():
+        if name in _IGNORED or not isinstance(sensor, dict):
+            continue
+        for key, value in sensor.items():
+            if isinstance(value, dict):
+                yield from (((name, key, inner), one) for inner, one in value.items())
+            elif isinstance(value, list):
+                yield from (((name, key, place), one) for place, one in enumerate(value))
+            else:
+                yield (name, key), value
+
+
+def _read(path: Path, capability: str, what: Quantity, message: JsonMessage) -> Readings:
+    found, value = _at(path, told_of_sensors(message))
+    if not found:
+        return NO_READINGS
+    if value is None:
+        return {capability: None}
+    if capability == "value":
+        return {capability: clean_text(str(value), _MAX_VALUE)} if isinstance(value, (str, int, float)) else NO_READINGS
+    number = finite_number(value)
+    if number is None:
+        return {capability: None} if is_unknown(value) else NO_READINGS
+    return {capability: what.value(number)}
+
+
+def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
+    """Return whether there is a value at *path*, and which.
+
+    A meter that was announced with several phases may tell one only, and then not as a list.
+    """
+    value: object = message
+    for step in path:
+        if isinstance(step, str):
+            if not isinstance(value, dict) or step not in value:
+                return False, None
+            value = value[step]
+        elif isinstance(value, list):
+            if step >= len(value):
+                return False, None
+            value = value[step]
+        elif step:
+            return False, None
+    return True, value
+
+
+def _signal(lines: TasmotaTopics) -> DescribedPart:
+    part = PartBuilder(json_object, "wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
+    part.read_from(lines.states[1], _read_signal)
+    part.add_capability("signal_strength")
+    return part.build()
+
+
+def _read_signal(message: JsonMessage) -> Readings:
+    wifi = message.get("Wifi")
+    signal = finite_number(wifi.get("Signal")) if isinstance(wifi, dict) else None
+    return NO_READINGS if signal is None else {"signal_strength": signal}

@@ -1,0 +1,5 @@
+"""Zigbee devices as Zigbee2MQTT itself tells of them, without Home Assistant's discovery."""
+
+from homebot.conventions.zigbee2mqtt.convention import Zigbee2Mqtt, Zigbee2MqttSettings
+
+__all__ = ["Zigbee2Mqtt", "Zigbee2MqttSettings"]

@@ -1,0 +1,133 @@
+"""One entry of ``bridge/devices``: who the device is, and where it speaks. Pure.
+
+Source: zigbee2mqtt.io, Usage > MQTT topics and messages > zigbee2mqtt/bridge/devices; Zigbee2MQTT 2.14.1.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from homebot.conventions.payload import clean_text, shown
+from homebot.errors import InvalidNameError, WireError
+from homebot.mqtt.topics import validate_topic
+
+__all__ = ["BridgeDevice", "ieee_address", "read_bridge_device"]
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeDevice:
+    """A device that the bridge knows.
+
+    Attributes:
+        ieee: Its address, as ``0x`` and 16 lower-case digits.
+        name: Its friendly name, as it is.
+        topic: Where it speaks.
+        is_coordinator: Whether it is the bridge's own radio.
+        is_disabled: Whether the user put it out of use.
+        is_awake: Whether it hears at any time; one with a battery does not.
+        model: Which model it is.
+        exposes: What it exposes, not yet checked; None where the bridge does not know (yet).
+        has_updates: Whether its firmware can be updated over the air.
+        can_fade: Whether it takes the seconds that a change shall take, as the bridge lists among the model's options.
+        bare_endpoints: Numbers of its endpoints that the bridge has no name for.
+        facts: Such as ``manufacturer`` and ``model``.
+    """
+
+    ieee: str
+    name: str
+    topic: str
+    is_coordinator: bool
+    is_disabled: bool
+    is_awake: bool
+    model: str
+    exposes: object
+    has_updates: bool
+    can_fade: bool
+    bare_endpoints: frozenset[str]
+    facts: Mapping[str, str]
+
+
+def ieee_address(entry: object) -> str:
+    """Return the address of an entry; empty where it has none."""
+    address = entry.get("ieee_address") if isinstance(entry, dict) else None
+    return address.lower() if isinstance(address, str) and _ADDRESS.fullmatch(address.lower()) else ""
+
+
+def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
+    """Return the device of an entry with an address.
+
+    Raises:
+        WireError: It has no friendly name, or one that cannot be a topic of its own.
+    """
+    name = entry.get("friendly_name")
+    if not isinstance(name, str) or not 0 < len(name) <= _MAX_NAME:
+        raise WireError(f"friendly_name is {shown(name)}, not a name of at most {_MAX_NAME} characters")
+    levels = name.split("/")
+    if levels[0] == "bridge" or levels[-1] in _COMMANDS:
+        raise WireError(f"friendly_name {shown(name)} makes a topic of the bridge's own")
+    topic = f"{base}/{name}"
+    try:
+        validate_topic(topic)
+    except InvalidNameError as error:
+        raise WireError(f"friendly_name {shown(name)} cannot be a topic: {error}") from None
+    declared = entry.get("definition")
+    definition: Mapping[str, object] = declared if isinstance(declared, dict) else {}
+    return BridgeDevice(
+        ieee=ieee_address(entry),
+        name=name,
+        topic=topic,
+        is_coordinator=entry.get("type") == "Coordinator",
+        is_disabled=entry.get("disabled") is True,
+        is_awake=entry.get("power_source") != "Battery",
+        model=_word(definition.get("model")),
+        exposes=definition.get("exposes"),
+        has_updates=definition.get("supports_ota") is True,
+        can_fade=_can_fade(definition.get("options")),
+        bare_endpoints=_bare_endpoints(entry.get("endpoints")),
+        facts=_facts(entry, definition),
+    )
+
+
+_ADDRESS = re.compile("0x[0-9a-f]{16}")
+_COMMANDS = ("get", "set", "availability")
+_MAX_NAME = 512
+_MAX_FACT = 255
+
+
+def _can_fade(options: object) -> bool:
+    """A bridge that lists no options, because it is old, is believed to know it."""
+    if not isinstance(options, list):
+        return True
+    return any(isinstance(one, dict) and one.get("name") == "transition" for one in options[:_MOST_OPTIONS])
+
+
+def _bare_endpoints(endpoints: object) -> frozenset[str]:
+    if not isinstance(endpoints, dict):
+        return frozenset()
+    names = {one.get("name") for one in endpoints.values() if isinstance(one, dict)}
+    return frozenset(number for number in endpoints if isinstance(number, str) and number not in names)
+
+
+_MOST_OPTIONS = 1_000
+_DEFINITION_FACTS = {"manufacturer": "vendor", "model": "description", "model_id": "model"}
+_ENTRY_FACTS = {"manufacturer": "manufacturer", "model_id": "model_id"}
+_MORE_FACTS = {"sw_version": "software_build_id", "power_source": "power_source", "zigbee_type": "type"}
+_INTERVIEWED = ("", "SUCCESSFUL")
+
+
+def _facts(entry: Mapping[str, object], definition: Mapping[str, object]) -> dict[str, str]:
+    """What the bridge's database says counts before what the device says of itself."""
+    told = {fact: _word(entry.get(key)) for fact, key in {**_ENTRY_FACTS, **_MORE_FACTS}.items()}
+    known = {fact: _word(definition.get(key)) for fact, key in _DEFINITION_FACTS.items()}
+    interview = _word(entry.get("interview_state"))
+    states = {
+        "interview": "" if interview in _INTERVIEWED else interview.lower(),
+        "supported": "no" if entry.get("supported") is False else "",
+    }
+    return {fact: text for facts in (told, known, states) for fact, text in facts.items() if text}
+
+
+def _word(value: object) -> str:
+    return clean_text(value, _MAX_FACT) if isinstance(value, str) else ""

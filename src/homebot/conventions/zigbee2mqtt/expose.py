@@ -1,0 +1,168 @@
+"""What a Zigbee device exposes: one entry of ``definition.exposes``, checked. Pure.
+
+Source: zigbee2mqtt.io, Usage > Exposes; Zigbee2MQTT 2.14.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import TypeAlias
+
+from homebot.conventions.decode import finite_number
+from homebot.conventions.payload import clean_text
+from homebot.devices.part import Category
+
+__all__ = ["SPECIFIC_TYPES", "Expose", "Scalar", "read_exposes"]
+
+Scalar: TypeAlias = str | bool | int | float
+"""A value as the device spells it; its type counts."""
+
+SPECIFIC_TYPES = frozenset({"light", "switch", "cover", "lock", "climate", "fan"})
+"""Types that stand for a whole part, with features."""
+
+
+@dataclass(frozen=True)
+class Expose:
+    """One thing that a device can say or be told, or a part that has several of them.
+
+    Attributes:
+        type: ``binary``, ``numeric``, ``enum``, ``text``, ``composite``, ``list``, or one of :data:`SPECIFIC_TYPES`.
+        name: What it is, for example ``state``; empty for specific types.
+        key: Its property in messages, for example ``state_l1``; empty for specific types.
+        endpoint: Which of several equal parts; empty where there is one.
+        label: What people call it.
+        category: As declared; empty where nothing was.
+        access: 1 it is said, 2 it can be told, 4 it can be asked for; added up.
+        unit: Of a number.
+        value_on: The value of a binary that stands for yes; None where it has none.
+        value_off: And for no.
+        least: Smallest number; None where nothing was said.
+        most: Largest number.
+        values: What an enum may be.
+        features: What a specific type or a composite consists of.
+    """
+
+    type: str
+    name: str = ""
+    key: str = ""
+    endpoint: str = ""
+    label: str = ""
+    category: Category = ""
+    access: int = 0
+    unit: str = ""
+    value_on: Scalar | None = None
+    value_off: Scalar | None = None
+    least: float | None = None
+    most: float | None = None
+    values: tuple[Scalar, ...] = ()
+    features: tuple[Expose, ...] = ()
+
+    @property
+    def is_said(self) -> bool:
+        """Whether the device tells it by itself."""
+        return bool(self.access & 1)
+
+    @property
+    def is_settable(self) -> bool:
+        """Whether it can be told."""
+        return bool(self.access & 2)
+
+    @property
+    def is_gettable(self) -> bool:
+        """Whether it can be asked for."""
+        return bool(self.access & 4)
+
+    @property
+    def suffix(self) -> str:
+        """What the properties of its endpoint end in."""
+        return f"_{self.endpoint}" if self.endpoint else ""
+
+    @cached_property
+    def options(self) -> Mapping[str, Scalar]:
+        """What an enum may be: the value as the device spells it, by its text."""
+        return MappingProxyType({_option(value): value for value in self.values})
+
+    def feature(self, *names: str) -> Expose | None:
+        """Return the first feature that has one of *names*; None where there is none."""
+        return next((one for one in self.features if one.name in names), None)
+
+
+def read_exposes(entries: object) -> tuple[Expose, ...]:
+    """Return the entries that can be used; others are left out, and so are those beyond :data:`_MOST`."""
+    return _read_all(entries, depth=0)
+
+
+_MOST = 500
+_MOST_VALUES = 1_000
+_MAX_DEPTH = 3
+_MAX_TEXT = 120
+_MAX_PROPERTY = 120
+_GENERIC_TYPES = frozenset({"binary", "numeric", "enum", "text", "composite", "list"})
+_CATEGORIES: Mapping[object, Category] = {"config": "config", "diagnostic": "diagnostic"}
+
+
+def _read_all(entries: object, depth: int) -> tuple[Expose, ...]:
+    if not isinstance(entries, list) or depth > _MAX_DEPTH:
+        return ()
+    return tuple(one for entry in entries[:_MOST] if (one := _read(entry, depth)) is not None)
+
+
+def _read(entry: object, depth: int) -> Expose | None:
+    if not isinstance(entry, dict):
+        return None
+    kind, name, key = (_text(entry.get(field)) for field in ("type", "name", "property"))
+    is_specific = kind in SPECIFIC_TYPES
+    if not is_specific and (kind not in _GENERIC_TYPES or not key):
+        return None
+    access = entry.get("access")
+    values = entry.get("values")
+    return Expose(
+        type=kind,
+        name=clean_text(name or key),
+        key="" if is_specific else key,
+        endpoint=clean_text(_text(entry.get("endpoint"))),
+        label=clean_text(_text(entry.get("label")) or name or key, _MAX_TEXT),
+        category=_category(entry),
+        access=access & 7 if isinstance(access, int) else 0,
+        unit=clean_text(_text(entry.get("unit")), 20),
+        value_on=_scalar(entry.get("value_on")),
+        value_off=_scalar(entry.get("value_off")),
+        least=finite_number(entry.get("value_min")),
+        most=finite_number(entry.get("value_max")),
+        values=_values(values) if isinstance(values, list) else (),
+        features=_read_all(entry["features"], depth + 1) if "features" in entry else (),
+    )
+
+
+def _category(entry: Mapping[str, object]) -> Category:
+    """What the definition wants for Home Assistant counts before what it says in general."""
+    wanted = entry.get("homeassistant")
+    if isinstance(wanted, dict) and isinstance(wanted.get("entityCategory"), str):
+        return _CATEGORIES.get(wanted["entityCategory"], "")
+    declared = entry.get("category")
+    return _CATEGORIES.get(declared, "") if isinstance(declared, str) else ""
+
+
+def _values(values: list[object]) -> tuple[Scalar, ...]:
+    return tuple(one for value in values[:_MOST_VALUES] if (one := _scalar(value)) is not None)
+
+
+def _scalar(value: object) -> Scalar | None:
+    if isinstance(value, str):
+        return value if len(value) <= _MAX_TEXT and value.isprintable() else None
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, (int, float)) and finite_number(value) is not None:
+        return value
+    return None
+
+
+def _option(value: Scalar) -> str:
+    return ("false", "true")[value] if isinstance(value, bool) else str(value)
+
+
+def _text(value: object) -> str:
+    return value if isinstance(value, str) and len(value) <= _MAX_PROPERTY else ""

@@ -1,0 +1,176 @@
+"""The parts of a Zigbee device: what it exposes, each with its codec. Pure.
+
+Source: zigbee2mqtt.io, Usage > Exposes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
+from homebot.conventions.description import DescribedPart
+from homebot.conventions.part_builder import PartBuilder, with_own_ids
+from homebot.conventions.payload import clean_text
+from homebot.conventions.table_codec import json_object
+from homebot.conventions.zigbee2mqtt.bridge_device import BridgeDevice
+from homebot.conventions.zigbee2mqtt.climate import (
+    FEATURES_OF_CLIMATE,
+    build_climate,
+    build_thermometer,
+    climate_type,
+)
+from homebot.conventions.zigbee2mqtt.cover import FEATURES_OF_COVER, build_cover
+from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
+from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, read_exposes
+from homebot.conventions.zigbee2mqtt.fan import FEATURES_OF_FAN, build_fan
+from homebot.conventions.zigbee2mqtt.features import offer_flag, text_of
+from homebot.conventions.zigbee2mqtt.generic import build_generic
+from homebot.conventions.zigbee2mqtt.light import FEATURES_OF_LIGHT, build_light
+from homebot.conventions.zigbee2mqtt.lock import FEATURES_OF_LOCK, build_lock
+from homebot.conventions.zigbee2mqtt.program import is_program
+from homebot.conventions.zigbee2mqtt.siren import build_siren
+
+__all__ = ["build_parts"]
+
+
+def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
+    """Describe the parts of a device, each id once. One that the bridge does not know shows what it says as it is."""
+    lines = Zigbee2MqttTopics(device.topic, device.is_awake, device.can_fade, device.bare_endpoints)
+    exposes = read_exposes(device.exposes)
+    return with_own_ids(_described(device, lines, exposes), _MOST_PARTS) or (_unknown(lines),)
+
+
+_FEATURES: Mapping[str, frozenset[str]] = {
+    "light": FEATURES_OF_LIGHT,
+    "switch": frozenset({"state"}),
+    "cover": FEATURES_OF_COVER,
+    "lock": FEATURES_OF_LOCK,
+    "climate": FEATURES_OF_CLIMATE,
+    "fan": FEATURES_OF_FAN,
+}
+"""What the part itself stands for; other features are parts of their own, mostly settings."""
+
+_MOST_PARTS = 500
+
+
+def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
+    beside = _beside(exposes)
+    has_thermometer = any(one.name in ("temperature", "local_temperature") and one.is_said for one in exposes)
+    for expose in exposes:
+        lines = whole.of(expose)
+        if expose.type in SPECIFIC_TYPES:
+            yield _specific(device, lines, expose, beside)
+            if expose.type == "climate" and not has_thermometer and (thermometer := build_thermometer(lines, expose)):
+                yield thermometer
+            rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
+        elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
+            yield build_siren(
+                PartBuilder(json_object, "siren" + expose.suffix, "siren", advertised="warning"), lines, expose
+            )
+            rest = []
+        else:
+            rest = [] if expose is beside.get("effect") else [expose]
+        yield from (part for one in rest if (part := build_generic(lines, one)) is not None)
+    if device.has_updates and exposes:
+        yield _update(whole)
+
+
+def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
+    """What stands beside a part and belongs to it.
+
+    The effects of the lamp, how the motor of a cover turns, and whether a thermostat follows its program.
+    """
+    found: dict[str, Expose] = {}
+    has_lamp = any(one.type == "light" and not one.endpoint for one in exposes)
+    for one in exposes:
+        if one.type != "enum":
+            continue
+        if one.name == "effect" and one.is_settable and not one.endpoint and has_lamp:
+            found.setdefault("effect", one)
+        if one.name in ("motor_state", "moving") and one.is_said:
+            found.setdefault(f"motor{one.suffix}", one)
+        if is_program(one):
+            found.setdefault("program", one)
+    return found
+
+
+def _specific(
+    device: BridgeDevice, lines: Zigbee2MqttTopics, expose: Expose, beside: Mapping[str, Expose]
+) -> DescribedPart:
+    if expose.type == "switch":
+        return _switch(lines, expose)
+    service_type = climate_type(expose) if expose.type == "climate" else _SERVICES[expose.type]
+    part = PartBuilder(
+        json_object,
+        expose.type + expose.suffix,
+        service_type,
+        name=clean_text(expose.endpoint),
+        advertised=expose.type,
+        category=expose.category,
+    )
+    match expose.type:
+        case "light":
+            return build_light(part, lines, expose, None if expose.endpoint else beside.get("effect"))
+        case "cover":
+            return build_cover(part, lines, expose, beside.get(f"motor{expose.suffix}"))
+        case "lock":
+            return build_lock(part, lines, expose)
+        case "fan":
+            return build_fan(part, lines, expose, device.model)
+        case _:
+            return build_climate(part, lines, expose, beside.get("program"))
+
+
+_SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
+
+
+def _switch(lines: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
+    """Describe a relay. One whose property is no state, such as ``window_detection``, is a setting."""
+    state = expose.feature("state")
+    is_setting = state is not None and not state.key.startswith("state")
+    part = PartBuilder(
+        json_object,
+        clean_text(state.key) if state is not None and is_setting else "switch" + expose.suffix,
+        "x_setting" if is_setting else "switch",
+        name=clean_text(expose.label if is_setting else expose.endpoint),
+        advertised="switch",
+        category=expose.category or ("config" if is_setting else ""),
+    )
+    offer_flag(part, lines, state, "on_off")
+    part.add_state_request(*lines.ask(state))
+    return part.build()
+
+
+def _update(lines: Zigbee2MqttTopics) -> DescribedPart:
+    part = PartBuilder(json_object, "update", "x_update", advertised="update", category="diagnostic")
+    part.read_from(lines.said, _read_update)
+    for capability in ("version", "latest_version", "update_available"):
+        part.add_capability(capability)
+    return part.build()
+
+
+def _read_update(message: JsonMessage) -> Readings:
+    """A version of -1 or null is not known."""
+    update = message.get("update")
+    if not isinstance(update, dict):
+        return NO_READINGS
+    versions = {"version": update.get("installed_version"), "latest_version": update.get("latest_version")}
+    known = {name: None if value in (None, -1) else text_of(value) for name, value in versions.items()}
+    state = update.get("state")
+    return {**known, "update_available": state == "available" if isinstance(state, str) else None}
+
+
+def _unknown(lines: Zigbee2MqttTopics) -> DescribedPart:
+    part = PartBuilder(json_object, "", "x_unknown")
+    part.read_from(lines.said, _read_raw)
+    part.add_capability("raw")
+    return part.build()
+
+
+def _read_raw(message: JsonMessage) -> Readings:
+    text = ", ".join(f"{key}={text_of(value)}" for key, value in list(message.items())[:_MOST_RAW])
+    return {"raw": clean_text(text, _MAX_RAW)}
+
+
+_MOST_RAW = 20
+_MAX_RAW = 255

@@ -1,0 +1,76 @@
+"""Thermostats that say apart whether they follow their program: one mode out of two properties. Pure.
+
+Source: zigbee-herdsman-converters 26.105.0, Bosch BTH-RA, BTH-RM and BTH-RM230Z, as Zigbee2MQTT 2.14.1 announces them
+to Home Assistant: paused is off, and what ``system_mode`` says counts only where the thermostat is in manual operation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from homebot.conventions.command_values import require_option
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
+from homebot.conventions.description import Publication
+from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
+from homebot.conventions.zigbee2mqtt.expose import Expose
+from homebot.devices.value import PlainValue
+
+__all__ = ["is_program", "offer_mode"]
+
+_MANUAL = "manual"
+_MODES = {"schedule": "auto", "pause": "off"}
+_WORDS = {mode: word for word, mode in _MODES.items()}
+_PAIR = 2
+
+
+def is_program(expose: Expose) -> bool:
+    """Whether *expose* says if a thermostat follows its program, is told by hand, or paused."""
+    is_whole = expose.is_said and expose.is_settable
+    return expose.name == "operating_mode" and is_whole and set(expose.options) == {_MANUAL, *_MODES}
+
+
+def offer_mode(part: JsonPart, lines: Zigbee2MqttTopics, mode: Expose, program: Expose) -> None:
+    """Have *part* offer ``thermostat_mode``.
+
+    Args:
+        part: The part in the making.
+        lines: Where its device speaks and listens.
+        mode: The enum ``system_mode``.
+        program: The enum ``operating_mode``.
+    """
+    by_hand = tuple(one for one in mode.options if one not in _WORDS)
+    both = _Mode(lines, mode, program, by_hand)
+    part.read_from(lines.said, both.read)
+    part.add_capability("thermostat_mode", writer=both.write, options=("off", *by_hand, "auto"))
+    part.add_command_topics(lines.told)
+
+
+@dataclass(frozen=True, slots=True)
+class _Mode:
+    """Reads and tells the mode; *by_hand* are those of manual operation."""
+
+    lines: Zigbee2MqttTopics
+    mode: Expose
+    program: Expose
+    by_hand: tuple[str, ...]
+
+    def read(self, message: JsonMessage) -> Readings:
+        if self.program.key not in message:
+            return NO_READINGS
+        said = message[self.program.key]
+        if said is None:
+            return {"thermostat_mode": None}
+        if said == _MANUAL:
+            said = message.get(self.mode.key)
+            found = said if said in self.by_hand else self.by_hand[0] if len(self.by_hand) == 1 else None
+        else:
+            found = _MODES.get(said) if isinstance(said, str) else None
+        return NO_READINGS if found is None else {"thermostat_mode": found}
+
+    def write(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        wanted = require_option("thermostat_mode", value, ("off", *self.by_hand, "auto"))
+        if wanted in _WORDS:
+            return self.lines.tell({self.program.key: _WORDS[wanted]})
+        further = {self.mode.key: self.mode.options[wanted]} if len(self.mode.options) >= _PAIR else {}
+        return self.lines.tell({self.program.key: _MANUAL, **further})

@@ -1,0 +1,124 @@
+"""Finds the conventions that a gateway is to understand, and checks their tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
+
+from homebot.conventions.convention import Convention, TopicLayout
+from homebot.errors import PluginError
+from homebot.plugins import load_plugin, plugin_names
+
+__all__ = ["GROUP", "LoadedConventions", "any_announcing", "check_tables", "default_conventions", "find_conventions"]
+
+GROUP = "homebot.mqtt_conventions"
+
+_ALL = ("thesis", "homeassistant", "zigbee2mqtt", "tasmota", "shelly", "homie", "thing")
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedConventions:
+    """What a gateway understands.
+
+    Attributes:
+        layouts: Conventions in which the topic alone tells which device speaks.
+        conventions: Those in which devices announce themselves.
+    """
+
+    layouts: tuple[TopicLayout, ...]
+    conventions: tuple[Convention, ...]
+
+
+def default_conventions() -> tuple[str, ...]:
+    """Return homebot's own conventions, as far as they are installed."""
+    installed = plugin_names(GROUP)
+    return tuple(name for name in _ALL if name in installed)
+
+
+def any_announcing(names: Iterable[str]) -> bool:
+    """Whether devices announce themselves in one of the conventions *names*, as far as those can be loaded."""
+    return any(_has_settings(kind) for _, kind in _loadable(names))
+
+
+def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: str) -> LoadedConventions:
+    """Load and make the conventions *names*.
+
+    Args:
+        names: Entry-point names, or ``module:Class``.
+        tables: The settings of some of them, by name, as :func:`check_tables` takes them.
+        root: The home, for layouts.
+
+    Raises:
+        PluginError: One cannot be found or loaded.
+        ValidationError: A table is wrong.
+    """
+    layouts: list[TopicLayout] = []
+    conventions: list[Convention] = []
+    for name in dict.fromkeys(names):
+        kind = load_plugin(GROUP, name)
+        if _has_settings(kind):
+            conventions.append(kind(_checked(kind.Settings, tables.get(_table_name(name, kind), {}))))
+        else:
+            layouts.append(kind(root))
+    return LoadedConventions(tuple(layouts), tuple(conventions))
+
+
+def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[InitErrorDetails]:
+    """Return what is wrong with *tables*, each of which must be that of one of the conventions *names*.
+
+    A convention that cannot be loaded is passed over: that is told when it is looked for.
+    """
+    models: dict[str, type[BaseModel]] = {}
+    for name, kind in _loadable(names):
+        if _has_settings(kind):
+            models[_table_name(name, kind)] = kind.Settings
+    problems: list[InitErrorDetails] = []
+    for key, table in tables.items():
+        if key not in models:
+            words = f"is a convention that `conventions` does not name: {', '.join(names) or 'none'}"
+            kind_of_error = PydanticCustomError("value_error", "{words}", {"words": words})
+            is_convention = key in plugin_names(GROUP)
+            problems.append(
+                InitErrorDetails(type=kind_of_error if is_convention else "extra_forbidden", loc=(key,), input=table)
+            )
+            continue
+        try:
+            _checked(models[key], table)
+        except ValidationError as exc:
+            problems += [_problem(key, models[key], error) for error in exc.errors(include_url=False)]
+    return problems
+
+
+def _loadable(names: Iterable[str]) -> Iterator[tuple[str, type[Any]]]:
+    for name in names:
+        try:
+            yield name, load_plugin(GROUP, name)
+        except PluginError:
+            continue
+
+
+def _has_settings(kind: type[object]) -> bool:
+    return hasattr(kind, "take") and hasattr(kind, "Settings")
+
+
+def _table_name(name: str, kind: type[Convention]) -> str:
+    return kind.name if ":" in name else name
+
+
+def _checked(model: type[BaseModel], table: object) -> BaseModel:
+    return model.model_validate_json(to_json(table), strict=True)
+
+
+def _problem(key: str, model: type[BaseModel], error: Mapping[str, object]) -> InitErrorDetails:
+    """As ``[gateways.NAME]`` reports its own: which key, what is wrong, what there is."""
+    loc = error["loc"]
+    words = str(error["msg"]).removeprefix("Value error, ")
+    words = f"{words[:1].lower()}{words[1:]}"
+    if error["type"] == "extra_forbidden":
+        words = f"is unknown; known are {', '.join(model.model_fields) or 'none'}"
+    kind = PydanticCustomError("value_error", "{words}", {"words": words})
+    return InitErrorDetails(type=kind, loc=(key, *(loc if isinstance(loc, tuple) else ())), input=error["input"])

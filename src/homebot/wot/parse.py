@@ -1,0 +1,192 @@
+"""Thing Descriptions in: checked against the shape that TD 1.1 demands. Pure.
+
+What the description leaves out takes the default of the specification, and what is unknown is passed over. Descriptions
+of version 1.0 are read as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final, get_args
+from urllib.parse import unquote, urlsplit
+
+from homebot.wot.fields import Fields
+from homebot.wot.thing import Affordance, AffordanceKind, DataSchema, DataType, Form, Thing
+
+__all__ = ["CONTEXT", "read_thing"]
+
+CONTEXT: Final = "https://www.w3.org/2022/wot/td/v1.1"
+_CONTEXTS = frozenset({CONTEXT, "https://www.w3.org/2019/wot/td/v1", "http://www.w3.org/ns/td"})
+
+_KINDS: Mapping[str, AffordanceKind] = {"properties": "property", "actions": "action", "events": "event"}
+_OPS: Mapping[AffordanceKind, tuple[str, ...]] = {
+    "property": ("readproperty", "writeproperty", "observeproperty", "unobserveproperty"),
+    "action": ("invokeaction", "queryaction", "cancelaction"),
+    "event": ("subscribeevent", "unsubscribeevent"),
+}
+_HEARS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
+_TELLS = frozenset({"writeproperty", "invokeaction"})
+_TYPES: tuple[DataType, ...] = get_args(DataType)
+
+_MAX_AFFORDANCES = 300
+_MAX_FORMS = 20
+_EXTENSION = "homebot:"
+
+
+def read_thing(description: object) -> Thing:
+    """Return the thing that a Thing Description, as parsed JSON, describes.
+
+    Raises:
+        WireError: It breaks a rule of TD 1.1, or has more than 300 affordances; names the field and its value.
+    """
+    fields = Fields(description, "")
+    _check_context(fields)
+    _check_security(fields)
+    base = fields.text("base")
+    affordances = tuple(
+        affordance for group, kind in _KINDS.items() for affordance in _affordances(fields.inner(group), kind, base)
+    )
+    if len(affordances) > _MAX_AFFORDANCES:
+        raise fields.problem("", f"{len(affordances)} affordances are too many; {_MAX_AFFORDANCES} is the limit")
+    facts = fields.inner("homebot:facts")
+    return Thing(
+        id=fields.text("id"),
+        title=fields.text("title", required=True),
+        types=_bare(fields.texts("@type")),
+        description=fields.text("description"),
+        affordances=affordances,
+        facts={name: facts.text(name) for name in facts.names() if isinstance(facts.plain(name), str)},
+        area=fields.text("homebot:area"),
+        identifiers=fields.texts("homebot:identifiers"),
+    )
+
+
+def _check_context(fields: Fields) -> None:
+    value = fields.plain("@context")
+    named = value if isinstance(value, list) else [value]
+    if not any(isinstance(one, str) and one in _CONTEXTS for one in named):
+        raise fields.problem("@context", f"a Thing Description is wanted, whose context has {CONTEXT}")
+
+
+def _check_security(fields: Fields) -> None:
+    definitions = fields.inner("securityDefinitions")
+    names = definitions.names()
+    for name in names:
+        definitions.inner(name).text("scheme", required=True)
+    wanted = fields.texts("security")
+    if not wanted:
+        raise fields.problem("security", "is missing; the name of a security definition is wanted")
+    for name in wanted:
+        if name not in names:
+            raise fields.problem("security", f"{name[:60]!a} is not in securityDefinitions")
+
+
+def _affordances(group: Fields, kind: AffordanceKind, base: str) -> Iterator[Affordance]:
+    for name in group.names():
+        fields = group.inner(name)
+        read_only, write_only = fields.flag("readOnly"), fields.flag("writeOnly")
+        if read_only and write_only:
+            raise fields.problem("writeOnly", "what is readOnly cannot be writeOnly as well")
+        schema = fields if kind == "property" else fields.inner("input" if kind == "action" else "data")
+        forms = tuple(_forms(fields, kind, base, read_only=read_only, write_only=write_only))
+        yield Affordance(
+            name=name,
+            kind=kind,
+            title=fields.text("title"),
+            types=_bare(fields.texts("@type")),
+            schema=_schema(schema),
+            read_only=read_only,
+            write_only=write_only,
+            forms=forms,
+            extension={
+                name.removeprefix(_EXTENSION): fields.text(name)
+                for name in fields.names()
+                if name.startswith(_EXTENSION) and isinstance(fields.plain(name), str)
+            },
+        )
+
+
+def _forms(fields: Fields, kind: AffordanceKind, base: str, *, read_only: bool, write_only: bool) -> Iterator[Form]:
+    forms = fields.listed("forms")
+    if not 0 < len(forms) <= _MAX_FORMS:
+        raise fields.problem("forms", f"1 to {_MAX_FORMS} forms are wanted, got {len(forms)}")
+    default = {"property": ("readproperty", "writeproperty"), "action": ("invokeaction",), "event": ("subscribeevent",)}
+    for number, one in enumerate(forms):
+        form = Fields(one, fields.at(f"forms[{number}]"))
+        ops = form.texts("op") or default[kind]
+        for op in ops:
+            if op not in _OPS[kind]:
+                raise form.problem("op", f"{op[:60]!a} is none of {', '.join(_OPS[kind])}")
+        unfit = {"writeproperty"} if read_only else {"readproperty", "observeproperty"} if write_only else set()
+        yield _form(form, tuple(op for op in ops if op not in unfit) or ops, base)
+
+
+def _form(form: Fields, ops: tuple[str, ...], base: str) -> Form:
+    """In many TDs the topic stands in the path of the address; what ``mqv:`` says counts more."""
+    if "href" not in form:
+        raise form.problem("href", "is missing; an address is wanted")
+    href = form.text("href")
+    try:
+        scheme, path = urlsplit(href).scheme, urlsplit(href).path
+        scheme = scheme or urlsplit(base).scheme
+    except ValueError:
+        raise form.problem("href", f"{href[:60]!a} is no address") from None
+    is_mqtt = scheme in {"mqtt", "mqtts"}
+    in_path = unquote(path).removeprefix("/") if is_mqtt else ""
+    packet = form.text("mqv:controlPacket").rpartition(":")[2]
+    filters, named = form.texts("mqv:filter"), form.text("mqv:topic") or in_path
+    topic = named if _TELLS & set(ops) and packet != "subscribe" else ""
+    heard = filters[0] if filters else named
+    heard = heard if _HEARS & set(ops) and packet != "publish" else ""
+    return Form(
+        ops=ops,
+        scheme=scheme.lower(),
+        topic=topic,
+        filter=heard,
+        qos=_qos(form),
+        retain=_retain(form),
+        content_type=form.text("contentType") or "application/json",
+    )
+
+
+def _retain(form: Fields) -> bool:
+    """A boolean, or its word, as some write it."""
+    value = form.plain("mqv:retain")
+    return value == "true" if isinstance(value, str) and value in {"true", "false"} else form.flag("mqv:retain")
+
+
+def _qos(form: Fields) -> int:
+    """``"1"``, 1, or ``quality:1`` as older drafts have it."""
+    value = form.plain("mqv:qos")
+    if value is None:
+        return 0
+    text = value.rpartition(":")[2] if isinstance(value, str) else value
+    for qos in (0, 1, 2):
+        if not isinstance(text, bool) and text in (qos, str(qos)):  # a tuple: it need not be hashable
+            return qos
+    raise form.problem("mqv:qos", "0, 1 or 2 is wanted")
+
+
+def _schema(fields: Fields) -> DataSchema:
+    kind = fields.text("type")
+    found = next((one for one in _TYPES if one == kind), None)
+    if found is None:
+        raise fields.problem("type", f"{kind[:60]!a} is none of {', '.join(one for one in _TYPES if one)}")
+    enum = fields.listed("enum")
+    if "enum" in fields and not enum:
+        raise fields.problem("enum", "at least one value is wanted")
+    minimum, maximum = fields.number("minimum"), fields.number("maximum")
+    if minimum is not None and maximum is not None and minimum > maximum:
+        raise fields.problem("minimum", f"{minimum:g} is above the maximum {maximum:g}")
+    return DataSchema(
+        type=found,
+        unit=fields.text("unit"),
+        minimum=minimum,
+        maximum=maximum,
+        enum=tuple(one for one in enum if isinstance(one, (str, float, int, bool))),
+    )
+
+
+def _bare(types: tuple[str, ...]) -> tuple[str, ...]:
+    """Without prefix or namespace: ``iot:BinarySwitch`` is ``BinarySwitch``."""
+    return tuple(one.rpartition("#")[2].rpartition("/")[2].rpartition(":")[2] for one in types)

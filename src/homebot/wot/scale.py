@@ -1,0 +1,91 @@
+"""Numbers of things in the vocabulary's units, and back. Pure."""
+
+from __future__ import annotations
+
+import math
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.wot.thing import Affordance
+from homebot.wot.units import unit_of
+
+__all__ = ["bounds_of", "canonical", "on_the_wire"]
+
+_SHARES = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
+"""What goes from nothing to all, whatever the thing calls the two ends."""
+
+_PERCENT = 100.0
+_MIRED = 1_000_000.0
+_NO_RANGE = 1e15
+"""Ends that lie so far apart are those of a number type, not of a device."""
+
+
+def canonical(capability: str, affordance: Affordance, number: float) -> float | None:
+    """Return *number*, as the thing spells it, in the vocabulary's unit; None where it means nothing."""
+    if "capability" in affordance.extension:  # homebot's own words are canonical already
+        return number
+    if (ends := _ends(capability, affordance)) is not None:
+        low, high = ends
+        return min(max((number - low) / (high - low) * _PERCENT, 0.0), _PERCENT)
+    if capability == "color_temperature" and unit_of(affordance.schema) == "mired":
+        return float(round(_MIRED / number)) if number >= 1 else None
+    if _is_fahrenheit(capability, affordance):
+        return round((number - 32) * 5 / 9, 6)
+    return number
+
+
+def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
+    """Return the smallest and the largest number that the thing takes, in the vocabulary's unit; empty without both.
+
+    They hold for what is compared after the thing's own rounding: a bound that somebody rounded is within as well.
+    """
+    low, high = affordance.schema.minimum, affordance.schema.maximum
+    if low is None or high is None:
+        return ()
+    is_own = "capability" in affordance.extension
+    if not is_own and capability == "color_temperature" and unit_of(affordance.schema) == "mired" and low >= 1:
+        return math.floor(_MIRED / (high + 0.5)) + 1.0, math.ceil(_MIRED / (low - 0.5)) - 1.0
+    ends = [found for end in (low, high) if (found := canonical(capability, affordance, end)) is not None]
+    if len(ends) < 2:  # one of them means nothing
+        return ()
+    if not is_own and _is_fahrenheit(capability, affordance):
+        return math.floor(round(min(ends) * 10, 6)) / 10, math.ceil(round(max(ends) * 10, 6)) / 10
+    return min(ends), max(ends)
+
+
+def on_the_wire(capability: str, affordance: Affordance, number: float) -> float:
+    """Return *number*, in the vocabulary's unit, as the thing spells it; not finite where that is impossible."""
+    if "capability" in affordance.extension:
+        return number
+    found = number
+    if (ends := _ends(capability, affordance)) is not None:
+        low, high = ends
+        found = low + number / _PERCENT * (high - low)
+    elif capability == "color_temperature" and unit_of(affordance.schema) == "mired":
+        found = _MIRED / number if number >= 1 else math.nan
+    elif _is_fahrenheit(capability, affordance):
+        found = number * 9 / 5 + 32
+    if not math.isfinite(found):
+        return found
+    least, most = affordance.schema.minimum, affordance.schema.maximum
+    if affordance.schema.type != "integer":
+        return _within(round(found, 6), least, most)
+    least, most = None if least is None else math.ceil(least), None if most is None else math.floor(most)
+    return _within(float(round(found)), least, most)
+
+
+def _within(number: float, low: float | None, high: float | None) -> float:
+    """Keep *number*, which is within but for rounding, between the ends."""
+    number = number if low is None else max(number, float(low))
+    return number if high is None else min(number, float(high))
+
+
+def _ends(capability: str, affordance: Affordance) -> tuple[float, float] | None:
+    low, high = affordance.schema.minimum, affordance.schema.maximum
+    if low is None or high is None or not 0 < high - low < _NO_RANGE:
+        return None
+    is_share = capability in _SHARES or (high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT))
+    return (low, high) if is_share else None
+
+
+def _is_fahrenheit(capability: str, affordance: Affordance) -> bool:
+    return CAPABILITIES[capability].unit == "°C" and unit_of(affordance.schema) == "°F"

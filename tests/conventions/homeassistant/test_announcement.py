@@ -1,0 +1,140 @@
+import json
+
+import pytest
+
+from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS
+from homebot.conventions.homeassistant.announcement import MAX_COMPONENTS, Announced, read_announcement
+from homebot.conventions.homeassistant.topic import ConfigTopic
+from homebot.errors import WireError
+
+LIGHT = ConfigTopic("light", "", "lamp")
+WHOLE = ConfigTopic("device", "", "0AFFD2")
+
+
+def announced(fields: object, topic: ConfigTopic = LIGHT) -> Announced:
+    return read_announcement(topic, json.dumps(fields).encode())
+
+
+def test_there_are_as_many_short_forms_as_home_assistant_ever_had() -> None:
+    assert len(ABBREVIATIONS) == 272
+    assert ABBREVIATIONS["cmd_t"] == "command_topic"
+    assert ABBREVIATIONS["whit_scl"] == "white_scale"
+
+
+def test_short_forms_are_spelled_out_where_they_may_be() -> None:
+    told = announced(
+        {
+            "cmd_t": "a/set",
+            "dev": {"ids": "x", "mf": "Maker", "sa": "Kitchen", "cmd_t": "no topic here"},
+            "o": {"name": "bridge", "sw": "2.1", "url": "https://example.org"},
+            "avty": [{"t": "a/av", "pl_avail": "yes"}],
+        }
+    )
+    (component,) = told.components
+    assert component.fields["command_topic"] == "a/set"
+    assert component.fields["availability"] == [{"topic": "a/av", "payload_available": "yes"}]
+    assert told.device == {
+        "identifiers": "x",
+        "manufacturer": "Maker",
+        "suggested_area": "Kitchen",
+        "cmd_t": "no topic here",
+    }
+    assert told.origin == {"name": "bridge", "sw_version": "2.1", "support_url": "https://example.org"}
+
+
+def test_where_both_forms_are_there_the_short_one_wins() -> None:
+    (component,) = announced({"command_topic": "long", "cmd_t": "short"}).components
+    assert component.fields == {"command_topic": "short"}
+
+
+def test_a_base_topic_stands_in_at_the_beginning_or_the_end_of_topics_alone() -> None:
+    (component,) = announced(
+        {
+            "~": "home/lamp",
+            "cmd_t": "~/set",
+            "stat_t": "state/~",
+            "bri_cmd_t": "a/~/b",
+            "rgb_cmd_t": "~",
+            "val_tpl": "~{{ value }}~",
+            "json_attributes_topic": 3,
+            "availability": {"t": "~/av"},
+        }
+    ).components
+    assert component.fields == {
+        "command_topic": "home/lamp/set",
+        "state_topic": "state/home/lamp",
+        "brightness_command_topic": "a/~/b",
+        "rgb_command_topic": "home/lamp",
+        "value_template": "~{{ value }}~",
+        "json_attributes_topic": 3,
+        "availability": {"topic": "home/lamp/av"},
+    }
+
+
+def test_the_components_of_a_whole_device_inherit_what_is_shared() -> None:
+    told = announced(
+        {
+            "dev": {"ids": "0AFFD2"},
+            "o": {"name": "bridge"},
+            "stat_t": "kitchen/state",
+            "qos": 1,
+            "icon": "mdi:lamp",
+            "~": "not for components",
+            "cmps": {
+                "one": {"p": "light", "uniq_id": "a", "cmd_t": "~/x"},
+                "two": {"platform": "sensor", "uniq_id": "b", "stat_t": "~/own", "~": "base"},
+                "gone": {"p": "switch"},
+            },
+        },
+        WHOLE,
+    )
+    one, two = told.components
+    assert (one.platform, one.discovery_id) == ("light", "device/0AFFD2/one")
+    assert one.fields == {"unique_id": "a", "command_topic": "~/x", "state_topic": "kitchen/state", "qos": 1}
+    assert (two.platform, two.fields["state_topic"]) == ("sensor", "base/own")
+
+
+def test_a_node_id_is_part_of_the_discovery_id() -> None:
+    told = announced({"cmps": {"c": {"p": "light", "uniq_id": "a"}}}, ConfigTopic("device", "node", "object"))
+    assert told.components[0].discovery_id == "device/node/object/c"
+
+
+def test_child_devices_lend_their_components() -> None:
+    told = announced(
+        {"dev": {"ids": "p"}, "cdevs": [{"identifiers": "c", "cmps": {"x": {"p": "light", "uniq_id": "a"}}}]}, WHOLE
+    )
+    assert [one.discovery_id for one in told.components] == ["device/0AFFD2/x"]
+
+
+@pytest.mark.parametrize("key", ["migrate_discovery", "migr_discvry"])
+def test_a_move_to_another_form_announces_nothing(key: str) -> None:
+    assert announced({key: True}).is_migrating
+
+
+@pytest.mark.parametrize(
+    ("fields", "problem"),
+    [
+        ([], "no JSON object"),
+        ({"device": 3}, "device is 3"),
+        ({"o": "me"}, "origin"),
+        ({"~": ["x"]}, "~ is list of 1"),
+    ],
+)
+def test_what_has_no_right_form_is_refused(fields: object, problem: str) -> None:
+    with pytest.raises(WireError, match=problem):
+        announced(fields)
+
+
+@pytest.mark.parametrize(
+    ("fields", "problem"),
+    [
+        ({"dev": {"ids": "x"}}, "no components"),
+        ({"cmps": []}, "components is list of 0"),
+        ({"cmps": {"a": "light"}}, "component 'a'"),
+        ({"cmps": {"a": {"uniq_id": "x"}}}, "platform is None"),
+        ({"cmps": {f"c{n}": {"p": "light"} for n in range(MAX_COMPONENTS + 1)}}, "more than 300"),
+    ],
+)
+def test_a_whole_device_of_no_right_form_is_refused(fields: object, problem: str) -> None:
+    with pytest.raises(WireError, match=problem):
+        announced(fields, WHOLE)

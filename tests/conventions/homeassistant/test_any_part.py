@@ -1,0 +1,94 @@
+"""Whatever strangers make of the config and the messages of a part: it is understood or refused, in our words."""
+
+import json
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+
+LINES = Path(__file__).with_name("parts.jsonl").read_text().splitlines()
+REAL: list[dict[str, Any]] = [json.loads(line) for line in LINES]
+MORE: list[dict[str, Any]] = [
+    {"component": "tag", "config": {"topic": "t", "value_template": "{{ value_json.x }}"}},
+    {"component": "notify", "config": {"cmd_t": "n"}},
+    {"component": "date", "config": {"cmd_t": "d/set", "stat_t": "d"}},
+    {"component": "time", "config": {"cmd_t": "d/set", "stat_t": "d"}},
+    {"component": "datetime", "config": {"cmd_t": "d/set", "stat_t": "d"}},
+    {"component": "device_automation", "config": {"atype": "trigger", "t": "t", "type": "a", "stype": "b", "pl": "x"}},
+]
+KINDS = {"bool": bool, "number": float, "text": str, "numbers": tuple}
+WORDS = sorted({word for one in REAL for word in one["config"]} | {"state", "x", "event_type"})
+
+scalars = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text(max_size=8)
+    | st.sampled_from(["{{ value_json.x }}", "{{ 9**9**9 }}", "a/+", "\x00", "9" * 400, 10**40, -1, 0, "None", "nan"])
+)
+anything = st.recursive(
+    scalars,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(WORDS), inner, max_size=3),
+    max_leaves=6,
+)
+said = (
+    st.binary(max_size=40)
+    | st.builds(lambda value: json.dumps(value).encode(), anything)
+    | st.sampled_from([payload.encode() for one in REAL for _, payload, _ in one["says"]])
+    | st.sampled_from([b"ON", b"OFF", b"off", b"heat", b"21.5", b"2026-11-20", b"0001-01-01T00:00:00+23:00", b""])
+)
+values = st.none() | st.booleans() | st.floats() | st.text(max_size=5) | st.sampled_from(["heat", "off", "disarmed"])
+changes = st.dictionaries(st.sampled_from(WORDS), anything, max_size=2)
+
+
+def described(one: Mapping[str, Any], changed: Mapping[str, object]) -> tuple[DescribedPart, ...]:
+    topic = f"homeassistant/{one['component']}/x/config"
+    payload = json.dumps({**one["config"], **changed}).encode()
+    try:
+        (found,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(topic, payload, retained=True)
+    except WireError:
+        return ()
+    assert isinstance(found, DeviceAnnounced)
+    return found.parts
+
+
+def is_ours(part: DescribedPart, capability: str, value: PlainValue) -> bool:
+    kind = KINDS[CAPABILITIES[capability].kind]
+    known = {one.name for one in part.part.capabilities}
+    return capability in known and (
+        value is None or (type(value) is kind and (not isinstance(value, float) or math.isfinite(value)))
+    )
+
+
+@given(st.sampled_from(REAL + MORE), changes, said)
+def test_what_it_reads_is_of_its_capabilities_and_their_kinds(
+    one: dict[str, Any], changed: dict[str, Any], payload: bytes
+) -> None:
+    for part in described(one, changed):
+        for spoken in part.codec.topics():
+            topic = spoken.replace("+", "x").replace("#", "x")
+            read = part.codec.read(topic, payload, retained=False)
+            assert all(is_ours(part, capability, value) for capability, value in read.items()), read
+
+
+@given(st.sampled_from(REAL + MORE), changes, values)
+def test_what_it_is_told_is_published_where_it_listens(
+    one: dict[str, Any], changed: dict[str, Any], value: PlainValue
+) -> None:
+    for part in described(one, changed):
+        for capability in part.part.capabilities:
+            with suppress(RefusedError):
+                published = part.codec.write(capability.name, value)
+                assert capability.settable
+                assert {one.topic for one in published} <= set(part.part.writes)

@@ -1,0 +1,152 @@
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.conventions.description import Publication
+from homebot.conventions.homeassistant.config import MAX_OPTIONS, DiscoveryConfig
+from homebot.conventions.homeassistant.incoming import Said
+from homebot.errors import RefusedError, WireError
+
+
+def config(**fields: object) -> DiscoveryConfig:
+    return DiscoveryConfig("light", "lamp", fields)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [("ON", "ON"), (True, "True"), (False, "False"), (1, "1"), (1.0, "1.0"), (None, "default"), ("", "")],
+)
+def test_a_text_is_spelled_as_python_does(value: object, text: str) -> None:
+    assert config(k=value).text("k", "default") == text
+
+
+def test_null_and_absent_are_one_for_a_text_and_two_for_a_payload() -> None:
+    assert config(k=None).payload("k", "OPEN") is None
+    assert config().payload("k", "OPEN") == "OPEN"
+
+
+@pytest.mark.parametrize(
+    ("value", "flag"),
+    [(True, True), ("Yes", True), (" on ", True), (1, True), (0.0, False), ("disable", False), (None, True)],
+)
+def test_a_flag_has_many_words(value: object, flag: object) -> None:
+    assert config(k=value).flag("k", default=True) is flag
+
+
+@pytest.mark.parametrize(("value", "whole"), [(7, 7), ("7", 7), (7.9, 7), (True, 1), (None, 3)])
+def test_a_whole_number_may_be_a_text_or_have_a_fraction(value: object, whole: int) -> None:
+    assert config(k=value).integer("k", 3, least=0, most=10) == whole
+
+
+@pytest.mark.parametrize(("value", "options"), [(["a", 1], ("a", "1")), ("a", ("a",)), (None, ()), ([], ())])
+def test_options_are_texts_and_one_needs_no_list(value: object, options: tuple[str, ...]) -> None:
+    assert config(k=value).options("k") == options
+
+
+@pytest.mark.parametrize(
+    ("read", "value"),
+    [
+        (lambda one: one.text("k"), []),
+        (lambda one: one.text("k"), 10**40),
+        (lambda one: one.text("k"), "x" * 9_000),
+        (lambda one: one.flag("k"), "perhaps"),
+        (lambda one: one.flag("k"), [True]),
+        (lambda one: one.integer("k", 0, least=0), -1),
+        (lambda one: one.integer("k", 0), "7.5"),
+        (lambda one: one.integer("k", 0), float("inf")),
+        (lambda one: one.integer("k", 0), "9" * 5_000),
+        (lambda one: one.number("k", 0), "nan"),
+        (lambda one: one.number("k", 0), 10**400),
+        (lambda one: one.optional_number("k"), {}),
+        (lambda one: one.options("k"), [[]]),
+        (lambda one: one.options("k"), ["x"] * (MAX_OPTIONS + 1)),
+        (lambda one: one.options("k"), ["x" * 256]),
+        (lambda one: one.template("k"), 3.5j),
+        (lambda one: one.state_topic("k"), "a+"),
+        (lambda one: one.command("k"), "a/#"),
+        (lambda one: one.required_command("k"), None),
+        (lambda one: one.required_source("k"), None),
+    ],
+)
+def test_a_field_that_cannot_be_is_refused_shortly(read: Callable[[DiscoveryConfig], object], value: object) -> None:
+    with pytest.raises(WireError) as refused:
+        read(config(k=value))
+    assert len(str(refused.value)) < 200
+
+
+@pytest.mark.parametrize(
+    ("encoding", "payload", "text"),
+    [
+        ("utf-8", "ü".encode(), "ü"),
+        ("latin-1", b"\xfc", "ü"),
+        ("", b"abc", None),
+        ("idna", "ü".encode(), "ü"),
+        ("utf-8", b"\xfc", None),
+    ],
+)
+def test_a_source_reads_the_encoding_of_its_config(encoding: str, payload: bytes, text: str | None) -> None:
+    source = config(encoding=encoding, state_topic="a").required_source("state_topic")
+    assert source.text(Said(payload)) == text
+
+
+def test_a_source_gives_its_template_the_message_and_its_own_variables() -> None:
+    one = config(state_topic="a", value_template="{{ value_json.n + more }}")
+    source = one.source("state_topic", variables={"more": 2})
+    assert source is not None
+    assert source.text(Said(b'{"n": 3}')) == "5"
+    assert source.without_payload().text(Said(b"{}")) is None
+
+
+@pytest.mark.parametrize(
+    ("template", "payload", "text"),
+    [
+        ("{{ value_json.state }}", b"ON", "ON"),
+        ("{{ value_json['a'].b }}", b'{"a": 1}', ""),
+        ("{{ value_json.a.b }}", b"{}", "{}"),
+        ("{{ value_json.state | is_defined }}", b"{}", "{}"),
+        ("{{ value_json.state | upper }}", b"on", "on"),
+        ("{{ value_json.x + 1 }}", b"7", "7"),
+        ("{{ value | int }}", b"x", None),
+        ("{{ value_json.x | round(1) }}", b'{"x": "y"}', None),
+        ("{{ value_json }}", b"ON", ""),
+        ("{% if value_json.a.b %}1{% endif %}", b"ON", "ON"),
+    ],
+)
+def test_what_a_template_lacks_is_made_up_for_by_the_payload(template: str, payload: bytes, text: str | None) -> None:
+    """As in Home Assistant, which passes the message over only where the values do not fit the template."""
+    source = config(state_topic="a", value_template=template).required_source("state_topic")
+    assert source.text(Said(payload)) == text
+    if text is not None and text == payload.decode():
+        assert source.without_payload().text(Said(payload)) is None
+
+
+def test_a_command_has_the_qos_retain_and_encoding_of_its_config() -> None:
+    command = config(command_topic="a", qos=1, retain=True, encoding="latin-1").required_command()
+    assert command.publication("ü") == Publication("a", b"\xfc", qos=1, retain=True)
+    with pytest.raises(RefusedError, match="latin-1"):
+        command.publication("灯")
+
+
+def test_a_command_is_never_retained_unless_the_config_says_so() -> None:
+    assert config(command_topic="a").required_command().publication(21.0) == Publication("a", b"21.0")
+
+
+@given(
+    st.dictionaries(
+        st.sampled_from(["qos", "retain", "encoding", "k"]), st.none() | st.text() | st.integers() | st.floats()
+    )
+)
+def test_any_fields_make_a_config_or_a_wire_error(fields: dict[str, object]) -> None:
+    try:
+        one = DiscoveryConfig("light", "lamp", fields)
+        (one.text("k"), one.flag("k"), one.integer("k", 0), one.number("k", 0), one.template("k"), one.command("k"))
+    except WireError:
+        return
+    assert one.qos in (0, 1, 2)
+
+
+def test_a_command_without_template_takes_none_from_a_nameless_field() -> None:
+    command = DiscoveryConfig("light", "lamp", {"command_topic": "a", "": "{{ 1 }}"}).required_command(template_key="")
+    assert command.template is None

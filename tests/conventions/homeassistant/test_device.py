@@ -1,0 +1,81 @@
+import pytest
+
+from homebot.conventions.homeassistant.device import read_device
+from homebot.errors import WireError
+
+
+def test_a_device_tells_who_it_is_where_and_what() -> None:
+    device = read_device(
+        {
+            "identifiers": ["zigbee2mqtt_0x00158d0001abcdef"],
+            "connections": [["mac", "AA:BB:CC:DD:EE:FF"], ["ip", "10.0.0.3"]],
+            "name": "Lamp\x00 by the <b>door</b>",
+            "suggested_area": " Hall ",
+            "manufacturer": "Maker",
+            "model": "M",
+            "model_id": 3,
+            "sw_version": 1.5,
+            "hw_version": "",
+            "via_device": "bridge",
+            "unheard_of": "x",
+        },
+        {"name": "Zigbee2MQTT", "sw_version": "2.1"},
+    )
+    assert device.identifiers == (
+        "eui64:00158d0001abcdef",
+        "mac:aabbccddeeff",
+        "id:zigbee2mqtt_0x00158d0001abcdef",
+        "id:ip:10.0.0.3",
+    )
+    assert (device.name, device.area) == ("Lamp by the <b>door</b>", "Hall")
+    assert device.facts == {
+        "manufacturer": "Maker",
+        "model": "M",
+        "model_id": "3",
+        "sw_version": "1.5",
+        "via_device": "bridge",
+        "origin": "Zigbee2MQTT",
+        "origin_sw_version": "2.1",
+    }
+
+
+def test_a_config_without_device_is_about_nobody_in_particular() -> None:
+    device = read_device({}, {})
+    assert (device.identifiers, device.name, device.area, device.facts) == ((), "", "", {})
+
+
+@pytest.mark.parametrize("identifiers", ["0AFFD2", ["0AFFD2"], 57, [57]])
+def test_one_identifier_need_not_be_in_a_list(identifiers: object) -> None:
+    assert len(read_device({"identifiers": identifiers}, {}).identifiers) == 1
+
+
+def test_a_child_device_is_itself_and_not_its_parent() -> None:
+    device = read_device(
+        {
+            "identifiers": "parent",
+            "name": "Strip",
+            "manufacturer": "Maker",
+            "child_device": {"identifiers": "c1", "name": "One"},
+        },
+        {},
+    )
+    assert (device.identifiers, device.name) == (("id:c1",), "One")
+    assert device.facts == {"manufacturer": "Maker", "via_device": "parent"}
+
+
+@pytest.mark.parametrize(
+    ("fields", "problem"),
+    [
+        ({"name": "nameless"}, "neither"),
+        ({"identifiers": []}, "neither"),
+        ({"identifiers": [{}]}, "identifier"),
+        ({"identifiers": [""]}, "identifier"),
+        ({"identifiers": ["\x00"]}, "identifier"),
+        ({"identifiers": [str(n) for n in range(10_000)]}, "64 is the limit"),
+        ({"connections": [["mac"]]}, "a type and a value"),
+        ({"connections": "mac"}, "a type and a value"),
+    ],
+)
+def test_a_device_without_proper_identity_is_refused(fields: dict[str, object], problem: str) -> None:
+    with pytest.raises(WireError, match=problem):
+        read_device(fields, {})

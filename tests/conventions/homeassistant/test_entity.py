@@ -1,0 +1,97 @@
+import pytest
+
+from homebot.conventions.description import AutoExpiry
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.scale import Scale
+from homebot.conventions.homeassistant.value_parsing import fields_of, number_of, numbers_of, whole_of
+from homebot.errors import RefusedError, WireError
+
+
+def entity(**fields: object) -> Entity:
+    return Entity(DiscoveryConfig("sensor", "node x", fields), "x_sensor")
+
+
+def test_a_part_carries_what_its_config_says() -> None:
+    making = entity(name="Door\n1", device_class="door", entity_category="diagnostic", state_topic="a")
+    making.add_capability("state")
+    making.add_expiry(AutoExpiry("state", 5.0))
+    described = making.build()
+    part = described.part
+    assert (part.id, part.name, part.tag, part.category) == ("node x", "Door 1", "door", "diagnostic")
+    assert described.expiries == (AutoExpiry("state", 5.0),)
+
+
+def test_what_can_neither_be_read_nor_told_is_not_offered() -> None:
+    making = entity()
+    making.add_capability("level", readable=False)
+    assert making.build().part.capabilities == ()
+
+
+def test_all_readers_of_a_topic_are_asked_also_those_of_a_filter() -> None:
+    making = entity()
+    making.read_from("a/b", lambda said: {"value": said.text()})
+    making.read_from("a/b", lambda _: {"state": True})
+    making.read_from("+/b", lambda _: {"measurement": 3.0})
+    codec = making.build().codec
+    assert codec.topics() == ("a/b", "+/b")
+    assert codec.read("a/b", b"x", retained=False) == {"value": "x", "state": True, "measurement": 3.0}
+    assert codec.read("c/b", b"x", retained=False) == {"measurement": 3.0}
+    assert codec.read("c/d", b"x", retained=False) == {}
+
+
+def test_a_reader_learns_whether_the_broker_had_kept_the_message() -> None:
+    making = entity()
+    making.read_from("a", lambda said: {"state": said.retained})
+    assert making.build().codec.read("a", b"", retained=True) == {"state": True}
+
+
+def test_what_a_part_does_not_take_is_refused_with_what_it_takes() -> None:
+    making = entity()
+    making.add_capability("push", readable=False, writer=lambda _value, _transition: ())
+    with pytest.raises(RefusedError, match="takes push"):
+        making.build().codec.write("on_off", value=True)
+
+
+@pytest.mark.parametrize(
+    ("zero", "full", "value", "percent"), [(0, 100, 33.3, 33), (100, 0, 20, 80), (3, 17, 10, 50), (0, 3, 2, 66)]
+)
+def test_a_scale_counts_whole_percents(zero: int, full: int, value: float, percent: float) -> None:
+    assert Scale(zero, full).percent(value) == percent
+
+
+def test_a_value_beyond_any_scale_is_far_outside() -> None:
+    assert Scale(0, 100).percent(1e308) > 100
+    assert Scale(100, 0).percent(1e308) < 0
+
+
+def test_a_scale_without_length_is_refused() -> None:
+    with pytest.raises(WireError):
+        Scale(5, 5)
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        ("7", 7.0),
+        (" 7.5 ", 7.5),
+        (True, 1.0),
+        ("nan", None),
+        ("1e999", None),
+        ("x", None),
+        (None, None),
+        ([], None),
+        ("1" * 41, None),
+        (10**400, None),
+    ],
+)
+def test_a_number_has_an_end_and_few_digits(text: object, number: float | None) -> None:
+    assert number_of(text) == number
+
+
+def test_rendered_texts_are_read_without_raising() -> None:
+    assert (whole_of("7"), whole_of("7.0"), whole_of("9" * 5_000)) == (7, None, None)
+    assert numbers_of("1,2.5", 2) == (1.0, 2.5)
+    assert [numbers_of(text, 2) for text in ("1", "1,2,3", "1,x", "")] == [None] * 4
+    assert fields_of(' {"a": 1}') == {"a": 1}
+    assert [fields_of(text) for text in ("[1]", "{", "x", "")] == [{}] * 4

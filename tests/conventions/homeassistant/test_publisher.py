@@ -1,0 +1,141 @@
+"""What homebot publishes for a Home Assistant, read back by our own understanding of Home Assistant's discovery."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from homebot.conventions.description import DeviceAnnounced, DeviceWithdrawn, Publication
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.offer import ExposedDevice
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import PlainValue
+
+STATUS = "homebot/hub/mqtt/status"
+
+
+def publisher() -> HomeAssistantPublisher:
+    made = HomeAssistantDiscovery(HomeAssistantSettings(publish=True)).publisher("hub/mqtt", STATUS)
+    assert made is not None
+    return made
+
+
+def offer(*capabilities: Capability, name: str = "Robot", **fields: object) -> ExposedDevice:
+    part = Part(id="robot", service_type="x_robot", capabilities=capabilities)
+    return ExposedDevice.model_validate({"id": "robot1", "name": name, "parts": (part,), **fields})
+
+
+def understood(config: Publication) -> DeviceAnnounced:
+    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(config.topic, config.payload, retained=True)
+    assert isinstance(heard, DeviceAnnounced)
+    return heard
+
+
+def test_nothing_is_published_unless_it_is_wanted() -> None:
+    assert HomeAssistantDiscovery(HomeAssistantSettings()).publisher("hub", STATUS) is None
+
+
+def test_a_config_is_what_home_assistant_expects() -> None:
+    (config,) = publisher().publications(offer(Capability(name="on_off", settable=True), model="Rover", area="hall"))
+    assert config.topic.startswith("homeassistant/switch/homebot_hub_mqtt_")
+    assert (config.retain, config.qos) == (True, 1)
+    fields = json.loads(config.payload)
+    assert fields["device"]["name"] == "Robot"
+    assert (fields["device"]["model"], fields["device"]["suggested_area"]) == ("Rover", "hall")
+    assert fields["origin"] == {"name": "homebot"}
+    assert fields["availability_topic"] == STATUS
+    assert fields["command_topic"] == fields["state_topic"].removesuffix("/state") + "/set"
+
+
+@pytest.mark.parametrize(
+    ("capability", "component", "values"),
+    [
+        (Capability(name="on_off", settable=True), "switch", (True, False)),
+        (Capability(name="running"), "binary_sensor", (True, False)),
+        (Capability(name="battery"), "sensor", (80.0, 0.0, None)),
+        (Capability(name="level", settable=True, bounds=(0.0, 100.0)), "number", (40.0,)),
+        (Capability(name="option", settable=True, options=("fast", "slow")), "select", ("slow",)),
+    ],
+)
+def test_what_is_offered_is_understood_as_it_was_meant(
+    capability: Capability, component: str, values: tuple[PlainValue, ...]
+) -> None:
+    """Config, state and command make the whole way round."""
+    ours = publisher()
+    offered = offer(capability)
+    (config,) = ours.publications(offered)
+    assert config.topic.split("/")[1] == component
+    described = understood(config)
+    (part,) = described.parts
+    for value in values:
+        said = {("robot", capability.name): value}
+        (state,) = ours.states(offered, said, said)
+        assert state.retain
+        assert list(part.codec.read(state.topic, state.payload, retained=False).values()) == [value]
+        if not capability.settable:
+            continue
+        (told,) = part.codec.write(part.part.capabilities[0].name, value)
+        (command,) = ours.take(told.topic, told.payload)
+        assert (command.key, command.part, command.capability) == ("robot1", "robot", capability.name)
+        assert command.value.plain() == value
+
+
+def test_a_button_is_pressed() -> None:
+    ours = publisher()
+    (config,) = ours.publications(offer(Capability(name="locate", readable=False, settable=True)))
+    (part,) = understood(config).parts
+    (told,) = part.codec.write("push", True)
+    (command,) = ours.take(told.topic, told.payload)
+    assert command.value.plain() is True
+
+
+def test_every_capability_of_the_vocabulary_can_be_offered() -> None:
+    for name, known in CAPABILITIES.items():
+        for settable in (True, False):
+            configs = publisher().publications(offer(Capability(name=name, settable=settable)))
+            is_unseen = known.kind == "numbers" or (name in {"push", "scene", "locate"} and not settable)
+            assert len(configs) == (not is_unseen)
+            for config in configs:
+                understood(config)
+
+
+def test_what_is_withdrawn_is_gone_and_takes_no_command() -> None:
+    ours = publisher()
+    offered = offer(Capability(name="on_off", settable=True))
+    (config,) = ours.publications(offered)
+    command_topic = json.loads(config.payload)["command_topic"]
+    gone, state = ours.publications(offered.model_copy(update={"is_withdrawn": True}))
+    assert (gone.topic, gone.payload, gone.retain) == (config.topic, b"", True)
+    assert (state.topic, state.payload, state.retain) == (json.loads(config.payload)["state_topic"], b"", True)
+    assert ours.take(command_topic, b"ON") == ()
+    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).take(gone.topic, b"", retained=False)
+    assert isinstance(heard, DeviceWithdrawn)
+
+
+@pytest.mark.parametrize("payload", [b"", b"on", b"\xff", b"x" * 2000, b"1"])
+def test_what_is_no_command_is_no_command(payload: bytes) -> None:
+    ours = publisher()
+    (config,) = ours.publications(offer(Capability(name="on_off", settable=True)))
+    assert ours.take(json.loads(config.payload)["command_topic"], payload) == ()
+
+
+@pytest.mark.parametrize("payload", [b"nan", b"101", b"-1", b"1e999", b"much"])
+def test_a_number_out_of_bounds_is_no_command(payload: bytes) -> None:
+    ours = publisher()
+    (config,) = ours.publications(offer(Capability(name="level", settable=True)))
+    assert ours.take(json.loads(config.payload)["command_topic"], payload) == ()
+
+
+def test_names_and_ids_of_any_kind_stay_apart() -> None:
+    ours = publisher()
+    capability = Capability(name="on_off", settable=True)
+    ids = ("küche", "kuche", "a/b", "a b", "+", "#", "x" * 50)
+    topics = {ours.publications(offer(capability, id=one, name="+/#\0"))[0].topic for one in ids}
+    assert len(topics) == len(ids)
+    for topic in topics:
+        assert ours.is_own_topic(topic)
+        assert not set(topic) & set("+#\0 ")
+    assert not ours.is_own_topic("homeassistant/switch/other/config")

@@ -1,0 +1,69 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.conventions.homeassistant.topic import ConfigTopic, command_topic, parse_config_topic, state_topic
+from homebot.errors import WireError
+
+
+@pytest.mark.parametrize(
+    ("topic", "expected", "key"),
+    [
+        ("ha/light/a/config", ConfigTopic("light", "", "a"), "light/a"),
+        ("ha/light/n/a/config", ConfigTopic("light", "n", "a"), "light/n/a"),
+        ("ha/device/0AFFD2/config", ConfigTopic("device", "", "0AFFD2"), "device/0AFFD2"),
+        (
+            "ha/device_automation/0x1/action_recall_*/config",
+            ConfigTopic("device_automation", "0x1", "action_recall_*"),
+            "device_automation/0x1/action_recall_*",
+        ),
+    ],
+)
+def test_a_config_topic_names_its_announcement(topic: str, expected: ConfigTopic, key: str) -> None:
+    assert parse_config_topic("ha", topic) == expected
+    assert expected.key == key
+
+
+@pytest.mark.parametrize(
+    "topic",
+    ["ha/status", "ha/light/config", "ha/light/a/state", "other/light/a/config", "ha/a/b/c/d/config", "haa/l/a/config"],
+)
+def test_what_is_no_config_is_not_looked_at(topic: str) -> None:
+    assert parse_config_topic("ha", topic) is None
+
+
+def test_a_prefix_may_have_levels() -> None:
+    assert parse_config_topic("a/b", "a/b/light/x/config") == ConfigTopic("light", "", "x")
+
+
+def test_a_config_topic_that_would_fill_an_index_is_refused() -> None:
+    with pytest.raises(WireError, match="512"):
+        parse_config_topic("ha", f"ha/light/{'x' * 512}/config")
+
+
+@pytest.mark.parametrize("topic", ["a", "a/b c/ü", "$SYS/x", "/"])
+def test_a_command_goes_to_any_plain_topic(topic: str) -> None:
+    assert command_topic(topic) == topic
+
+
+@pytest.mark.parametrize("topic", ["", "a/+", "#", "a\x00", "a\n", "a\x7f", "a\ufdd0", "\ud800", "a" * 65_536])
+def test_a_command_topic_that_cannot_be_is_refused(topic: str) -> None:
+    with pytest.raises(WireError):
+        command_topic(topic)
+
+
+@pytest.mark.parametrize("topic", ["a", "+/+/BTtoMQTT/A4C1", "a/#", "#"])
+def test_a_state_may_be_said_on_a_filter(topic: str) -> None:
+    assert state_topic(topic) == topic
+
+
+@pytest.mark.parametrize("topic", ["", "a+/b", "a#", "#/a", "a\x00", "a\t", "\ud800"])
+def test_a_state_topic_that_cannot_be_is_refused(topic: str) -> None:
+    with pytest.raises(WireError):
+        state_topic(topic)
+
+
+@given(st.text(max_size=60))
+def test_any_text_is_a_config_topic_or_none(text: str) -> None:
+    found = parse_config_topic("p", f"p/{text}/config")
+    assert found is None or f"p/{found.key}/config" == f"p/{text}/config" or not found.node_id

@@ -1,0 +1,38 @@
+import json
+from collections.abc import Callable
+
+import pytest
+
+from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
+from homebot.conventions.homie import Homie, HomieSettings
+
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
+
+
+@pytest.fixture
+def homie() -> Homie:
+    return Homie(HomieSettings())
+
+
+@pytest.fixture
+def say(homie: Homie) -> Say:
+    """Says a message to the convention; what is no text is spelled in JSON."""
+
+    def say(topic: str, payload: object) -> tuple[AnnouncementEvent, ...]:
+        text = payload if isinstance(payload, str) else json.dumps(payload)
+        return homie.take(topic, text.encode(), retained=True)
+
+    return say
+
+
+@pytest.fixture
+def introduce(say: Say) -> Callable[..., dict[str, DescribedPart]]:
+    """Has a device of version 5 say who it is and that it is ready; returns its parts by id."""
+
+    def introduce(nodes: object, **fields: object) -> dict[str, DescribedPart]:
+        say("homie/5/thing/$description", {"homie": "5.0", "version": 1, "nodes": nodes, **fields})
+        (device,) = say("homie/5/thing/$state", "ready")
+        assert isinstance(device, DeviceAnnounced)
+        return {one.part.id: one for one in device.parts}
+
+    return introduce

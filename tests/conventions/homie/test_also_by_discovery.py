@@ -1,0 +1,205 @@
+"""A robot that announces itself by Homie and to Home Assistant, as Valetudo does.
+
+The messages follow Valetudo 2026.02.0 (``backend/lib/mqtt``): of its 13 nodes those with something to tell apart.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from random import Random
+
+import pytest
+
+from homebot.conventions.description import DeviceAnnounced
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.homie import Homie, HomieSettings
+from homebot.devices import Device, Sighting
+from homebot.discovery import DeviceIndex
+from homebot.gateways.mqtt.claim import StoredAnnouncement
+from homebot.messages import Time
+
+ROBOT = "valetudo/BigSlowDog"
+Properties = Mapping[str, Mapping[str, str]]
+
+NODES: Mapping[str, tuple[str, Properties]] = {
+    "BasicControlCapability": (
+        "Basic control",
+        {
+            "operation": {
+                "$name": "Operation",
+                "$datatype": "enum",
+                "$settable": "true",
+                "$format": "START,STOP,PAUSE,HOME",
+            }
+        },
+    ),
+    "FanSpeedControlCapability": (
+        "Fan speed control",
+        {"preset": {"$name": "Fan speed", "$datatype": "enum", "$settable": "true", "$format": "low,medium,high"}},
+    ),
+    "SpeakerVolumeControlCapability": (
+        "Speaker volume control",
+        {
+            "value": {
+                "$name": "Speaker volume",
+                "$datatype": "integer",
+                "$settable": "true",
+                "$unit": "%",
+                "$format": "0:100",
+            }
+        },
+    ),
+    "BatteryStateAttribute": (
+        "Battery state",
+        {
+            "level": {"$name": "Battery level", "$datatype": "integer", "$unit": "%"},
+            "status": {"$name": "Battery status", "$datatype": "enum", "$format": "none,charging,discharging,charged"},
+        },
+    ),
+    "AttachmentStateAttribute": ("Attachment state", {"mop": {"$name": "Mop", "$datatype": "boolean"}}),
+    "StatusStateAttribute": (
+        "Vacuum status",
+        {"status": {"$name": "Status", "$datatype": "enum", "$format": "error,docked,idle,returning,cleaning,paused"}},
+    ),
+}
+ENTITIES: Mapping[str, Mapping[str, object]] = {
+    "vacuum/vacuum": {
+        "name": "Robot",
+        "supported_features": ["status", "start", "stop", "pause", "return_home", "fan_speed", "locate"],
+        "state_topic": f"{ROBOT}/hass/BigSlowDog_vacuum/state",
+        "command_topic": f"{ROBOT}/hass/BigSlowDog_vacuum/command",
+        "payload_start": "START",
+        "payload_return_to_base": "HOME",
+        "payload_locate": "LOCATE",
+        "fan_speed_list": ["low", "medium", "high"],
+        "set_fan_speed_topic": f"{ROBOT}/FanSpeedControlCapability/preset/set",
+    },
+    "sensor/battery_level": {
+        "name": "Battery level",
+        "state_topic": f"{ROBOT}/BatteryStateAttribute/level",
+        "unit_of_measurement": "%",
+        "device_class": "battery",
+        "entity_category": "diagnostic",
+    },
+    "number/SpeakerVolumeControlCapability": {
+        "name": "Speaker volume",
+        "state_topic": f"{ROBOT}/SpeakerVolumeControlCapability/value",
+        "command_topic": f"{ROBOT}/SpeakerVolumeControlCapability/value/set",
+        "min": 0,
+        "max": 100,
+        "entity_category": "config",
+    },
+    "binary_sensor/AttachmentStateAttribute_mop": {
+        "name": "Mop attachment",
+        "state_topic": f"{ROBOT}/AttachmentStateAttribute/mop",
+        "payload_on": "true",
+        "payload_off": "false",
+        "entity_category": "diagnostic",
+    },
+}
+
+
+def by_homie() -> DeviceAnnounced:
+    messages = {"$homie": "4.0.0", "$name": "Rocky", "$nodes": ",".join(NODES), "$extensions": ""}
+    for node, (called, properties) in NODES.items():
+        messages |= {
+            f"{node}/$name": called,
+            f"{node}/$type": "Capability",
+            f"{node}/$properties": ",".join(properties),
+        }
+        for prop, attributes in properties.items():
+            messages |= {f"{node}/{prop}/{key}": value for key, value in attributes.items()}
+    homie = Homie(HomieSettings(domains=("valetudo",)))
+    heard = [
+        one
+        for suffix, text in {**messages, "$state": "ready"}.items()
+        for one in homie.take(f"{ROBOT}/{suffix}", text.encode(), retained=True)
+    ]
+    return [one for one in heard if isinstance(one, DeviceAnnounced)][-1]
+
+
+def by_discovery(**device: object) -> Iterator[DeviceAnnounced]:
+    convention = HomeAssistantDiscovery(HomeAssistantSettings())
+    for place, fields in ENTITIES.items():
+        component, _, name = place.partition("/")
+        config = {
+            **fields,
+            "unique_id": f"BigSlowDog_{name}",
+            "availability_topic": f"{ROBOT}/$state",
+            "device": {"identifiers": ["BigSlowDog"], "name": "Rocky", **device},
+        }
+        topic = f"homeassistant/{component}/BigSlowDog/BigSlowDog_{name}/config"
+        heard = convention.take(topic, json.dumps(config).encode(), retained=True)
+        yield from (one for one in heard if isinstance(one, DeviceAnnounced))
+
+
+def sighting(one: DeviceAnnounced) -> Sighting:
+    """As the gateway publishes it."""
+    claim = StoredAnnouncement("mqtt", f"{one.convention}:{one.key}", one)
+    begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
+    return claim.sighting("updated", "it was announced", at=begin, until=end, heard_at=0.0, confirmed=False)
+
+
+def devices(*announcements: DeviceAnnounced) -> tuple[Device, ...]:
+    index = DeviceIndex(forget_after=1000.0)
+    for one in announcements:
+        index.observe(sighting(one))
+    return index.devices()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_robot_that_announces_itself_twice_is_one_robot_without_conflicts(seed: int) -> None:
+    order = [by_homie(), *by_discovery()]
+    Random(seed).shuffle(order)  # noqa: S311 - no secret
+    (device,) = devices(*order)
+    assert device.conflicts == ()
+    assert "same id:valetudo/BigSlowDog in " in device.evidence[0]
+    ways = {tuple(sorted(way.convention for way in one.routes)): set[str]() for one in device.parts}
+    for one in device.parts:
+        ways[tuple(sorted(way.convention for way in one.routes))].add(one.part.service_type)
+    assert ways == {
+        ("homeassistant", "homie"): {"robotic_vacuum_cleaner", "x_battery", "x_setting", "x_binary_sensor"},
+        ("homie",): {"x_sensor"},
+    }
+    (robot,) = [one for one in device.parts if one.part.service_type == "robotic_vacuum_cleaner"]
+    assert {one.name for one in robot.part.capabilities} == {"vacuum", "fan_mode", "locate"}
+
+
+def test_another_device_with_its_name_is_another_device() -> None:
+    """It speaks elsewhere, or is called otherwise: its topics alone, or its name alone, make it nobody."""
+    robot = by_homie()
+    assert len(devices(robot, *by_discovery(identifiers=["BigSlow"]))) == 2
+    assert len(devices(robot, *by_discovery(identifiers=["valetudo"]))) == 2
+    elsewhere = HomeAssistantDiscovery(HomeAssistantSettings())
+    config = {"state_topic": "zones/BigSlowDog/state", "unique_id": "u", "device": {"identifiers": ["BigSlowDog"]}}
+    (other,) = elsewhere.take("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
+    assert isinstance(other, DeviceAnnounced)
+    assert len(devices(robot, other)) == 2
+
+
+def test_a_device_that_speaks_partly_elsewhere_is_not_known_by_the_topic() -> None:
+    convention = HomeAssistantDiscovery(HomeAssistantSettings())
+    config = {
+        "command_topic": "gate/open",
+        "state_topic": f"{ROBOT}/KeyLockCapability/enabled",
+        "unique_id": "u",
+        "device": {"identifiers": ["BigSlowDog"]},
+    }
+    (other,) = convention.take("homeassistant/switch/u/config", json.dumps(config).encode(), retained=True)
+    assert isinstance(other, DeviceAnnounced)
+    assert len(devices(by_homie(), other)) == 2
+
+
+def test_a_device_that_moves_to_other_topics_is_a_device_of_its_own_again() -> None:
+    convention = HomeAssistantDiscovery(HomeAssistantSettings())
+    index = DeviceIndex(forget_after=1000.0)
+    index.observe(sighting(by_homie()))
+    counts = []
+    for base in (ROBOT, "elsewhere", ROBOT):
+        config = {"state_topic": f"{base}/x", "unique_id": "u", "device": {"identifiers": ["BigSlowDog"]}}
+        (other,) = convention.take("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
+        assert isinstance(other, DeviceAnnounced)
+        index.observe(sighting(other))
+        counts.append(len(index))
+    assert counts == [1, 2, 1]

@@ -1,0 +1,248 @@
+"""Names mislead: what a Homie device is must be borne out by the forms of its properties."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.homie import Homie, HomieSettings
+
+FLAG = {"datatype": "boolean", "settable": True}
+WATCHED = {"datatype": "boolean"}
+PERCENT = {"datatype": "integer", "format": "0:100", "unit": "%", "settable": True}
+LOADS = frozenset(
+    {"light", "switch", "plug", "fan", "door_lock", "water_valve", "window_covering", "closure", "thermostat"}
+)
+
+
+def choice(*words: str) -> dict[str, object]:
+    return {"datatype": "enum", "format": ",".join(words), "settable": True}
+
+
+def number(form: str, unit: str = "") -> dict[str, object]:
+    return {"datatype": "float", "format": form, "unit": unit, "settable": True}
+
+
+def parts_of(nodes: Mapping[str, Mapping[str, object]], name: str = "Thing") -> list[DescribedPart]:
+    """The parts of a device of version 5 whose nodes have no type."""
+    homie = Homie(HomieSettings())
+    document = {
+        "homie": "5.0",
+        "version": 1,
+        "name": name,
+        "nodes": {node: {"properties": props} for node, props in nodes.items()},
+    }
+    homie.take("homie/5/thing/$description", json.dumps(document).encode(), retained=True)
+    found = homie.take("homie/5/thing/$state", b"ready", retained=True)
+    return [part for one in found if isinstance(one, DeviceAnnounced) for part in one.parts]
+
+
+def loads(parts: list[DescribedPart]) -> list[str]:
+    return [one.part.service_type for one in parts if one.part.service_type in LOADS]
+
+
+VALETUDO = {
+    "BatteryStateAttribute": ("Battery state", {
+        "level": ("Battery level", {"$datatype": "integer", "$unit": "%"}),
+        "status": ("Battery status", {"$datatype": "enum", "$format": "none,charging,discharging,charged"}),
+    }),
+    "AttachmentStateAttribute": ("Attachment state", {
+        "dustbin": ("Dust bin", {"$datatype": "boolean"}),
+        "watertank": ("Water tank", {"$datatype": "boolean"}),
+        "mop": ("Mop", {"$datatype": "boolean"}),
+    }),
+    "FanSpeedControlCapability": ("Fan speed control", {
+        "preset": ("Fan speed", {"$datatype": "enum", "$format": "off,low,medium,high,max", "$settable": "true"}),
+    }),
+    "WaterUsageControlCapability": ("Water grade control", {
+        "preset": ("Water grade", {"$datatype": "enum", "$format": "off,low,medium,high", "$settable": "true"}),
+    }),
+    "BasicControlCapability": ("Basic control", {
+        "operation": ("Operation", {"$datatype": "enum", "$format": "START,STOP,PAUSE,HOME", "$settable": "true"}),
+    }),
+    "KeyLockCapability": ("Lock Keys", {
+        "enabled": ("Lock Keys", {"$datatype": "enum", "$format": "ON,OFF", "$settable": "true"}),
+    }),
+    "SpeakerVolumeControlCapability": ("Speaker volume control", {
+        "value": ("Speaker volume", {"$datatype": "integer", "$format": "0:100", "$settable": "true"}),
+    }),
+}  # fmt: skip
+STATUS = ("Vacuum status", {
+    "status": ("Status", {
+        "$datatype": "enum", "$format": "error,docked,idle,returning,cleaning,paused,manual_control,moving",
+    }),
+})  # fmt: skip
+
+
+def announced(nodes: Mapping[str, tuple[str, Mapping[str, tuple[str, Mapping[str, str]]]]]) -> dict[str, DescribedPart]:
+    """What version 4 makes of the tree below ``valetudo/robot``."""
+    messages = {"$homie": "4.0.0", "$name": "Rocky", "$nodes": ",".join(nodes), "$extensions": ""}
+    for node, (name, props) in nodes.items():
+        messages |= {f"{node}/$name": name, f"{node}/$type": "Capability", f"{node}/$properties": ",".join(props)}
+        for prop, (called, attributes) in props.items():
+            messages |= {f"{node}/{prop}/{key}": value for key, value in {"$name": called, **attributes}.items()}
+    homie = Homie(HomieSettings())
+    heard = [
+        one
+        for suffix, text in {**messages, "$state": "ready"}.items()
+        for one in homie.take(f"homie/robot/{suffix}", text.encode(), retained=True)
+    ]
+    described = [one for one in heard if isinstance(one, DeviceAnnounced)][-1]
+    return {one.part.id: one for one in described.parts}
+
+
+@pytest.mark.parametrize("has_status", [True, False], ids=["with its state", "before its state came"])
+def test_a_robot_that_cleans_is_no_fan_and_its_water_tank_does_not_leak(has_status: bool) -> None:  # noqa: FBT001
+    parts = announced({**VALETUDO, **({"StatusStateAttribute": STATUS} if has_status else {})})
+    types = {name: one.part.service_type for name, one in parts.items()}
+    assert types["BasicControlCapability"] == "robotic_vacuum_cleaner"
+    assert set(types.values()).isdisjoint(LOADS | {"water_leak_detector"})
+    assert types["AttachmentStateAttribute/watertank"] == "x_binary_sensor"
+    assert types["BatteryStateAttribute/level"] == "x_battery"
+    robot = parts["BasicControlCapability"]
+    capabilities = {one.name: one for one in robot.part.capabilities}
+    assert capabilities["vacuum"].readable == has_status
+    assert capabilities["fan_mode"].options == ("off", "low", "medium", "high", "max")
+    (told,) = robot.codec.write("fan_mode", "max")
+    assert told.topic == "homie/robot/FanSpeedControlCapability/preset/set"
+    assert "FanSpeedControlCapability/preset" not in types, "what the robot is told is no second setting"
+    assert types["WaterUsageControlCapability/preset"] == "x_setting"
+
+
+@pytest.mark.parametrize(
+    ("node", "props", "expected"),
+    [
+        ("trv", {"setpoint": number("5:30", "°C"), "child-lock": FLAG}, ["thermostat"]),
+        ("child-lock", {"state": FLAG}, []),
+        ("child-lock", {"child-lock": FLAG}, []),
+        ("keypad-lock", {"lock": FLAG}, []),
+        ("front-lock", {"state": FLAG, "auto-lock": FLAG}, ["door_lock"]),
+        ("shutter", {"position": PERCENT, "travel-time": number("0:120", "s")}, ["window_covering"]),
+        ("shutter", {"travel-time": number("0:100", "s")}, []),
+        ("heater", {"temperature-offset": number("-5:5", "°C"), "target": number("5:30", "°C")}, ["thermostat"]),
+        ("heater", {"temperature": number("-10:10", "°C")}, []),
+        ("heater", {"target-humidity": number("0:100", "%")}, []),
+        ("fan", {"mode": choice("auto", "low", "high")}, []),
+        ("fan", {"speed": choice("off", "low", "high")}, ["fan"]),
+        ("fan", {"speed": choice("low", "high"), "power": FLAG}, ["fan"]),
+        ("thermostat", {"display-brightness": PERCENT, "setpoint": number("5:30", "°C")}, ["thermostat"]),
+        ("speaker", {"level": PERCENT}, []),
+        ("speaker", {"volume": PERCENT}, []),
+        ("arm", {"position": number("0:3000", "mm")}, []),
+        ("motion-light", {"sensitivity": PERCENT}, []),
+        ("led-indicator", {"indicator": FLAG}, []),
+        ("garden-valve", {"water-valve": FLAG}, ["water_valve"]),
+        ("valve", {"valve-position": PERCENT}, []),
+        ("garage", {"light": {"datatype": "enum", "format": "off,on", "settable": True}}, []),
+        ("window-lock", {"locked": FLAG}, ["door_lock"]),
+        ("radiator", {"color": {"datatype": "color", "format": "rgb", "settable": True}}, ["light"]),
+    ],
+)  # fmt: skip
+def test_a_name_counts_only_where_the_form_bears_it_out(
+    node: str, props: dict[str, Mapping[str, object]], expected: list[str]
+) -> None:
+    assert loads(parts_of({node: props})) == expected
+
+
+def test_what_switches_something_else_is_not_the_switch_of_a_lamp() -> None:
+    parts = {one.part.id: one for one in parts_of({"pump": {"power": FLAG}, "lamp": {"brightness": PERCENT}})}
+    assert {name: one.part.service_type for name, one in parts.items()} == {"pump": "switch", "lamp": "light"}
+    assert {one.topic for one in parts["lamp"].codec.write("on_off", False)} == {"homie/5/thing/lamp/brightness/set"}
+
+
+HINTS = (
+    "fan",
+    "light",
+    "lamp",
+    "lock",
+    "valve",
+    "shutter",
+    "blind",
+    "garage",
+    "thermostat",
+    "heater",
+    "speed",
+    "power",
+)
+BESIDE = (
+    "child",
+    "offset",
+    "display",
+    "enabled",
+    "delay",
+    "sensitivity",
+    "schedule",
+    "indicator",
+    "calibration",
+    "timeout",
+)
+OBJECTS = ("tank", "heater", "meter", "bell", "filter", "empty", "installed", "dock")
+CONDITIONS = ("water", "gas", "door", "smoke", "leak", "window")
+forms: st.SearchStrategy[dict[str, object]] = st.sampled_from(
+    [
+        FLAG,
+        PERCENT,
+        number("0:1:0.01"),
+        number("5:30", "°C"),
+        number("-5:5", "°C"),
+        number("2700:6500", "K"),
+        choice("off", "low", "high"),
+        choice("low", "high"),
+        choice("open", "close", "stop"),
+        choice("lock", "unlock"),
+        choice("off", "heat"),
+        {"datatype": "color", "format": "rgb", "settable": True},
+        {"datatype": "string", "settable": True},
+    ]
+)
+hints = st.lists(st.sampled_from(HINTS), min_size=1, max_size=3).map("-".join)
+nodes = st.dictionaries(hints, st.dictionaries(hints, forms, min_size=1, max_size=4), min_size=1, max_size=3)
+
+
+@given(nodes, st.sampled_from(BESIDE))
+def test_a_property_of_something_beside_controls_nothing(made: dict[str, Any], beside: str) -> None:
+    qualified = {node: {f"{prop}-{beside}": form for prop, form in props.items()} for node, props in made.items()}
+    parts = parts_of(qualified)
+    assert loads(parts) == []
+    assert all(one.part.category == "config" for one in parts)
+
+
+@given(nodes)
+def test_a_kind_has_what_its_kind_needs(made: dict[str, Any]) -> None:
+    for one in parts_of(made):
+        capabilities = {known.name: known for known in one.part.capabilities}
+        match one.part.service_type:
+            case "fan":
+                assert "on_off" in capabilities or "off" in capabilities["fan_mode"].options
+            case "door_lock":
+                one.codec.write("lock", "locked")
+            case "window_covering" | "closure":
+                assert capabilities.keys() & {"position", "tilt", "movement"}
+            case "thermostat":
+                assert capabilities.keys() & {"heating_setpoint", "cooling_setpoint", "thermostat_mode"}
+                for bounds in (capabilities[name].bounds for name in capabilities if name.endswith("setpoint")):
+                    assert bounds == () or bounds[0] <= 20 <= bounds[1]
+
+
+@given(nodes)
+def test_of_a_robot_that_cleans_nothing_else_is_taken_for_a_load(made: dict[str, Any]) -> None:
+    robot: dict[str, Any] = {
+        "status": {"status": {"datatype": "enum", "format": "docked,cleaning"}},
+        "basic": {"operation": choice("START", "STOP", "PAUSE", "HOME")},
+    }
+    parts = parts_of({**made, **robot})
+    assert loads(parts) == []
+    assert [one.part.service_type for one in parts].count("robotic_vacuum_cleaner") == 1
+
+
+@given(st.sampled_from(CONDITIONS), st.sampled_from(OBJECTS), st.booleans())
+def test_a_condition_in_the_name_of_a_thing_is_none(condition: str, thing: str, is_node: bool) -> None:  # noqa: FBT001
+    name = f"{condition}-{thing}"
+    (part,) = parts_of({name: {"state": WATCHED}} if is_node else {"node": {name: WATCHED}})
+    assert [one.name for one in part.part.capabilities] == ["state"]

@@ -1,0 +1,70 @@
+"""What a number of a Homie device measures, by its unit and the words around it."""
+
+import pytest
+
+from homebot.conventions.homie.sensor_tables import condition_of, quantity_of
+from homebot.conventions.units import conversion_of
+
+NONE: frozenset[str] = frozenset()
+
+
+@pytest.mark.parametrize(
+    ("unit", "capability", "number", "expected"),
+    [
+        ("W", "power", 5.0, 5.0),
+        ("kW", "power", 1.5, 1500.0),
+        ("mW", "power", 500.0, 0.5),
+        ("MWh", "energy", 2.0, 2000.0),
+        ("kA", "current", 0.5, 500.0),
+        ("psi", "pressure", 1.0, 68.9475729),
+        ("L/min", "flow", 10.0, 0.6),
+        ("dBm", "signal_strength", -60.0, -60.0),
+        (" °C ", "temperature", 21.5, 21.5),
+    ],
+)
+def test_a_unit_alone_tells_what_is_measured(unit: str, capability: str, number: float, expected: float) -> None:
+    assert quantity_of(unit, NONE) == (capability, False)
+    conversion = conversion_of(capability, unit)
+    assert conversion is not None
+    assert conversion.value(number) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("unit", "words", "expected"),
+    [
+        ("%", {"battery"}, "battery"),
+        ("%", {"batterystate"}, "battery"),
+        ("%", {"humidity"}, "humidity"),
+        ("ppm", {"co"}, "carbon_monoxide"),
+        ("", {"coal"}, "measurement"),
+        ("%", {"x"}, "measurement"),
+    ],
+)
+def test_words_are_a_guess(unit: str, words: set[str], expected: str) -> None:
+    assert quantity_of(unit, frozenset(words)) == (expected, expected != "measurement")
+
+
+@pytest.mark.parametrize(
+    ("words", "around", "expected"),
+    [
+        ("motion", "kitchen", "occupancy"),
+        ("kitchen", "", "state"),
+        ("state", "leak sensor", "water_leak"),
+        ("water", "", "water_leak"),
+        ("water tank", "", "state"),
+        ("watertank water tank", "attachment state", "state"),
+        ("state", "water heater", "state"),
+        ("mop", "water", "state"),
+        ("door bell", "", "state"),
+        ("door", "kitchen", "contact"),
+        ("gas meter connected", "", "state"),
+        ("alarm", "smoke", "smoke"),
+    ],
+)
+def test_a_word_tells_what_a_truth_means(words: str, around: str, expected: str) -> None:
+    assert condition_of(frozenset(words.split()), frozenset(around.split())) == expected
+
+
+@pytest.mark.parametrize("words", ["color temperature", "battery cycles", "battery health"])
+def test_a_word_beside_takes_the_meaning_of_another(words: str) -> None:
+    assert quantity_of("", frozenset(words.split())) == ("measurement", False)

@@ -1,0 +1,159 @@
+from collections.abc import Callable, Mapping
+from itertools import permutations
+
+import pytest
+
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
+from homebot.conventions.homie import Homie
+from homebot.errors import WireError
+from homebot.mqtt.topics import topic_matches
+
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
+
+BASE = "homie/hall-lamp"
+LAMP = {
+    "$homie": "4.0.0",
+    "$name": "Hall lamp",
+    "$mac": "AA:BB:CC:00:11:22",
+    "$fw/version": "0.4.0",
+    "$nodes": "light",
+    "light/$name": "Light",
+    "light/$type": "light",
+    "light/$properties": "on,color",
+    "light/on/$datatype": "boolean",
+    "light/on/$settable": "true",
+    "light/color/$format": "rgb",
+    "light/color/$settable": "true",
+    "light/color/$datatype": "color",
+    "$state": "ready",
+}
+
+
+def tell(say: Say, attributes: Mapping[str, str], base: str = BASE) -> tuple[AnnouncementEvent, ...]:
+    """Say all attributes, and return all that was heard."""
+    return tuple(heard for attribute, value in attributes.items() for heard in say(f"{base}/{attribute}", value))
+
+
+def described(heard: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
+    (device,) = heard
+    assert isinstance(device, DeviceAnnounced)
+    return device
+
+
+def test_attributes_make_a_device(say: Say) -> None:
+    device = described(tell(say, LAMP))
+    assert device.key == BASE
+    assert device.name == "Hall lamp"
+    (part,) = device.parts
+    assert part.part.service_type == "light"
+    assert {one.name for one in part.part.capabilities} == {"on_off", "color", "level"}
+    assert part.codec.write("on_off", True) == (Publication(f"{BASE}/light/on/set", b"true", 2),)
+    assert part.codec.write("color", (120.0, 100.0)) == (
+        Publication(f"{BASE}/light/color/set", b"0,255,0", 2),
+        Publication(f"{BASE}/light/on/set", b"true", 2),
+    )
+    assert part.codec.read(f"{BASE}/light/on", b"true", retained=True) == {"on_off": True}
+
+
+def test_the_address_of_the_host_is_a_fact_and_not_who_it_is(say: Say) -> None:
+    device = described(tell(say, LAMP))
+    assert device.identifiers == ("id:homie/hall-lamp",)
+    assert device.facts["host_mac"] == "AA:BB:CC:00:11:22"
+    assert device.facts["sw_version"] == "0.4.0"
+
+
+def test_any_order_that_ends_with_the_state_makes_it_once(say: Say) -> None:
+    first = [name for name in LAMP if name != "$state"]
+    for number, start in enumerate(permutations(first[:3])):
+        base = f"homie/lamp{number}"
+        order = [*reversed(first[3:]), *start, "$state"]
+        assert len(tell(say, {name: LAMP[name] for name in order}, base)) == 1
+
+
+def test_one_whose_state_came_first_is_described_when_the_rest_is_there(say: Say) -> None:
+    late = {"$state": "ready", **{name: value for name, value in LAMP.items() if name != "$state"}}
+    assert described(tell(say, late)).name == "Hall lamp"
+
+
+@pytest.mark.parametrize("missing", ["$nodes", "light/$properties", "light/on/$datatype", "$homie", "$state"])
+def test_an_incomplete_one_is_no_device(say: Say, missing: str) -> None:
+    assert tell(say, {name: value for name, value in LAMP.items() if name != missing}) == ()
+    assert len(say(f"{BASE}/{missing}", LAMP[missing])) == 1
+
+
+def test_a_starting_one_is_awaited(say: Say) -> None:
+    assert tell(say, {**LAMP, "$state": "init"}) == ()
+    assert len(say(f"{BASE}/$state", "alert")) == 1
+
+
+def test_a_changed_attribute_describes_it_anew(say: Say) -> None:
+    tell(say, LAMP)
+    assert tell(say, LAMP) == ()
+    assert described(say(f"{BASE}/$name", "Kitchen lamp")).name == "Kitchen lamp"
+
+
+def test_what_it_says_of_itself_besides_changes_nothing(say: Say) -> None:
+    tell(say, LAMP)
+    for attribute in ("$stats/uptime", "light/on", "light/on/set", "light/$x", "$extensions", "a/b/c/$name"):
+        assert say(f"{BASE}/{attribute}", "60") == ()
+    assert say(f"{BASE}/$state", "ready") == ()
+
+
+def test_an_empty_state_removes_it(say: Say) -> None:
+    tell(say, LAMP)
+    assert say(f"{BASE}/$state", "") == (DeviceWithdrawn(BASE, "its state was removed", is_final=True),)
+    assert tell(say, LAMP) != ()
+
+
+def test_an_array_of_version_3_is_as_many_nodes(say: Say) -> None:
+    relays = {
+        "$homie": "3.0.1",
+        "$nodes": "relay[]",
+        "relay/$array": "0-1",
+        "relay/$properties": "on",
+        "relay_1/$name": "Pump",
+        "relay/on/$datatype": "boolean",
+        "relay/on/$settable": "true",
+        "$state": "ready",
+    }
+    device = described(tell(say, relays, "homie/relays"))
+    assert [(one.part.id, one.part.name) for one in device.parts] == [("relay_0", ""), ("relay_1", "Pump")]
+    assert device.parts[1].part.writes == ("homie/relays/relay_1/on/set",)
+
+
+def test_an_illegal_property_is_left_out(homie: Homie, say: Say) -> None:
+    device = described(tell(say, {**LAMP, "light/color/$format": "cmyk"}))
+    assert {one.name for one in device.parts[0].part.capabilities} == {"on_off"}
+    assert homie.ignored == 1
+
+
+@pytest.mark.parametrize(
+    ("attribute", "value"), [("$state", "on"), ("$homie", "5.0"), ("$homie", "x"), ("$name", "x" * 5000)]
+)
+def test_an_illegal_attribute_is_refused(homie: Homie, say: Say, attribute: str, value: str) -> None:
+    with pytest.raises(WireError):
+        say(f"{BASE}/{attribute}", value)
+    assert homie.rejected == 1
+
+
+def test_unfinished_devices_have_so_much_room(homie: Homie, say: Say) -> None:
+    tell(say, LAMP)
+    for number in range(2000):
+        say(f"homie/x{number}/$name", "x")
+    assert homie.dropped == 1
+    assert say(f"{BASE}/$state", "") != ()
+
+
+def test_one_device_has_so_many_attributes(homie: Homie, say: Say) -> None:
+    for number in range(3001):
+        say(f"{BASE}/light/p{number}/$name", "x")
+    assert homie.dropped == 1
+
+
+def test_what_is_kept_comes_with_the_state_at_the_end(homie: Homie) -> None:
+    filters = homie.filters()
+    assert filters[-1] == "homie/+/$state"
+    for attribute in LAMP:
+        assert any(topic_matches(one, f"{BASE}/{attribute}") for one in filters), attribute
+    assert not any(topic_matches(one, f"{BASE}/light/on") for one in filters)
+    assert not any(topic_matches(one, f"{BASE}/light/on/set") for one in filters)

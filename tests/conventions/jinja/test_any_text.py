@@ -1,0 +1,82 @@
+"""Whatever a stranger writes, nothing but TemplateError comes out."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from homebot.conventions.jinja import TemplateError, compile_template
+from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS
+from homebot.conventions.jinja.methods import METHODS
+from homebot.conventions.jinja.tests import CHECKS
+
+PIECES = st.sampled_from(
+    [
+        "{{ ", " }}", "{% ", " %}", "{#", "#}", "-", "if ", "else ", "elif ", "endif ", "for ", "in ", "endfor ",
+        "set ", "endset ", "namespace(", "value_json", "value", ".", "|", "[", "]", "(", ")", "{", "}", ":", ",", "'",
+        '"', "+",
+        "*", "**", "/", "//", "%", "~", "=", "==", "<", "is ", "not ", "and ", "or ", "a", "b", "1", "2.5", "9" * 30,
+        "none ", "true ", "loop.index", "range(3)", "raw ", "endraw ", "break ", "continue ", "macro ", "\n", " ", "\\",
+        "\ud800", "é", "0x", "1e9", "_", "**a", "*a", "import ", "with ", "block ", "call ", "recursive ", "self",
+    ]
+)  # fmt: skip
+JSON = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.text(max_size=20)
+    | st.sampled_from(["%d", "{0}", "[", "a*", "2024-01-01", "utf-8", ">I", "b", "%s%s"]),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=4),
+    max_leaves=10,
+)
+ARGUMENTS = st.sampled_from(["", "a", "b", "a, b", "b, c", "b, c, a", "x=b"])
+FILTER = st.sampled_from(sorted(FILTERS))
+CHECK = st.sampled_from(sorted(filter(str.isidentifier, CHECKS)))
+OPERATOR = st.sampled_from(["+", "-", "*", "/", "//", "%", "**", "~", "<", "==", "in", "not in"])
+NAMES = [name for methods in METHODS.values() for name in methods]
+CALLS = st.one_of(
+    st.builds("{{{{ a | {}({}) }}}}".format, FILTER, ARGUMENTS),
+    st.builds("{{{{ a is {}({}) }}}}".format, CHECK, ARGUMENTS),
+    st.builds("{{{{ {}({}) }}}}".format, st.sampled_from(sorted(FUNCTIONS)), ARGUMENTS),
+    st.builds("{{{{ a.{}({}) }}}}".format, st.sampled_from(NAMES), ARGUMENTS),
+    st.builds("{{{{ a {} b }}}}".format, OPERATOR),
+    st.builds("{{{{ a | {} | {} }}}}".format, FILTER, FILTER),
+    st.builds("{{{{ a | map('{}', b) | list }}}}".format, FILTER),
+    st.builds("{{{{ a | select('{}', b) | list }}}}".format, CHECK),
+    st.sampled_from(["{{ a[b] }}", "{{ a[b:c] }}", "{{ {a: b} }}", "{{ -a }}", "{{ +a }}"]),
+    st.just("{% for x, y in a %}{{ x }}{% endfor %}"),
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(source=st.lists(PIECES, max_size=30).map("".join) | st.text(max_size=60), content=JSON)
+def test_any_text_is_compiled_and_gives_a_text_or_a_template_error(source: str, content: object) -> None:
+    template = compile_template(source)
+
+    with contextlib.suppress(TemplateError):
+        text = template.render({"value": "1", "value_json": content, "a": content, "b": "b"})
+        assert template.problem == ""
+        assert text == text.strip()
+
+
+@settings(max_examples=400, deadline=None)
+@given(source=CALLS, a=JSON, b=JSON, c=JSON)
+def test_any_function_takes_any_values(source: str, a: object, b: object, c: object) -> None:
+    template = compile_template(source)
+    assert template.problem == ""
+
+    with contextlib.suppress(TemplateError):
+        text = template.render({"a": a, "b": b, "c": c})
+        assert len(text.encode()) >= len(text)
+
+
+@settings(max_examples=100, deadline=None)
+@given(payload=JSON.map(json.dumps) | st.text(max_size=40))
+def test_any_message_is_read(payload: str) -> None:
+    for source in ("{{ value }}", "{{ value_json }}", "{{ value_json.a.b }}", "{{ value_json['a'] | default(value) }}"):
+        with contextlib.suppress(TemplateError):
+            assert isinstance(compile_template(source).render_value(payload), str)

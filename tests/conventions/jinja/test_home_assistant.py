@@ -1,0 +1,73 @@
+"""Real templates, and one of each form, give the text that Home Assistant 2025.4.4 gave for them.
+
+The answers were recorded by running its template environment; null is an error of its own.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from homebot.conventions.jinja import TemplateError, compile_template
+
+RECORDED = json.loads((Path(__file__).parent / "home_assistant_2025_4_4.json").read_text(encoding="utf-8"))
+CASES = [
+    pytest.param(source, group["payload"], answer, id=source)
+    for group in RECORDED
+    for source, answer in group["answers"].items()
+]
+
+
+@pytest.mark.parametrize(("source", "payload", "answer"), CASES)
+def test_the_text_is_that_of_home_assistant(source: str, payload: str, answer: str | None) -> None:
+    template = compile_template(source)
+
+    assert template.problem == ""
+    if answer is None:
+        with pytest.raises(TemplateError):
+            template.render_value(payload)
+    else:
+        assert template.render_value(payload) == answer
+
+
+@pytest.mark.parametrize(
+    ("source", "variables", "text"),
+    [
+        ("{{ value }}", {"value": 50}, "50"),
+        ("{{ value }}", {"value": "ON"}, "ON"),
+        ('{ "position": {{ position }} }', {"value": 10, "position": 45}, '{ "position": 45 }'),
+        (
+            '{"state": "{{ state }}", "b": {{ brightness }}}',
+            {"state": "on", "brightness": 128},
+            '{"state": "on", "b": 128}',
+        ),
+        ("{{ '#%02x%02x%02x' | format(red, green, blue) }}", {"red": 255, "green": 128, "blue": 0}, "#ff8000"),
+        ("{%- if brightness is defined -%}dim {{ brightness }}{%- else -%}on{%- endif -%}", {"brightness": 7}, "dim 7"),
+        ("{%- if brightness is defined -%}dim {{ brightness }}{%- else -%}on{%- endif -%}", {}, "on"),
+        ("{{ (value / 100 * (max - min) + min) | round | int }}", {"value": 50, "min": 1, "max": 9}, "5"),
+        ("{{ {'open': 'OPEN', 'close': 'CLOSE'}[value] }}", {"value": "open"}, "OPEN"),
+        (
+            '{{ {"action": value, "code": code} | to_json }}',
+            {"value": "LOCK", "code": None},
+            '{"action":"LOCK","code":null}',
+        ),
+        ("LOCK", {"value": "x"}, "LOCK"),
+    ],
+)
+def test_a_command_is_rendered_from_its_variables(source: str, variables: dict[str, object], text: str) -> None:
+    assert compile_template(source).render(variables) == text
+
+
+@pytest.mark.parametrize(
+    ("source", "text"),
+    [
+        # Home Assistant gives the address of a Python method here, or refuses the whole template.
+        ("{{ value_json.items }}", "5"),
+        ("{{ value_json.update.state }}", "idle"),
+        ("{{ value_json['values'] }}", ""),
+    ],
+)
+def test_a_key_is_never_taken_for_a_method(source: str, text: str) -> None:
+    assert compile_template(source).render_value('{"items": 5, "update": {"state": "idle"}}') == text

@@ -1,0 +1,103 @@
+"""What compiling promises, and what is told of a template that cannot be rendered."""
+
+from __future__ import annotations
+
+import pytest
+
+from homebot.conventions.jinja import TemplateError, compile_template
+from homebot.errors import WireError
+
+
+@pytest.mark.parametrize(
+    ("source", "problem"),
+    [
+        ("{{ states('sensor.x') }}", "uses `states()`, which only Home Assistant has"),
+        ("{{ states.sensor.x.state }}", "uses `states`, which only Home Assistant has"),
+        ("{{ this.state }}", "uses `this`, which only Home Assistant has"),
+        ("{{ is_state('a.b', value) }}", "uses `is_state()`, which only Home Assistant has"),
+        ("{{ value | slugify }}", "uses the filter `slugify`, which is not supported"),
+        ("{{ value is callable }}", "uses the test `callable`, which is not supported"),
+        ("{{ foo() }}", "uses the function `foo()`, which is not supported"),
+        ("{{ value_json.l.append(4) }}", "uses the method `append()`, which is not supported"),
+        ("{{ ''.__class__.__mro__() }}", "uses the method `__mro__()`, which is not supported"),
+        ("{{ value_json['a']() }}", "calls what is no function"),
+        ("{{ max(*value_json) }}", "calls with `*` or `**`, which is not supported"),
+        ("{% macro m() %}x{% endmacro %}", "uses `macro`, which is not supported"),
+        ("{% include 'x' %}", "uses `include`, which is not supported"),
+        ("{% import 'x' as y %}", "uses `import`, which is not supported"),
+        ("{% extends 'x' %}", "uses `extends`, which is not supported"),
+        ("{% for a in value recursive %}{% endfor %}", "uses a recursive loop, which is not supported"),
+        ("{% break %}", "uses `break` outside of a loop"),
+        ("{% for a in value %}{% set b %}{% continue %}{% endset %}{% endfor %}", "uses `continue` outside of a loop"),
+        ("{{ value_json. }}", "is no template: expected name or number"),
+        ("{{ 'unclosed }}", 'is no template: unexpected char "\'" at 3'),
+        ("{% unknown %}", "is no template: Encountered unknown tag 'unknown'."),
+        ("x" * 8193, "is longer than 8192 characters"),
+        ("{{ " + "a+" * 600 + "a }}", "has more than 1024 words and signs"),
+        ("{{ " + "(" * 70, "is nested too deeply"),
+        ("{{ 1" + "+1" * 100 + " }}", "is nested too deeply"),
+        ("{{ " + "9" * 5000 + " }}", "has a number or text that cannot be read"),
+        ("{{ 0x" + "f" * 100 + " }}", "has a number that is too large"),
+        ("{% for a in b %}" * 5 + "{% endfor %}" * 5, "has more than 4 loops in one another"),
+    ],
+)
+def test_what_is_outside_the_language_is_told_in_a_sentence(source: str, problem: str) -> None:
+    template = compile_template(source)
+
+    assert template.problem == problem
+    with pytest.raises(TemplateError) as caught:
+        template.render_value("1")
+    assert str(caught.value) == f"the template {problem}"
+    assert isinstance(caught.value, WireError)
+
+
+def test_equal_texts_share_one_template() -> None:
+    assert compile_template("{{ value | int }}") is compile_template("{{ value | int }}")
+
+
+def test_a_name_that_a_template_sets_itself_is_its_own() -> None:
+    assert compile_template("{% set this = 4 %}{{ this }}").render({}) == "4"
+
+
+def test_the_variables_of_the_caller_stay_as_they_are() -> None:
+    variables: dict[str, object] = {"a": [1], "d": {"x": 1}}
+
+    text = compile_template("{% set a = a + [2] %}{% set d = dict(x=2) %}{{ a }}{{ d }}").render(variables)
+
+    assert text == "[1, 2]{'x': 2}"
+    assert variables == {"a": [1], "d": {"x": 1}}
+
+
+def test_each_rendering_starts_anew() -> None:
+    template = compile_template("{% set n = namespace(x=value | int) %}{% set n.x = n.x + 1 %}{{ n.x }}")
+
+    assert [template.render_value("1"), template.render_value("5"), template.render_value("1")] == ["2", "6", "2"]
+
+
+def test_an_error_at_run_time_says_what_does_not_fit() -> None:
+    with pytest.raises(TemplateError, match="float is given a str that is no such value, and no default"):
+        compile_template("{{ value | float }}").render_value("warm")
+    with pytest.raises(TemplateError, match="division by zero"):
+        compile_template("{{ 1 / (value | int) }}").render_value("0")
+
+
+def test_half_a_surrogate_pair_is_no_text() -> None:
+    with pytest.raises(TemplateError, match="surrogate"):
+        compile_template(r"{{ '\ud800' }}").render({})
+    with pytest.raises(TemplateError, match="surrogate"):
+        compile_template("{{ value }}").render({"value": "\ud800"})
+
+
+def test_an_error_shows_no_value() -> None:
+    template = compile_template("{{ [1, 2].index(code | int) }}{{ code | from_json }}")
+
+    with pytest.raises(TemplateError) as caught:
+        template.render({"code": "4711"})
+
+    assert "4711" not in str(caught.value)
+    assert caught.value.__cause__ is None
+
+
+@pytest.mark.parametrize("expression", [r"\d+$", "[[]?5", "[0-9--]"])
+def test_what_python_would_warn_of_is_no_matter(expression: str) -> None:
+    assert compile_template(f"{{{{ value | regex_search('{expression}') }}}}").render_value("5") == "True"

@@ -1,0 +1,46 @@
+"""Templates that ask for the time get that of the caller."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta, timezone
+
+import pytest
+
+from homebot.conventions.jinja import TemplateError, compile_template
+
+NOW = datetime(2026, 3, 4, 5, 6, 7, tzinfo=timezone(timedelta(hours=2)))
+
+
+@pytest.mark.parametrize(
+    ("source", "text"),
+    [
+        ("{{ now().hour }}", "5"),
+        ("{{ now() }}", "2026-03-04 05:06:07+02:00"),
+        ("{{ utcnow().isoformat() }}", "2026-03-04T03:06:07+00:00"),
+        ("{{ now().strftime('%H:%M') }}", "05:06"),
+        ("{{ as_timestamp(now()) | int }}", "1772593567"),
+        ("{{ 0 | timestamp_local }}", "1970-01-01T02:00:00+02:00"),
+        ("{{ 0 | timestamp_custom('%Y-%m-%d %H:%M') }}", "1970-01-01 02:00"),
+        ("{{ (now() - timedelta(seconds=value | int)).isoformat() }}", "2026-03-04T05:05:07+02:00"),
+        ("{{ (as_datetime('2026-03-04T05:06:07') | as_local) == now() }}", "True"),
+        ("{{ as_timestamp('1970-01-01T02:00:00') }}", "0.0"),
+    ],
+)
+def test_the_time_and_its_zone_are_those_of_the_caller(source: str, text: str) -> None:
+    assert compile_template(source).render_value("60", now=NOW) == text
+
+
+@pytest.mark.parametrize("source", ["{{ now() }}", "{{ utcnow() }}", "{{ 0 | timestamp_local }}"])
+def test_without_a_clock_what_is_local_fails(source: str) -> None:
+    with pytest.raises(TemplateError, match="not known here"):
+        compile_template(source).render_value("")
+
+
+def test_what_is_absolute_needs_no_clock() -> None:
+    assert compile_template("{{ 0 | timestamp_utc }}").render({}) == datetime.fromtimestamp(0, UTC).isoformat()
+
+
+@pytest.mark.parametrize("form", ["%1000000000d", "%-5d", "%Y" * 40, "%"])
+def test_a_format_of_times_has_plain_fields_only(form: str) -> None:
+    with pytest.raises(TemplateError, match="plain fields"):
+        compile_template("{{ 0 | timestamp_custom(form, false) }}").render({"form": form})

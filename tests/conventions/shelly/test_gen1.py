@@ -1,0 +1,304 @@
+from collections.abc import Callable
+
+import pytest
+
+from homebot.conventions.convention import Convention
+from homebot.conventions.description import (
+    AnnouncementEvent,
+    DescribedPart,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+    Publication,
+)
+from homebot.conventions.shelly import Shelly, ShellySettings
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+from homebot.mqtt.topics import topic_matches
+
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
+Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
+
+PLUG = {
+    "id": "shellyplug-s-122881",
+    "model": "SHPLG-S",
+    "mac": "A8032A122881",
+    "ip": "192.168.1.50",
+    "new_fw": False,
+    "fw_ver": "20230913-112003/v1.14.0-gcb84623",
+}
+ROLLER = {"id": "shellyswitch25-033453", "model": "SHSW-25", "mac": "A8032A033453", "mode": "roller"}
+BULB = {"id": "shellybulb-099CF9", "model": "SHBLB-1", "mac": "A8032A099CF9"}
+
+
+def described(heard: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
+    (device,) = heard
+    assert isinstance(device, DeviceAnnounced)
+    return device
+
+
+def ids(heard: tuple[AnnouncementEvent, ...]) -> dict[str, str]:
+    return {one.part.id: one.part.service_type for one in described(heard).parts}
+
+
+def test_it_is_a_convention(shelly: Shelly) -> None:
+    same: Convention = shelly
+    assert same.name == "shelly"
+    assert Shelly.Settings is ShellySettings
+
+
+def test_all_are_asked_to_announce_themselves_at_the_start(shelly: Shelly) -> None:
+    assert shelly.birth_messages() == (
+        Publication("shellies/command", b"announce"),
+        Publication("shellies/command", b"update"),
+    )
+
+
+def test_an_announcement_describes_a_plug(say: Say) -> None:
+    device = described(say("shellies/announce", PLUG))
+    assert device.key == "shellies/shellyplug-s-122881"
+    assert device.identifiers == ("mac:a8032a122881", "id:shellyplug-s-122881")
+    assert device.facts["model"] == "SHPLG-S"
+    assert device.availability is not None
+    assert device.availability.sources[0].topic == "shellies/shellyplug-s-122881/online"
+    assert device.availability.sources[0].read(b"true") is True
+    assert device.availability.sources[0].read(b"false") is False
+    assert device.availability.sources[0].read(b"maybe") is None
+    assert device.parts[0].state_requests == (Publication("shellies/shellyplug-s-122881/command", b"update"),)
+    assert all(not one.state_requests for one in device.parts[1:])
+
+
+def test_the_same_announcement_on_its_second_topic_says_nothing_new(say: Say) -> None:
+    described(say("shellies/announce", PLUG))
+    assert say("shellies/shellyplug-s-122881/announce", PLUG) == ()
+    assert described(say("shellies/announce", PLUG)).topic == "shellies/announce"
+    assert described(say("shellies/shellyplug-s-122881/announce", {**PLUG, "fw_ver": "2"})).facts["sw_version"] == "2"
+
+
+def test_a_plug_is_switched_and_measured(say: Say, part: Find) -> None:
+    heard = say("shellies/announce", PLUG)
+    base = "shellies/shellyplug-s-122881"
+    assert ids(heard) == {
+        "relay:0": "plug",
+        "relay:0/meter": "electrical_meter",
+        "temperature": "temperature_sensor",
+        "overtemperature": "x_binary_sensor",
+    }
+    relay, meter = part(heard, "relay:0"), part(heard, "relay:0/meter")
+    assert relay.codec.write("on_off", True) == (Publication(f"{base}/relay/0/command", b"on"),)
+    assert relay.codec.write("on_off", False) == (Publication(f"{base}/relay/0/command", b"off"),)
+    assert relay.codec.read(f"{base}/relay/0", b"on", retained=False) == {"on_off": True}
+    assert relay.codec.read(f"{base}/relay/0", b"overpower", retained=False) == {"on_off": False}
+    assert meter.codec.read(f"{base}/relay/0/power", b"12.34", retained=False) == {"power": 12.34}
+    assert meter.codec.read(f"{base}/relay/0/energy", b"60000", retained=False) == {"energy": 1.0}
+
+
+def test_999_is_no_temperature(say: Say, part: Find) -> None:
+    thermometer = part(say("shellies/announce", PLUG), "temperature").codec
+    assert thermometer.read("shellies/shellyplug-s-122881/temperature", b"999", retained=False) == {"temperature": None}
+    assert thermometer.read("shellies/shellyplug-s-122881/temperature", b"21.5", retained=False) == {
+        "temperature": 21.5
+    }
+    assert thermometer.read("shellies/shellyplug-s-122881/temperature", b"hot", retained=False) == {}
+
+
+def test_a_switch_in_roller_mode_is_a_covering(say: Say, part: Find) -> None:
+    heard = say("shellies/announce", ROLLER)
+    roller = part(heard, "roller:0")
+    base = "shellies/shellyswitch25-033453/roller/0"
+    assert roller.part.service_type == "window_covering"
+    assert "relay:0" not in ids(heard)
+    assert roller.codec.write("position", 30.0) == (Publication(f"{base}/command/pos", b"30"),)
+    assert [roller.codec.write("movement", to)[0].payload for to in ("open", "closed", "stopped")] == [
+        b"open",
+        b"close",
+        b"stop",
+    ]
+    assert roller.codec.read(base, b"close", retained=False) == {"movement": "closing"}
+    assert roller.codec.read(f"{base}/pos", b"30", retained=False) == {"position": 30.0}
+    assert roller.codec.read(f"{base}/pos", b"-1", retained=False) == {"position": None}
+    with pytest.raises(RefusedError, match="0 to 100"):
+        roller.codec.write("position", 101.0)
+
+
+def test_a_mode_that_is_not_announced_shows_by_the_topics(say: Say) -> None:
+    assert "roller:0" not in ids(say("shellies/announce", {**ROLLER, "mode": None}))
+    assert "roller:0" in ids(say("shellies/shellyswitch25-033453/roller/0", "stop"))
+
+
+def test_the_other_modes_topics_do_not_count(say: Say) -> None:
+    say("shellies/announce", ROLLER)
+    assert say("shellies/shellyswitch25-033453/relay/0/power", "0") == ()
+
+
+def test_an_old_announcement_without_model_is_known_by_its_id(say: Say) -> None:
+    heard = say("shellies/announce", {"id": "shellyplug-s-122881", "mac": "A8032A122881"})
+    assert described(heard).facts["model"] == "SHPLG-S"
+    assert ids(heard)["relay:0"] == "plug"
+
+
+def test_the_meter_of_a_shelly_2_has_no_index(say: Say, part: Find) -> None:
+    heard = say("shellies/announce", {"id": "shellyswitch-A8032A000000", "model": "SHSW-21", "mode": "relay"})
+    meter = part(heard, "meter").codec
+    assert meter.read("shellies/shellyswitch-A8032A000000/relay/power", b"5", retained=False) == {"power": 5.0}
+
+
+def test_an_accessory_is_taken_when_it_is_heard(say: Say) -> None:
+    say("shellies/announce", PLUG)
+    topic = "shellies/shellyplug-s-122881/ext_temperature/0"
+    assert ids(say(topic, "21.5"))["ext_temperature:0"] == "temperature_sensor"
+    assert say(topic, "21.6") == ()
+
+
+def test_one_that_does_not_announce_itself_is_known_once_it_is_online(say: Say) -> None:
+    assert say("shellies/hall/relay/0", "on") == ()
+    assert ids(say("shellies/hall/online", "true", retained=True)) == {"relay:0": "switch"}
+    assert described(say("shellies/hall/relay/1", "on")).identifiers == ()
+
+
+def test_a_new_name_takes_the_place_of_the_old_one(say: Say) -> None:
+    say("shellies/shellyplug-s-122881/announce", PLUG)
+    gone, there = say("shellies/kitchen/announce", PLUG)
+    assert gone == DeviceWithdrawn("shellies/shellyplug-s-122881", "it is called kitchen now")
+    assert isinstance(there, DeviceAnnounced)
+    assert there.key == "shellies/kitchen"
+    assert there.identifiers == ("mac:a8032a122881",)
+    assert described(say("shellies/announce", {**PLUG, "fw_ver": "2"})).key == "shellies/kitchen"
+
+
+def test_what_wakes_only_to_tell_has_no_availability(say: Say) -> None:
+    thermometer = described(say("shellies/announce", {"id": "shellyht-077A17", "model": "SHHT-1"}))
+    assert thermometer.availability is None
+
+
+def test_a_repeated_press_is_none(say: Say, part: Find) -> None:
+    button = part(say("shellies/announce", {"id": "shellyix3-1BC57A", "model": "SHIX3-1"}), "input:0").codec
+    topic = "shellies/shellyix3-1BC57A/input_event/0"
+    assert button.read(topic, b'{"event":"S","event_cnt":4}', retained=True) == {}
+    assert button.read(topic, b'{"event":"S","event_cnt":4}', retained=False) == {}
+    assert button.read(topic, b'{"event":"SS","event_cnt":5}', retained=False) == {"press": "double"}
+    assert button.read(topic, b'{"event":"SS","event_cnt":5}', retained=False) == {}
+    assert button.read(topic, b'{"event":"","event_cnt":6}', retained=False) == {}
+
+
+def test_a_press_after_a_new_description_is_not_taken_for_the_first_that_is_heard(say: Say, part: Find) -> None:
+    """The device announces itself at each link, and is described anew when it is heard on one more topic."""
+    switch = {"id": "shellyix3-1BC57A", "model": "SHIX3-1"}
+    topic = "shellies/shellyix3-1BC57A/input_event/0"
+    before = part(say("shellies/announce", switch), "input:0").codec
+    assert before.read(topic, b'{"event":"S","event_cnt":4}', retained=False) == {}
+    after = part(say("shellies/announce", {**switch, "fw_ver": "2"}), "input:0").codec
+    assert after.read(topic, b'{"event":"S","event_cnt":4}', retained=False) == {}
+    assert after.read(topic, b'{"event":"S","event_cnt":5}', retained=False) == {"press": "single"}
+
+
+def test_the_first_press_of_a_button_that_wakes_to_tell_it_counts(say: Say, part: Find) -> None:
+    button = part(say("shellies/announce", {"id": "shellybutton1-1CD6EB", "model": "SHBTN-1"}), "input:0").codec
+    topic = "shellies/shellybutton1-1CD6EB/input_event/0"
+    assert button.read(topic, b'{"event":"L","event_cnt":1}', retained=False) == {"press": "long"}
+
+
+@pytest.mark.parametrize(("device_id", "first"), [("shellydw2-189127", "state"), ("shellyem-A8032A1339F2", "emeter:0")])
+def test_what_a_device_is_there_for_comes_first(say: Say, device_id: str, first: str) -> None:
+    assert next(iter(ids(say("shellies/announce", {"id": device_id})))) == first
+
+
+@pytest.mark.parametrize(
+    ("capability", "value", "transition", "suffix", "payload"),
+    [
+        ("on_off", True, 0.0, "command", b"on"),
+        ("on_off", False, 2.0, "set", b'{"turn":"off","transition":2000}'),
+        ("level", 0.0, 0.0, "command", b"off"),
+        ("level", 0.2, 0.0, "set", b'{"turn":"on","gain":1,"brightness":1}'),
+        ("level", 40.0, 0.0, "set", b'{"turn":"on","gain":40,"brightness":40}'),
+        ("color_temperature", 4000.0, 0.0, "set", b'{"turn":"on","mode":"white","temp":4000}'),
+        ("color", (120.0, 100.0), 0.0, "set", b'{"turn":"on","mode":"color","red":0,"green":255,"blue":0,"white":0}'),
+    ],
+)
+def test_a_bulb_is_told(
+    say: Say,
+    part: Find,
+    capability: str,
+    value: PlainValue,
+    transition: float,
+    suffix: str,
+    payload: bytes,
+) -> None:
+    lamp = part(say("shellies/announce", BULB), "color:0").codec
+    told = lamp.write(capability, value, transition=transition)
+    assert told == (Publication(f"shellies/shellybulb-099CF9/color/0/{suffix}", payload),)
+
+
+def test_a_bulb_tells_its_colour_or_its_white(say: Say, part: Find) -> None:
+    lamp = part(say("shellies/announce", BULB), "color:0").codec
+    topic = "shellies/shellybulb-099CF9/color/0/status"
+    told = '{"ison":true,"mode":"MODE","red":255,"green":128,"blue":0,"gain":30,"brightness":60,"temp":4000}'
+    assert lamp.read(topic, told.replace("MODE", "color").encode(), retained=False) == {
+        "on_off": True,
+        "level": 30.0,
+        "color_temperature": None,
+        "color": (30.118, 100.0),
+    }
+    assert lamp.read(topic, told.replace("MODE", "white").encode(), retained=False) == {
+        "on_off": True,
+        "level": 60.0,
+        "color_temperature": 4000.0,
+        "color": None,
+    }
+
+
+def test_a_motion_sensor_tells_all_in_one_message(say: Say, part: Find) -> None:
+    heard = say("shellies/announce", {"id": "shellymotion2-233F91", "model": "SHMOS-02"})
+    status = b'{"motion":true,"vibration":false,"lux":100,"bat":80,"tmp":{"value":21.5,"is_valid":false}}'
+    told = {
+        name: dict(part(heard, name).codec.read("shellies/shellymotion2-233F91/status", status, retained=False))
+        for name in ids(heard)
+    }
+    assert told == {
+        "motion": {"occupancy": True},
+        "vibration": {"vibration": False},
+        "lux": {"illuminance": 100.0},
+        "temperature": {"temperature": None},
+        "battery": {"battery": 80.0},
+    }
+    assert next(iter(told)) == "motion"
+
+
+def test_a_radiator_valve_is_told_degrees(say: Say, part: Find) -> None:
+    valve = part(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
+    base = "shellies/shellytrv-256273"
+    assert valve.write("heating_setpoint", 21.5) == (Publication(f"{base}/thermostat/0/command/target_t", b"21.5"),)
+    status = b'{"thermostats":[{"pos":40,"target_t":{"value":21},"tmp":{"value":20.5,"is_valid":true}}],"bat":80}'
+    expected = {"heating_setpoint": 21.0, "local_temperature": 20.5, "position": 40.0}
+    assert valve.read(f"{base}/status", status, retained=False) == expected
+    assert valve.read(f"{base}/info", status, retained=False) == expected
+
+
+@pytest.mark.parametrize(
+    "announcement", ["", "[]", "{", {"mac": "A8032A122881"}, {"id": "a/b"}, {"id": 3}, {"id": "x", "mac": 3}]
+)
+def test_a_broken_announcement_is_refused_and_counted(shelly: Shelly, say: Say, announcement: object) -> None:
+    with pytest.raises(WireError):
+        say("shellies/announce", announcement)
+    assert shelly.rejected == 1
+
+
+def test_more_devices_than_there_is_room_for_push_out_unknown_ones(shelly: Shelly, say: Say) -> None:
+    say("shellies/announce", PLUG)
+    for number in range(5000):
+        say(f"shellies/x{number}/relay/0", "on")
+    assert shelly.dropped == 1
+    assert ids(say("shellies/announce", PLUG))
+
+
+def test_what_is_heard_of_parts_comes_by_the_filters(shelly: Shelly) -> None:
+    for suffix in ("announce", "online", "relay/0", "relay/0/power", "light/0/status", "sensor/flood", "status"):
+        topic = f"shellies/shellyplug-s-122881/{suffix}"
+        assert any(topic_matches(one, topic) for one in shelly.filters()), suffix
+    assert not any(topic_matches(one, "shellies/x/relay/0/command") for one in shelly.filters())
+
+
+def test_a_meter_counts_what_is_drawn_and_what_is_fed_back(say: Say, part: Find) -> None:
+    meter = part(say("shellies/announce", {"id": "shellyem3-A8032A1339F2", "model": "SHEM-3"}), "emeter:0").codec
+    topic = "shellies/shellyem3-A8032A1339F2/emeter/0"
+    assert meter.read(f"{topic}/total", b"1500.0", retained=False) == {"energy": 1.5}
+    assert meter.read(f"{topic}/total_returned", b"250.0", retained=False) == {"energy_returned": 0.25}

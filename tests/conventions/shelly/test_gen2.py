@@ -1,0 +1,409 @@
+import json
+from collections.abc import Callable
+
+import pytest
+
+from homebot.conventions.description import (
+    AnnouncementEvent,
+    DescribedPart,
+    DeviceAnnounced,
+    DeviceRequest,
+    DeviceWithdrawn,
+    Publication,
+)
+from homebot.conventions.shelly import Shelly, ShellySettings
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+from homebot.mqtt.topics import topic_matches
+
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
+Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
+
+ID = "shellyplus2pm-a8032abe54dc"
+INFO = {
+    "name": "Hall",
+    "id": ID,
+    "mac": "A8032ABE54DC",
+    "model": "SNSW-102P16EU",
+    "gen": 2,
+    "ver": "1.4.4",
+    "app": "Plus2PM",
+}
+SYS = {"mac": "A8032ABE54DC", "uptime": 100}
+SWITCH = {
+    "id": 0,
+    "output": True,
+    "apower": 12.5,
+    "voltage": 230.1,
+    "current": 0.05,
+    "freq": 50,
+    "aenergy": {"total": 1500.0},
+}
+COVER = {"id": 0, "state": "stopped", "pos_control": True, "current_pos": 30}
+
+
+def answer(result: object, source: str = ID) -> dict[str, object]:
+    return {"id": 1, "src": source, "dst": "homebot", "result": result}
+
+
+def introduce(
+    say: Say, components: dict[str, object], *, config: object = None, info: object = None
+) -> tuple[AnnouncementEvent, ...]:
+    """Have a device come online and answer all questions."""
+    say(f"{ID}/online", "true")
+    say(f"homebot/{ID}/rpc", answer(INFO if info is None else info))
+    say(
+        f"homebot/{ID}/rpc", answer({"sys": {"device": {"name": None}}, **(config if isinstance(config, dict) else {})})
+    )
+    return say(f"homebot/{ID}/rpc", answer({"sys": SYS, **components}))
+
+
+def called(publications: tuple[Publication, ...]) -> tuple[str, object]:
+    (one,) = publications
+    assert one.topic == f"{ID}/rpc"
+    assert not one.retain
+    frame = json.loads(one.payload)
+    assert frame["src"] == "homebot"
+    return frame["method"], frame["params"]
+
+
+def test_one_that_comes_online_is_asked_who_it_is(say: Say) -> None:
+    (question,) = say(f"{ID}/online", "true", retained=True)
+    assert isinstance(question, DeviceRequest)
+    assert question.key == ID
+    assert question.publications[0] == Publication(
+        f"{ID}/rpc", b'{"id":1,"src":"homebot/shellyplus2pm-a8032abe54dc","method":"Shelly.GetDeviceInfo"}'
+    )
+    asked = [json.loads(one.payload)["method"] for one in question.publications]
+    assert asked == ["Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus"]
+
+
+def test_its_answers_describe_it(say: Say) -> None:
+    (device,) = introduce(say, {"switch:0": SWITCH})
+    assert isinstance(device, DeviceAnnounced)
+    assert device.key == ID
+    assert device.name == "Hall"
+    assert device.identifiers == ("mac:a8032abe54dc", f"id:{ID}")
+    assert device.facts == {
+        "manufacturer": "Shelly",
+        "model": "SNSW-102P16EU",
+        "model_id": "Plus2PM",
+        "sw_version": "1.4.4",
+        "generation": "2",
+    }
+    assert device.availability is not None
+    assert device.availability.sources[0].topic == f"{ID}/online"
+    (ask,) = device.parts[0].state_requests
+    assert ask == Publication(
+        f"{ID}/rpc", b'{"id":1,"src":"homebot/shellyplus2pm-a8032abe54dc","method":"Shelly.GetStatus"}'
+    )
+
+
+def test_the_same_answer_again_says_nothing_new(say: Say) -> None:
+    introduce(say, {"switch:0": SWITCH})
+    assert say(f"homebot/{ID}/rpc", answer({"sys": SYS, "switch:0": {**SWITCH, "output": False}})) == ()
+
+
+def test_answers_to_one_name_for_all_are_known_by_their_source(say: Say) -> None:
+    say(f"{ID}/online", "true")
+    say("homebot/rpc", answer(INFO))
+    (device,) = say("homebot/rpc", answer({"sys": SYS, "switch:0": SWITCH}))
+    assert isinstance(device, DeviceAnnounced)
+    assert device.key == ID
+
+
+def test_a_renamed_one_is_known_by_the_topic_it_answers_on(say: Say, part: Find) -> None:
+    say("kitchen/online", "true")
+    say("homebot/kitchen/rpc", answer(INFO))
+    heard = say("homebot/kitchen/rpc", answer({"sys": SYS, "switch:0": SWITCH}))
+    relay = part(heard, "switch:0")
+    assert relay.part.writes == ("kitchen/rpc",)
+    assert relay.codec.read("kitchen/status/switch:0", b'{"output":false}', retained=False) == {"on_off": False}
+
+
+def test_prefixes_of_several_levels_are_a_setting(part: Find) -> None:
+    shelly = Shelly(ShellySettings(client="robot", prefixes=("home/+/plug",)))
+    for topic in ("home/hall/plug/online", "home/hall/plug/events/rpc", "robot/home/hall/plug/rpc", "robot/rpc"):
+        assert any(topic_matches(one, topic) for one in shelly.filters()), topic
+    (question,) = shelly.take("home/hall/plug/online", b"true", retained=False)
+    assert isinstance(question, DeviceRequest)
+    assert question.publications[0].topic == "home/hall/plug/rpc"
+
+
+def test_one_below_shellies_is_known_by_its_notifications(say: Say) -> None:
+    frame = {"src": ID, "method": "NotifyStatus", "params": {"switch:0": {"output": True}}}
+    (question,) = say("shellies/hall/events/rpc", frame)
+    assert isinstance(question, DeviceRequest)
+    say("homebot/shellies/hall/rpc", answer(INFO))
+    (device,) = say("homebot/shellies/hall/rpc", answer({"sys": SYS, "switch:0": SWITCH}))
+    assert isinstance(device, DeviceAnnounced)
+    assert device.key == "shellies/hall"
+
+
+def test_one_that_never_answers_is_asked_less_and_less(say: Say) -> None:
+    asked = [len(say("lookalike/online", "true")) for _ in range(64)]
+    assert sum(asked) == 7
+    assert len(say("lookalike/online", "true", retained=True)) == 1
+
+
+def test_one_that_comes_back_is_asked_again(say: Say) -> None:
+    introduce(say, {"switch:0": SWITCH})
+    assert say(f"{ID}/online", "true", retained=True) == ()
+    (question,) = say(f"{ID}/online", "true")
+    assert isinstance(question, DeviceRequest)
+
+
+def test_a_new_profile_takes_the_place_of_the_old(say: Say) -> None:
+    introduce(say, {"switch:0": SWITCH, "switch:1": SWITCH})
+    (device,) = say(f"homebot/{ID}/rpc", answer({"sys": SYS, "cover:0": COVER}))
+    assert isinstance(device, DeviceAnnounced)
+    assert [one.part.service_type for one in device.parts] == ["window_covering"]
+
+
+def test_one_of_which_nothing_is_left_is_withdrawn(say: Say) -> None:
+    introduce(say, {"switch:0": SWITCH})
+    assert say(f"homebot/{ID}/rpc", answer({"sys": SYS})) == (DeviceWithdrawn(ID, "no component of it is left"),)
+
+
+def test_a_removed_online_topic_withdraws_it(say: Say) -> None:
+    introduce(say, {"switch:0": SWITCH})
+    assert say(f"{ID}/online", "", retained=True) == (DeviceWithdrawn(ID, "its online topic was removed"),)
+
+
+def test_a_changed_configuration_is_asked_for(say: Say) -> None:
+    introduce(say, {"switch:0": SWITCH})
+    event = {"component": "switch:0", "event": "config_changed"}
+    frame = {"src": ID, "method": "NotifyEvent", "params": {"events": [event]}}
+    assert isinstance(say(f"{ID}/events/rpc", frame)[0], DeviceRequest)
+    frame = {"src": ID, "method": "NotifyStatus", "params": {"switch:0": {"output": True}}}
+    assert say(f"{ID}/events/rpc", frame) == ()
+
+
+def test_what_wakes_tells_its_whole_status(say: Say, part: Find) -> None:
+    name = "shellyplusht-a8032a000001"
+    status = {
+        "sys": {"mac": "A8032A000001", "wakeup_period": 7200},
+        "temperature:0": {"id": 0, "tC": 21.5},
+        "humidity:0": {"id": 0, "rh": 45},
+        "devicepower:0": {"id": 0, "battery": {"percent": 57}, "external": {"present": False}},
+    }
+    frame = {"src": name, "method": "NotifyFullStatus", "params": status}
+    heard = say(f"{name}/events/rpc", frame)
+    device = heard[0]
+    assert isinstance(device, DeviceAnnounced)
+    assert device.availability is None
+    assert device.identifiers == ("mac:a8032a000001", f"id:{name}")
+    thermometer = part(heard, "temperature:0").codec
+    assert thermometer.read(f"{name}/events/rpc", json.dumps(frame).encode(), retained=False) == {"temperature": 21.5}
+    assert thermometer.read(f"{name}/status/temperature:0", b'{"tC":null}', retained=False) == {"temperature": None}
+
+
+def test_a_relay_is_switched_and_read_on_three_topics(say: Say, part: Find) -> None:
+    heard = introduce(say, {"switch:0": SWITCH})
+    relay, meter = part(heard, "switch:0"), part(heard, "switch:0/meter").codec
+    assert relay.part.service_type == "switch"
+    assert called(relay.codec.write("on_off", True)) == ("Switch.Set", {"id": 0, "on": True})
+    frame = json.dumps({"src": ID, "method": "NotifyStatus", "params": {"switch:0": SWITCH}}).encode()
+    assert relay.codec.read(f"{ID}/events/rpc", frame, retained=False) == {"on_off": True}
+    assert relay.codec.read(f"{ID}/status/switch:0", json.dumps(SWITCH).encode(), retained=False) == {"on_off": True}
+    whole = json.dumps(answer({"switch:0": SWITCH})).encode()
+    assert relay.codec.read(f"homebot/{ID}/rpc", whole, retained=False) == {"on_off": True}
+    assert meter.read(f"{ID}/events/rpc", frame, retained=False) == {
+        "power": 12.5,
+        "voltage": 230.1,
+        "current": 0.05,
+        "frequency": 50.0,
+        "energy": 1.5,
+    }
+
+
+def test_what_a_device_is_there_for_comes_first(say: Say) -> None:
+    (device,) = introduce(say, {"input:0": {"state": True}, "switch:1": SWITCH, "switch:0": SWITCH, "wifi": {}})
+    assert isinstance(device, DeviceAnnounced)
+    assert [one.part.id for one in device.parts if "/" not in one.part.id] == ["switch:0", "switch:1", "input:0"]
+
+
+def test_a_socket_is_a_plug(say: Say, part: Find) -> None:
+    heard = introduce(say, {"switch:0": SWITCH}, info={**INFO, "app": "PlugSG3"})
+    assert part(heard, "switch:0").part.service_type == "plug"
+
+
+def test_names_of_components_are_names_of_parts(say: Say, part: Find) -> None:
+    heard = introduce(say, {"switch:0": SWITCH}, config={"switch:0": {"name": "Pump"}})
+    assert part(heard, "switch:0").part.name == "Pump"
+
+
+@pytest.mark.parametrize(
+    ("capability", "value", "expected"),
+    [
+        ("movement", "open", ("Cover.Open", {"id": 0})),
+        ("movement", "closed", ("Cover.Close", {"id": 0})),
+        ("movement", "stopped", ("Cover.Stop", {"id": 0})),
+        ("position", 30.4, ("Cover.GoToPosition", {"id": 0, "pos": 30})),
+        ("tilt", 50.0, ("Cover.GoToPosition", {"id": 0, "slat_pos": 50})),
+    ],
+)
+def test_a_cover_is_told(say: Say, part: Find, capability: str, value: PlainValue, expected: object) -> None:
+    cover = part(introduce(say, {"cover:0": {**COVER, "slat_pos": 100}}), "cover:0").codec
+    assert called(cover.write(capability, value)) == expected
+
+
+def test_a_cover_that_is_not_calibrated_knows_no_position(say: Say, part: Find) -> None:
+    cover = part(introduce(say, {"cover:0": {"id": 0, "state": "closed", "pos_control": False}}), "cover:0")
+    assert {one.name for one in cover.part.capabilities} == {"movement"}
+    with pytest.raises(RefusedError, match="movement"):
+        cover.codec.write("position", 30.0)
+    told = cover.codec.read(f"{ID}/status/cover:0", b'{"state":"calibrating","current_pos":null}', retained=False)
+    assert told == {"movement": None, "position": None}
+
+
+@pytest.mark.parametrize(
+    ("component", "capability", "value", "transition", "expected"),
+    [
+        ("light:0", "on_off", False, 0.0, ("Light.Set", {"id": 0, "on": False})),
+        ("light:0", "level", 40.0, 0.0, ("Light.Set", {"id": 0, "on": True, "brightness": 40})),
+        ("light:0", "level", 0.0, 0.0, ("Light.Set", {"id": 0, "on": False})),
+        (
+            "light:1",
+            "level",
+            40.0,
+            3.0,
+            ("Light.Set", {"id": 1, "on": True, "brightness": 40, "transition_duration": 3.0}),
+        ),
+        ("cct:0", "color_temperature", 4000.0, 0.0, ("CCT.Set", {"id": 0, "on": True, "ct": 4000})),
+        ("rgb:0", "color", (240.0, 100.0), 0.0, ("RGB.Set", {"id": 0, "on": True, "rgb": [0, 0, 255]})),
+        ("rgbw:0", "color", (0.0, 0.0), 0.0, ("RGBW.Set", {"id": 0, "on": True, "rgb": [255, 255, 255], "white": 0})),
+        (
+            "rgbcct:0",
+            "color_temperature",
+            3000.0,
+            0.0,
+            ("RGBCCT.Set", {"id": 0, "on": True, "mode": "cct", "ct": 3000}),
+        ),
+    ],
+)
+def test_a_lamp_is_told(
+    say: Say, part: Find, component: str, capability: str, value: PlainValue, transition: float, expected: object
+) -> None:
+    lamp = part(introduce(say, {component: {"output": False}}), component)
+    assert lamp.part.service_type == "light"
+    assert called(lamp.codec.write(capability, value, transition=transition)) == expected
+
+
+def test_a_lamp_tells_its_colour(say: Say, part: Find) -> None:
+    lamp = part(introduce(say, {"rgb:0": {"output": False}}), "rgb:0").codec
+    status = b'{"output":true,"brightness":75,"rgb":[255,128,0]}'
+    expected = {"on_off": True, "level": 75.0, "color": (30.118, 100.0)}
+    assert lamp.read(f"{ID}/status/rgb:0", status, retained=False) == expected
+
+
+def test_a_button_tells_presses_but_not_kept_ones(say: Say, part: Find) -> None:
+    button = part(
+        introduce(say, {"input:0": {"id": 0, "state": None}}, config={"input:0": {"type": "button"}}), "input:0"
+    )
+    assert button.part.service_type == "generic_switch"
+    event = {"component": "input:0", "id": 0, "event": "double_push"}
+    frame = json.dumps({"src": ID, "method": "NotifyEvent", "params": {"events": [event]}}).encode()
+    assert button.codec.read(f"{ID}/events/rpc", frame, retained=False) == {"press": "double"}
+    assert button.codec.read(f"{ID}/events/rpc", frame, retained=True) == {}
+
+
+def test_three_phases_are_measured_each_and_together(say: Say, part: Find) -> None:
+    phases = {"a_act_power": 200, "a_voltage": 230, "b_act_power": 100, "c_act_power": 50, "total_act_power": 350}
+    heard = introduce(say, {"em:0": phases})
+    assert part(heard, "em:0").codec.read(f"{ID}/status/em:0", json.dumps(phases).encode(), retained=False) == {
+        "power": 350.0
+    }
+    phase = part(heard, "em:0/a").codec
+    assert phase.read(f"{ID}/status/em:0", json.dumps(phases).encode(), retained=False) == {
+        "power": 200.0,
+        "voltage": 230.0,
+    }
+    assert phase.read(f"{ID}/status/emdata:0", b'{"a_total_act_energy":1500}', retained=False) == {"energy": 1.5}
+
+
+def test_a_value_of_the_users_is_a_setting(say: Say, part: Find) -> None:
+    heard = introduce(say, {"number:200": {"value": 5}}, config={"number:200": {"min": 0, "max": 10}})
+    setting = part(heard, "number:200")
+    assert setting.part.category == "config"
+    assert called(setting.codec.write("number", 7.0)) == ("Number.Set", {"id": 200, "value": 7})
+    with pytest.raises(RefusedError, match="0 to 10"):
+        setting.codec.write("number", 11.0)
+
+
+def test_a_bluetooth_sensor_means_what_its_object_id_says(say: Say, part: Find) -> None:
+    heard = introduce(say, {"bthomesensor:200": {"value": True}}, config={"bthomesensor:200": {"obj_id": 45}})
+    sensor = part(heard, "bthomesensor:200")
+    assert sensor.part.service_type == "contact_sensor"
+    assert sensor.codec.read(f"{ID}/status/bthomesensor:200", b'{"value":true}', retained=False) == {"contact": True}
+
+
+def test_a_thermostat_is_told_degrees_and_mode(say: Say, part: Find) -> None:
+    thermostat = part(introduce(say, {"thermostat:0": {"target_C": 21, "current_C": 20.5}}), "thermostat:0").codec
+    assert called(thermostat.write("heating_setpoint", 21.5)) == (
+        "Thermostat.SetConfig",
+        {"id": 0, "config": {"target_C": 21.5}},
+    )
+    assert called(thermostat.write("thermostat_mode", "off")) == (
+        "Thermostat.SetConfig",
+        {"id": 0, "config": {"enable": False}},
+    )
+
+
+def test_an_answer_of_no_device_is_refused(shelly: Shelly, say: Say) -> None:
+    with pytest.raises(WireError, match="src"):
+        say("homebot/rpc", {"id": 1, "src": None, "result": INFO})
+    with pytest.raises(WireError):
+        say("homebot/rpc", "no JSON")
+    assert shelly.rejected == 2
+
+
+def test_other_answers_are_passed_over(say: Say) -> None:
+    introduce(say, {"switch:0": SWITCH})
+    assert say("homebot/rpc", answer({"was_on": False})) == ()
+    assert say("homebot/rpc", {"id": 1, "src": ID, "error": {"code": 404, "message": "No handler"}}) == ()
+
+
+def test_there_is_room_for_so_many_strangers(shelly: Shelly, say: Say) -> None:
+    introduce(say, {"switch:0": SWITCH})
+    for number in range(3000):
+        say(f"stranger{number}/online", "true")
+    assert shelly.dropped == 1
+    assert isinstance(say(f"{ID}/online", "true")[0], DeviceRequest)
+    assert say(f"homebot/{ID}/rpc", answer(INFO)) == ()
+
+
+def test_one_that_never_answers_is_known_by_what_it_tells(say: Say, part: Find) -> None:
+    (described, question) = say(f"{ID}/status/switch:0", {"id": 0, "output": True})
+    assert isinstance(question, DeviceRequest)
+    assert isinstance(described, DeviceAnnounced)
+    assert "mac:a8032abe54dc" in described.identifiers
+    assert part((described,), "switch:0").codec.read(f"{ID}/status/switch:0", b'{"output":false}', retained=False) == {
+        "on_off": False
+    }
+    more = say(f"{ID}/events/rpc", {"src": ID, "method": "NotifyStatus", "params": {"ts": 1.5, "cover:0": COVER}})
+    assert isinstance(more[0], DeviceAnnounced)
+    assert [one.part.id for one in more[0].parts] == ["switch:0", "cover:0"]
+    assert not any(isinstance(one, DeviceAnnounced) for one in say(f"{ID}/status/switch:0", {"id": 0, "output": False}))
+
+
+def test_what_it_answers_counts_more_than_what_it_told(say: Say) -> None:
+    say(f"{ID}/status/switch:7", {"id": 7, "output": True})
+    (described,) = introduce(say, {"switch:0": SWITCH})
+    assert isinstance(described, DeviceAnnounced)
+    assert "switch:7" not in [one.part.id for one in described.parts]
+    assert say(f"{ID}/status/switch:7", {"id": 7, "output": True}) == ()
+
+
+@pytest.mark.parametrize("prefix", ["boiler", "shelly-kitchen", "shellyplus1-a8032abe54", "zigbee2mqtt"])
+def test_who_is_not_named_by_an_address_is_not_known_by_what_it_tells(say: Say, prefix: str) -> None:
+    assert say(f"{prefix}/status/switch:0", {"id": 0, "output": True}) == ()
+
+
+def test_so_much_is_kept_of_what_one_tells_without_answering(shelly: Shelly, say: Say) -> None:
+    for number in range(10):
+        say(f"{ID}/status/switch:{number}", {"id": number, "output": True, "x": "y" * 20_000})
+    described = say(f"{ID}/status/switch:10", {"id": 10, "output": True})[0]
+    assert isinstance(described, DeviceAnnounced)
+    assert {one.part.id for one in described.parts} == {"switch:10", *(f"switch:{number}" for number in range(6))}
+    assert shelly.dropped == 4

@@ -1,0 +1,65 @@
+"""A Shelly of the second generation at a gateway: asked who it is, described, heard and switched."""
+
+import json
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+from typing import Any
+
+import anyio
+import pytest
+
+pytestmark = pytest.mark.virtual_time
+
+ID = "shellyplus1-a8032abe54dc"
+ANSWERS: dict[str, object] = {
+    "Shelly.GetDeviceInfo": {"name": "Hall", "id": ID, "mac": "A8032ABE54DC", "model": "SNSW-001X16EU", "gen": 2},
+    "Shelly.GetConfig": {"sys": {"device": {}}, "switch:0": {"name": "Lamp"}},
+    "Shelly.GetStatus": {"sys": {"mac": "A8032ABE54DC"}, "switch:0": {"id": 0, "output": True}},
+}
+
+
+async def calls(house: Any) -> list[tuple[str, object]]:
+    """Answer every call that came; return the methods and their parameters."""
+    found = []
+    for _ in range(20):
+        await anyio.sleep(0.1)
+        for message in await house.heard():
+            frame = json.loads(message.payload)
+            found.append((frame["method"], frame.get("params")))
+            if frame["method"] in ANSWERS:
+                answer = {"id": frame["id"], "src": ID, "dst": frame["src"], "result": ANSWERS[frame["method"]]}
+                await house.say(f"{frame['src']}/rpc", answer)
+    return found
+
+
+async def test_it_is_asked_described_heard_and_switched(
+    make_house: Callable[..., AbstractAsyncContextManager[Any]],
+) -> None:
+    async with make_house(conventions=("homebot.conventions.shelly:Shelly",)) as house:
+        await house.listen(f"{ID}/rpc")
+        await house.say(f"{ID}/online", "true", retain=True)
+        asked = [method for method, _ in await calls(house)]
+        assert asked == ["Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus", "Shelly.GetStatus"]
+
+        key = f"shelly:{ID}"
+        sighting = house.sighted()[-1]
+        assert (sighting.key, sighting.name, sighting.service_type) == (key, "Hall", "switch")
+        assert {"switch:0.on_off": True} in [readings for _, readings, _ in house.told()]
+
+        assert (await house.command(key, "switch:0", "on_off", False)).success
+        assert await calls(house) == [("Switch.Set", {"id": 0, "on": False})]
+
+        news = {"src": ID, "method": "NotifyStatus", "params": {"switch:0": {"output": False}}}
+        await house.say(f"{ID}/events/rpc", news)
+        assert house.told()[-1] == (key, {"switch:0.on_off": False}, False)
+
+
+async def test_the_word_that_makes_an_old_one_known_is_heard(
+    make_house: Callable[..., AbstractAsyncContextManager[Any]],
+) -> None:
+    """The first generation says what it is by saying how it is."""
+    async with make_house(conventions=("homebot.conventions.shelly:Shelly",)) as house:
+        await house.say("shellies/shellyplug-s-6A6375/online", "true")
+        await house.say("shellies/shellyplug-s-6A6375/relay/0", "on")
+        assert [one.kind for one in house.sighted()][:1] == ["appeared"]
+        assert any(value is True for _, readings, _ in house.told() for value in readings.values())

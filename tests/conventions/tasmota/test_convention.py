@@ -1,0 +1,189 @@
+"""Two messages of a device in, one description out: in any order, bounded, and gone when emptied."""
+
+import json
+from typing import Any
+
+import pytest
+
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
+from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
+from homebot.conventions.tasmota.convention import MAX_DEVICES, MAX_WAITING, WordsOfWill
+from homebot.errors import WireError
+
+MAC = "2462AB000011"
+SENSORS = {"sn": {"DS18B20": {"Id": "01", "Temperature": 21.5}, "TempUnit": "C"}, "ver": 1}
+
+
+def config(mac: str = MAC, **more: Any) -> dict[str, Any]:
+    return {
+        "ver": 1,
+        "mac": mac,
+        "dn": "Kitchen plug",
+        "fn": ["Kitchen plug", None],
+        "hn": "tasmota-000011-17",
+        "md": "Sonoff Basic",
+        "sw": "14.4.1",
+        "ip": "192.168.1.10",
+        "ft": "%prefix%/%topic%/",
+        "t": "tasmota_000011",
+        "tp": ["cmnd", "stat", "tele"],
+        "state": ["OFF", "ON", "TOGGLE", "HOLD"],
+        "onln": "Online",
+        "ofln": "Offline",
+        "rl": [1, 0],
+        **more,
+    }
+
+
+def discovery(prefix: str = "tasmota/discovery") -> TasmotaDiscovery:
+    return TasmotaDiscovery(TasmotaSettings(prefix=prefix))
+
+
+def take(convention: TasmotaDiscovery, kind: str, fields: object, mac: str = MAC) -> tuple[AnnouncementEvent, ...]:
+    payload = b"" if fields is None else json.dumps(fields).encode()
+    return convention.take(f"tasmota/discovery/{mac}/{kind}", payload, retained=True)
+
+
+def one(found: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
+    (device,) = found
+    assert isinstance(device, DeviceAnnounced)
+    return device
+
+
+def ids(device: DeviceAnnounced) -> list[str]:
+    return [part.part.id for part in device.parts]
+
+
+def test_it_listens_to_both_messages_of_each_device() -> None:
+    assert discovery("t/d").filters() == ("t/d/+/config", "t/d/+/sensors")
+    assert discovery().birth_messages() == ()
+
+
+def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
+    device = one(take(discovery(), "config", config()))
+    assert (device.key, device.name, device.identifiers) == (MAC, "Kitchen plug", ("mac:2462ab000011",))
+    assert device.facts == {
+        "manufacturer": "Tasmota",
+        "model": "Sonoff Basic",
+        "sw_version": "14.4.1",
+        "hostname": "tasmota-000011-17",
+        "ip": "192.168.1.10",
+    }
+    relay = device.parts[0].part
+    assert (relay.id, relay.service_type, relay.name) == ("power_1", "switch", "")
+    assert relay.reads == ("stat/tasmota_000011/RESULT", "tele/tasmota_000011/STATE")
+    assert relay.writes == ("cmnd/tasmota_000011/Power1",)
+
+
+def test_an_address_of_digits_alone_is_an_address() -> None:
+    assert one(take(discovery(), "config", config("240000000011"), "240000000011")).identifiers == ("mac:240000000011",)
+
+
+@pytest.mark.parametrize(
+    ("full_topic", "expected"),
+    [
+        ("%topic%/%prefix%/", "tasmota_000011/cmnd/Power1"),
+        ("home/%hostname%/%prefix%/%id%/", "home/tasmota-000011-17/cmnd/000011/Power1"),
+    ],
+)
+def test_topics_are_made_as_the_device_was_set_up(full_topic: str, expected: str) -> None:
+    assert one(take(discovery(), "config", config(ft=full_topic))).parts[0].part.writes == (expected,)
+
+
+def test_sensors_come_after_the_config() -> None:
+    convention = discovery()
+    assert ids(one(take(convention, "config", config()))) == ["power_1", "wifi"]
+    assert ids(one(take(convention, "sensors", SENSORS))) == ["power_1", "DS18B20_Id", "DS18B20_Temperature", "wifi"]
+    assert take(convention, "sensors", SENSORS) == ()
+
+
+def test_sensors_come_before_the_config() -> None:
+    convention = discovery()
+    assert take(convention, "sensors", SENSORS) == ()
+    assert "DS18B20_Temperature" in ids(one(take(convention, "config", config())))
+    assert "DS18B20_Temperature" in ids(one(take(convention, "config", config())))
+
+
+def test_a_config_that_says_nothing_new_gives_the_same_description() -> None:
+    convention = discovery()
+    device = one(take(convention, "config", config()))
+    assert one(take(convention, "config", config())) is device
+    assert one(take(convention, "config", config(dn="Plug"))).name == "Plug"
+
+
+def test_sensors_that_are_removed_leave_the_rest() -> None:
+    convention = discovery()
+    take(convention, "config", config())
+    take(convention, "sensors", SENSORS)
+    assert ids(one(take(convention, "sensors", None))) == ["power_1", "wifi"]
+
+
+def test_a_config_that_is_removed_withdraws_the_device() -> None:
+    convention = discovery()
+    assert take(convention, "config", None) == ()
+    take(convention, "config", config())
+    assert take(convention, "config", None) == (DeviceWithdrawn(MAC, "its config was removed"),)
+    assert take(convention, "sensors", SENSORS) == ()
+
+
+def test_the_oldest_that_waits_is_forgotten_and_counted() -> None:
+    convention = discovery()
+    for number in range(MAX_WAITING + 1):
+        take(convention, "sensors", SENSORS, f"{number:012X}")
+    assert convention.forgotten == 1
+    assert "DS18B20_Id" not in ids(one(take(convention, "config", config("0" * 12), "0" * 12)))
+    last = f"{MAX_WAITING:012X}"
+    assert "DS18B20_Id" in ids(one(take(convention, "config", config(last), last)))
+
+
+def test_one_device_too_many_is_refused() -> None:
+    convention = discovery()
+    for number in range(MAX_DEVICES):
+        mac = f"{number:012X}"
+        take(convention, "config", config(mac, rl=[]), mac)
+    with pytest.raises(WireError, match="one device too many"):
+        take(convention, "config", config())
+    assert one(take(convention, "config", config("0" * 12), "0" * 12)).key == "0" * 12
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"ver": 2},
+        {"mac": "2462AB000012"},
+        {"ft": 1},
+        {"ft": "%prefix%/#/"},
+        {"t": "a\x00", "ft": "%topic%/"},
+        {"tp": ["cmnd", "stat"]},
+        {"tp": ["cmnd", "", "tele"]},
+        {"rl": None},
+        {"rl": [1] * 1_000},
+    ],
+    ids=str,
+)
+def test_a_config_that_cannot_be_used_is_refused_and_counted(change: dict[str, Any]) -> None:
+    convention = discovery()
+    with pytest.raises(WireError) as refused:
+        take(convention, "config", config(**change))
+    assert convention.rejected == 1
+    assert len(str(refused.value)) < 400
+
+
+def test_other_topics_say_nothing() -> None:
+    convention = discovery()
+    for topic in (f"tasmota/{MAC}/config", f"{MAC}/config", "tasmota/discovery/lamp/config", f"{MAC}/x"):
+        assert convention.take(topic, b"{}", retained=True) == ()
+
+
+def test_the_last_will_tells_whether_it_can_be_reached() -> None:
+    availability = one(take(discovery(), "config", config(onln="Da", ofln="Weg"))).availability
+    assert availability is not None
+    (will,) = availability.sources
+    assert will == WordsOfWill("tele/tasmota_000011/LWT", b"Da", b"Weg")
+    assert [will.read(word) for word in (b"Da", b"Weg", b"Online")] == [True, False, None]
+
+
+def test_a_sleeper_has_no_last_will_and_is_not_asked() -> None:
+    device = one(take(discovery(), "config", config(dslp=1)))
+    assert device.availability is None
+    assert [part.state_requests for part in device.parts] == [(), ()]

@@ -1,0 +1,86 @@
+"""Real products against what Home Assistant makes of the same devices.
+
+``devices.jsonl`` has a device per line, as the firmware announces it, with the answers of Home Assistant core 2025.4.4
+and hatasmota 0.10.0, which were run on these messages, in the words of our vocabulary:
+
+- ``types``: what Home Assistant takes it for;
+- ``says``: topic, payload, and what is then known, by part and capability;
+- ``told``: after the messages ``before``: part, capability, value, transition, and what is published.
+"""
+
+import json
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import pytest
+
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
+from homebot.devices.value import PlainValue
+
+Device: TypeAlias = dict[str, Any]
+
+LINES = Path(__file__).with_name("devices.jsonl").read_text(encoding="utf-8").splitlines()
+DEVICES: list[Device] = [json.loads(line) for line in LINES]
+UNTOLD_BY_HOME_ASSISTANT = {"generic_switch"}
+
+
+def name(device: Device) -> str:
+    return str(device["config"]["md"])
+
+
+def described(device: Device) -> DeviceAnnounced:
+    convention = TasmotaDiscovery(TasmotaSettings())
+    topic = f"tasmota/discovery/{device['config']['mac']}"
+    convention.take(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
+    convention.take(f"{topic}/sensors", json.dumps(device["sensors"]).encode(), retained=True)
+    (found,) = convention.take(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
+    assert isinstance(found, DeviceAnnounced)
+    return found
+
+
+def hear(parts: dict[str, DescribedPart], topic: str, payload: str) -> dict[str, dict[str, PlainValue]]:
+    return {part_id: dict(part.codec.read(topic, payload.encode(), retained=False)) for part_id, part in parts.items()}
+
+
+def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:
+    """Home Assistant shows whole percents, 255 steps and rounded hues."""
+    if isinstance(ours, tuple) and isinstance(theirs, list):
+        return ours == pytest.approx(theirs, abs=1)
+    return ours == (theirs if isinstance(theirs, bool | str | None) else pytest.approx(theirs, abs=0.6, rel=0.01))
+
+
+@pytest.mark.parametrize("device", DEVICES, ids=name)
+def test_a_device_is_what_home_assistant_takes_it_for(device: Device) -> None:
+    found = {one.part.service_type for one in described(device).parts if not one.part.category}
+    found = {one for one in found if not one.startswith("x_")} - UNTOLD_BY_HOME_ASSISTANT
+    relays_of_fan = {"switch"} if device["config"]["if"] and device["config"]["rl"][1:] else set()
+    assert found | relays_of_fan == set(device["types"])
+
+
+@pytest.mark.parametrize("device", [one for one in DEVICES if one["says"]], ids=name)
+def test_what_it_says_is_understood_as_home_assistant_does(device: Device) -> None:
+    parts = {one.part.id: one for one in described(device).parts}
+    known: dict[str, dict[str, PlainValue]] = {part_id: {} for part_id in parts}
+    for topic, payload, expected in device["says"]:
+        for part_id, values in hear(parts, topic, payload).items():
+            known[part_id].update(values)
+        wrong = [
+            (part_id, capability, known[part_id].get(capability), value)
+            for part_id, values in expected.items()
+            for capability, value in values.items()
+            if not same(known[part_id].get(capability), value)
+        ]
+        assert wrong == []
+
+
+@pytest.mark.parametrize("device", [one for one in DEVICES if one["told"]], ids=name)
+def test_it_is_told_what_home_assistant_tells_it(device: Device) -> None:
+    parts = {one.part.id: one for one in described(device).parts}
+    for topic, payload in device["before"]:
+        hear(parts, topic, payload)
+    for part_id, capability, value, transition, topic, payload in device["told"]:
+        plain = tuple(value) if isinstance(value, list) else value
+        (publication,) = parts[part_id].codec.write(capability, plain, transition=transition)
+        assert (publication.topic, publication.payload.decode()) == (topic, payload)
+        assert topic in parts[part_id].part.writes

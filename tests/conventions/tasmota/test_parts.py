@@ -1,0 +1,315 @@
+"""What a device has becomes parts that read and tell the right topics."""
+
+import json
+from typing import Any
+
+import pytest
+
+from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
+from homebot.conventions.tasmota.config import read_config
+from homebot.conventions.tasmota.fade_speed import Change, Shown, speed
+from homebot.conventions.tasmota.parts import build_parts
+from homebot.conventions.tasmota.sensors import MOST_SENSORS, read_leaves
+from homebot.conventions.tasmota.shutter import count_shutters
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+MAC = "2462AB000011"
+
+
+def built(sensors: dict[str, Any] | None = None, *, fan: int = 0, **more: Any) -> dict[str, DescribedPart]:
+    fields = {
+        "ver": 1,
+        "mac": MAC,
+        "dn": "D",
+        "ft": "%prefix%/",
+        "tp": ["c", "s", "t"],
+        "rl": [],
+        "lk": 1,
+        "if": fan,
+        **more,
+    }
+    config = read_config(MAC, json.dumps(fields).encode())
+    leaves = read_leaves({"ver": 1, "sn": sensors or {}})
+    return {one.part.id: one for one in build_parts(config, leaves) if one.part.id != "wifi"}
+
+
+def only(**more: Any) -> DescribedPart:
+    (part,) = built(**more).values()
+    return part
+
+
+def said(part: DescribedPart, topic: str, message: object, *, retained: bool = False) -> dict[str, PlainValue]:
+    return dict(part.codec.read(topic, json.dumps(message).encode(), retained=retained))
+
+
+def told(part: DescribedPart, capability: str, value: PlainValue, transition: float = 0.0) -> tuple[str, str]:
+    (publication,) = part.codec.write(capability, value, transition=transition)
+    return publication.topic, publication.payload.decode()
+
+
+def test_relays_are_numbered_and_the_first_may_go_without() -> None:
+    parts = built(rl=[1, 1], fn=["D", "Heater"])
+    assert [one.part.name for one in parts.values()] == ["", "Heater"]
+    assert said(parts["power_1"], "s/RESULT", {"POWER": "ON"}) == {"on_off": True}
+    assert said(parts["power_2"], "s/RESULT", {"POWER": "ON"}) == {}
+    assert said(parts["power_2"], "t/STATE", {"POWER1": "ON", "POWER2": "OFF"}) == {"on_off": False}
+    assert told(parts["power_2"], "on_off", value=True) == ("c/Power2", "ON")
+    assert parts["power_1"].state_requests == (Publication("c/STATE", b""),)
+
+
+def test_a_device_has_words_of_its_own() -> None:
+    relay = only(rl=[1], state=["Aus", "An", "Um", "Halt"])
+    assert said(relay, "s/RESULT", {"POWER": "An"}) == {"on_off": True}
+    assert said(relay, "s/RESULT", {"POWER": "ON"}) == {}
+    assert told(relay, "on_off", value=False) == ("c/Power1", "Aus")
+
+
+def test_a_relay_is_a_lamp_where_the_user_says_so() -> None:
+    assert only(rl=[1], so={"30": 1}).part.service_type == "light"
+    assert only(rl=[1], so={"30": 0}).part.service_type == "switch"
+
+
+def test_a_dimmer_is_told_in_one_go() -> None:
+    lamp = only(rl=[2], lt_st=1)
+    assert told(lamp, "on_off", value=True) == ("c/Backlog", "NoDelay;Power1 ON")
+    assert told(lamp, "level", 50.0) == ("c/Backlog", "NoDelay;Dimmer 50")
+    assert told(lamp, "level", 0.1) == ("c/Backlog", "NoDelay;Dimmer 1")
+    assert told(lamp, "level", 0.0) == ("c/Backlog", "NoDelay;Power1 OFF")
+    assert said(lamp, "t/STATE", {"POWER": "ON", "Dimmer": 40}) == {"on_off": True, "level": 40.0}
+    assert said(lamp, "s/RESULT", {"POWER": "OFF", "Dimmer": 0}) == {"on_off": False}
+
+
+def test_power_is_told_apart_where_it_does_not_follow_the_dimmer() -> None:
+    assert told(only(rl=[2], lt_st=1, so={"20": 1}), "level", 50.0)[1] == "NoDelay;Dimmer 50;NoDelay;Power1 ON"
+
+
+def test_another_processor_has_another_dimmer_and_does_not_fade() -> None:
+    assert told(only(rl=[2], lt_st=1, ty=1), "level", 50.0, 2.0)[1] == "NoDelay;Dimmer3 50"
+
+
+def test_whites_are_kelvin() -> None:
+    lamp = only(rl=[2], lt_st=2, so={"82": 1})
+    assert lamp.part.capabilities[2].bounds == (2625.0, 5000.0)
+    assert said(lamp, "t/STATE", {"CT": 250}) == {"color_temperature": 4000.0}
+    assert told(lamp, "color_temperature", 4_000.0)[1] == "NoDelay;Power1 ON;NoDelay;CT 250"
+
+
+def test_colours_and_whites_of_one_lamp_take_turns() -> None:
+    lamp = only(rl=[2], lt_st=5)
+    color = {"HSBColor": "240,100,40", "White": 0, "CT": 380}
+    assert said(lamp, "t/STATE", color) == {"color": (240.0, 100.0), "color_temperature": None}
+    assert said(lamp, "t/STATE", {**color, "White": 40}) == {"color_temperature": 2631.0, "color": None}
+    assert told(lamp, "color", (240.4, 50.0))[1] == "NoDelay;Power1 ON;NoDelay;HsbColor1 240;NoDelay;HsbColor2 50"
+    assert told(lamp, "effect", "Random")[1] == "NoDelay;Power1 ON;NoDelay;Scheme 4"
+    assert said(lamp, "t/STATE", {"Scheme": 2})["effect"] == "Cycle up"
+
+
+@pytest.mark.parametrize("color", [1, "a,b,c", "1,2", "361,1,1", "1," * 999, None])
+def test_a_colour_that_is_none_says_nothing(color: object) -> None:
+    assert said(only(rl=[2], lt_st=3), "t/STATE", {"HSBColor": color, "Color": color}) == {}
+
+
+def test_colours_and_white_that_are_not_linked_are_two_lamps() -> None:
+    color, white = built(rl=[2, 2], lt_st=5, lk=0).values()
+    assert [one.name for one in color.part.capabilities] == ["on_off", "level", "color", "effect"]
+    assert [one.name for one in white.part.capabilities] == ["on_off", "level", "color_temperature"]
+    assert told(white, "level", 30.0)[1] == "NoDelay;Dimmer2 30"
+    assert said(white, "t/STATE", {"POWER2": "ON", "Dimmer1": 10, "Dimmer2": 20}) == {"on_off": True, "level": 20.0}
+
+
+def test_each_channel_may_be_a_dimmer() -> None:
+    _, second = built(rl=[2, 2], lt_st=5, so={"68": 1}).values()
+    assert told(second, "level", 30.0)[1] == "NoDelay;Channel2 30"
+    assert said(second, "t/STATE", {"Channel1": 10, "Channel2": 20}) == {"level": 20.0}
+
+
+def test_how_fast_it_fades_depends_on_what_it_shows() -> None:
+    lamp = only(rl=[2], lt_st=1)
+    assert told(lamp, "level", 50.0, 2.0)[1] == "NoDelay;Fade2 1;NoDelay;Speed2 8;NoDelay;Dimmer 50"
+    said(lamp, "t/STATE", {"POWER": "ON", "Dimmer": 40})
+    assert told(lamp, "level", 50.0, 2.0)[1] == "NoDelay;Fade2 1;NoDelay;Speed2 40;NoDelay;Dimmer 50"
+    assert told(lamp, "on_off", value=False, transition=2.0)[1].startswith("NoDelay;Fade2 1;NoDelay;Speed2 10;")
+    assert "Speed2 4;" in told(only(rl=[2], lt_st=1, so={"117": 1}), "level", 50.0, 2.0)[1]
+    with pytest.raises(RefusedError, match="transition"):
+        lamp.codec.write("level", 50.0, transition=float("inf"))
+
+
+@pytest.mark.parametrize(
+    ("color", "change", "share"),
+    [
+        ("FF0000", Change(color=(0.0, 100.0)), 0.0),
+        ("255,0,0", Change(color=(120.0, 100.0)), 1.0),
+        ("FF000", Change(color=(120.0, 100.0)), 0.0),
+        ("GG0000", Change(level=40), 0.6),
+    ],
+)
+def test_the_channel_that_changes_most_counts(color: str, change: Change, share: float) -> None:
+    shown = Shown()
+    shown.hear(is_on=True, level=100, color=color, mired=None)
+    assert shown.share(change, 3, (153, 500)) == pytest.approx(share)
+
+
+def test_a_speed_is_never_out_of_bounds() -> None:
+    assert [speed(2.0, 0.5), speed(0.1, 1.0), speed(1e9, 1.0), speed(2.0, 0.0)] == [8, 1, 40, 1]
+
+
+@pytest.mark.parametrize(
+    ("outputs", "count"),
+    [((3, 3), 1), ((1, 3, 3, 3, 3), 2), ((3,), 0), ((3, 1, 3), 0), ((3, 3, 3), 0), ((), 0)],
+)
+def test_a_shutter_has_two_outputs(outputs: tuple[int, ...], count: int) -> None:
+    assert count_shutters(outputs) == count
+
+
+def test_a_shutter_is_read_and_told() -> None:
+    shutter = only(rl=[3, 3], sht=[[-90, 90, 20]])
+    assert said(shutter, "s/RESULT", {"Shutter1": {"Position": 30, "Direction": -1, "Tilt": 0}}) == {
+        "position": 30.0,
+        "movement": "closing",
+        "tilt": 50.0,
+    }
+    assert said(shutter, "t/SENSOR", {"Shutter1": {"Position": 0, "Direction": 0}})["movement"] == "closed"
+    assert said(shutter, "s/STATUS10", {"StatusSNS": {"Shutter1": {"Direction": 0}}}) == {"movement": "stopped"}
+    assert told(shutter, "movement", "open") == ("c/ShutterOpen1", "")
+    assert told(shutter, "movement", "stopped") == ("c/ShutterStop1", "")
+    assert told(shutter, "position", 30.0) == ("c/ShutterPosition1", "30")
+    assert told(shutter, "tilt", 75.0) == ("c/ShutterTilt1", "45")
+    assert shutter.state_requests == (Publication("c/STATUS", b"10"),)
+
+
+def test_a_shutter_may_be_the_wrong_way_round() -> None:
+    shutter = only(rl=[3, 3], sho=[1], sht=[[0, 0, 0]])
+    assert said(shutter, "s/RESULT", {"Shutter1": {"Position": 30, "Direction": 1}}) == {
+        "position": 70.0,
+        "movement": "closing",
+    }
+    assert told(shutter, "position", 70.0) == ("c/ShutterPosition1", "30")
+    assert "tilt" not in [one.name for one in shutter.part.capabilities]
+
+
+@pytest.mark.parametrize("outputs", [[2, 0, 0], [1, 1, 1, 1]])
+def test_a_ceiling_fan_is_a_lamp_and_a_fan(outputs: list[int]) -> None:
+    parts = built(rl=outputs, fan=1)
+    of_use = [(part_id, one.part.service_type) for part_id, one in parts.items() if not one.part.category]
+    assert of_use == [("power_1", "light"), ("fan", "fan")]
+    fan = parts["fan"]
+    assert told(fan, "on_off", value=True) == ("c/FanSpeed", "2")
+    assert said(fan, "s/RESULT", {"FanSpeed": 3}) == {"on_off": True, "fan_speed": 100.0}
+    assert said(fan, "t/STATE", {"FanSpeed": 0}) == {"on_off": False, "fan_speed": 0.0}
+    assert told(fan, "on_off", value=True) == ("c/FanSpeed", "3")
+    assert [told(fan, "fan_speed", percent)[1] for percent in (0.0, 10.0, 33.0, 34.0, 100.0)] == list("01123")
+
+
+def test_a_switch_that_is_followed_is_a_state() -> None:
+    parts = built(swc=[-1, 1], swn=[None, "Door"])
+    switch = parts["switch_2"]
+    assert switch.part.name == "Door"
+    assert said(switch, "s/RESULT", {"Door": {"Action": "ON"}}) == {"state": True}
+    assert said(switch, "t/SENSOR", {"Door": "OFF"}) == {"state": False}
+    assert said(switch, "s/STATUS10", {"StatusSNS": {"Door": "ON"}}) == {"state": True}
+    assert said(switch, "s/RESULT", {"Door": {"Action": "HOLD"}}) == {}
+
+
+def test_a_pulse_ends_by_itself_and_is_no_pulse_when_kept() -> None:
+    switch = only(swc=[13])
+    assert switch.expiries == (AutoExpiry("state", 1.0, value=False, only=True),)
+    assert said(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}) == {"state": True}
+    assert said(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}, retained=True) == {}
+
+
+def test_a_push_switch_tells_its_state_and_presses() -> None:
+    parts = built(swc=[5])
+    press = parts["switch_1_press"]
+    assert press.part.service_type == "generic_switch"
+    assert press.part.capabilities[0].options == ("single", "hold")
+    assert said(press, "s/RESULT", {"Switch1": {"Action": "TOGGLE"}}) == {"press": "single"}
+    assert said(press, "s/RESULT", {"Switch1": {"Action": "HOLD"}}) == {"press": "hold"}
+    assert said(press, "s/RESULT", {"Switch1": {"Action": "ON"}}) == {}
+
+
+@pytest.mark.parametrize(
+    ("options", "action", "expected"),
+    [
+        ({"73": 1}, "DOUBLE", {"press": "double"}),
+        ({"73": 1, "11": 1}, "DOUBLE", {"press": "single"}),
+        ({"73": 1, "13": 1}, "DOUBLE", {}),
+        ({"73": 1}, "PENTA", {"press": "quintuple"}),
+    ],
+)
+def test_buttons_tell_presses(options: dict[str, int], action: str, expected: dict[str, str]) -> None:
+    button = only(btn=[1, 0], so=options)
+    assert button.part.id == "button_1"
+    assert said(button, "s/RESULT", {"Button1": {"Action": action}}) == expected
+
+
+def test_buttons_that_switch_directly_tell_nothing() -> None:
+    assert built(btn=[1]) == {}
+
+
+@pytest.mark.parametrize(
+    ("sensors", "part_id", "service_type", "expected"),
+    [
+        ({"A": {"Temperature": 212}, "TempUnit": "F"}, "A_Temperature", "temperature_sensor", {"temperature": 100}),
+        ({"A": {"Humidity": 45.5}}, "A_Humidity", "humidity_sensor", {"humidity": 45.5}),
+        ({"A": {"Pressure": 750}, "PressureUnit": "mmHg"}, "A_Pressure", "pressure_sensor", {"pressure": 999.9}),
+        ({"ENERGY": {"Total": 1.5}}, "ENERGY_Total", "electrical_meter", {"energy": 1.5}),
+        ({"ENERGY": {"Power": [1, 2]}}, "ENERGY_Power_1", "electrical_meter", {"power": 2.0}),
+        ({"ENERGY": {"Factor": 0.5}}, "ENERGY_Factor", "x_sensor", {"measurement": 0.5}),
+        ({"AS3935": {"Energy": 7}}, "AS3935_Energy", "x_sensor", {"measurement": 7.0}),
+        ({"ANALOG": {"Humidity1": 20}}, "ANALOG_Humidity1", "humidity_sensor", {"humidity": 20.0}),
+        ({"ANALOG": {"CT": {"Power": 5}}}, "ANALOG_CT_Power", "electrical_meter", {"power": 5.0}),
+        ({"TX23": {"Dir": {"Card": "WSW"}}}, "TX23_Dir_Card", "x_sensor", {"value": "WSW"}),
+        ({"A": {"CarbonDioxide": 800}}, "A_CarbonDioxide", "air_quality_sensor", {"carbon_dioxide": 800.0}),
+        ({"A": {"Temperature": 20}}, "A_Temperature", "x_sensor", {"measurement": 20.0}),
+    ],
+)  # fmt: skip
+def test_each_leaf_is_a_sensor(
+    sensors: dict[str, Any], part_id: str, service_type: str, expected: dict[str, Any]
+) -> None:
+    sensor = built(sensors)[part_id]
+    assert sensor.part.service_type == service_type
+    wanted = {
+        name: value if isinstance(value, str) else pytest.approx(value, abs=0.1) for name, value in expected.items()
+    }
+    assert said(sensor, "t/SENSOR", sensors) == wanted
+    assert said(sensor, "s/STATUS10", {"StatusSNS": sensors}) == wanted
+
+
+def test_a_meter_may_tell_fewer_phases_than_it_announced() -> None:
+    parts = built({"ENERGY": {"Power": [1, 2]}})
+    assert said(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {"power": 5.0}
+    assert said(parts["ENERGY_Power_1"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {}
+    assert said(parts["ENERGY_Power_1"], "t/SENSOR", {"ENERGY": {"Power": [5]}}) == {}
+    assert said(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": None}}) == {"power": None}
+
+
+def test_what_is_no_sensor_is_left_out() -> None:
+    assert built({"Time": "now", "Switch1": "ON", "PN532": {"UID": "1"}, "TempUnit": "C"}) == {}
+    assert read_leaves({"ver": 2, "sn": {"A": {"b": 1}}}) == ()
+
+
+def test_sensors_are_bounded() -> None:
+    assert built({"A" * 101: {"b": 1}, "A": {"b" * 101: 1}}) == {}
+    assert len(built({"A": {f"n{number}": number for number in range(10_000)}})) == MOST_SENSORS
+
+
+def test_the_strength_of_the_signal_is_told_beside_the_state() -> None:
+    config = read_config(
+        MAC, json.dumps({"ver": 1, "mac": MAC, "ft": "%prefix%/", "tp": ["c", "s", "t"], "rl": []}).encode()
+    )
+    (wifi,) = build_parts(config, ())
+    assert (wifi.part.category, config.name) == ("diagnostic", MAC)
+    assert said(wifi, "t/STATE", {"Wifi": {"Signal": -65}}) == {"signal_strength": -65.0}
+    assert said(wifi, "t/STATE", {"Wifi": 1}) == {}
+
+
+def test_the_relays_of_a_fans_speeds_are_told_and_switched_by_nobody() -> None:
+    """Home Assistant shows them as switches: *all on* there would set the fan between two speeds."""
+    parts = built(rl=[1, 1, 1, 1], fan=1)
+    relay = parts["power_3"]
+    assert (relay.part.service_type, relay.part.category) == ("x_binary_sensor", "diagnostic")
+    assert said(relay, "t/STATE", {"POWER1": "OFF", "POWER3": "ON"}) == {"state": True}
+    assert not any(one.settable for one in relay.part.capabilities)
+    with pytest.raises(RefusedError):
+        relay.codec.write("on_off", True)

@@ -1,0 +1,58 @@
+"""What a command asks for, held against what a part can do."""
+
+import math
+
+import pytest
+
+from homebot.conventions.command_values import (
+    require_bool,
+    require_color,
+    require_number,
+    require_option,
+    require_transition,
+)
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+
+def test_what_fits_is_returned() -> None:
+    assert require_bool("on_off", value=False) is False
+    assert require_number("level", 50, 0, 100, "%") == 50.0
+    assert require_option("movement", "open", ("open", "closed")) == "open"
+    assert require_color((120, 50.5)) == (120.0, 50.5)
+
+
+@pytest.mark.parametrize("value", [None, 1, "on", (1.0,)])
+def test_a_flag_is_true_or_false(value: PlainValue) -> None:
+    with pytest.raises(RefusedError, match="true or false"):
+        require_bool("on_off", value)
+
+
+@pytest.mark.parametrize("value", [None, True, "5", -1, 101, math.nan])
+def test_a_number_is_within_its_bounds(value: PlainValue) -> None:
+    with pytest.raises(RefusedError, match="a number from 0 to 100 %"):
+        require_number("level", value, 0, 100, "%")
+
+
+@pytest.mark.parametrize("value", [None, 5.0, (), (1.0,), (361.0, 0.0), (0.0, 101.0), (math.nan, 0.0)])
+def test_a_color_is_a_hue_and_a_saturation(value: PlainValue) -> None:
+    with pytest.raises(RefusedError, match="0 to 360, 0 to 100"):
+        require_color(value)
+
+
+def test_an_option_is_one_of_those_named() -> None:
+    with pytest.raises(RefusedError, match="it takes open, closed"):
+        require_option("movement", "ajar", ("open", "closed"))
+    with pytest.raises(RefusedError, match="it takes none"):
+        require_option("movement", "ajar", ())
+    with pytest.raises(RefusedError, match="…"):
+        require_option("effect", "ajar", [f"effect {index}" for index in range(30)])
+
+
+def test_a_transition_has_an_end_and_perhaps_a_longest() -> None:
+    assert require_transition(1e6) == 1e6
+    for seconds in (-1.0, math.nan, math.inf):
+        with pytest.raises(RefusedError, match="it takes 0 or more seconds"):
+            require_transition(seconds)
+    with pytest.raises(RefusedError, match=r"a transition of 11 s.*it takes 0 to 10 s"):
+        require_transition(11.0, most=10.0)

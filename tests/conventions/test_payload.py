@@ -1,0 +1,114 @@
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.conventions.payload import clean_text, noting_duplicates, parse_json, parse_object, shown
+from homebot.errors import WireError
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
+    max_leaves=12,
+)
+
+
+def test_keys_that_are_there_twice_are_noted_or_refused() -> None:
+    """The last one counts where that is not asked for."""
+    text = '{"a": 1, "b": {"c": 1, "c": 2}, "a": 3}'
+    assert parse_json(text) == {"a": 3, "b": {"c": 2}}
+    with noting_duplicates() as keys:
+        assert parse_json(text) == {"a": 3, "b": {"c": 2}}
+        parse_json('{"a": [{"a": 1}, {"a": 2}]}')
+    assert keys == ["c", "a"]
+    with pytest.raises(WireError, match="the key 'c' is there twice"):
+        parse_json(text, unique=True)
+    with noting_duplicates() as keys:
+        parse_json("[" + ",".join(['{"x": 1, "x": 2}'] * 1000) + "]")
+    assert len(keys) == 10
+
+
+@given(json_values)
+def test_what_json_says_comes_back(value: object) -> None:
+    assert parse_json(json.dumps(value).encode()) == value
+
+
+def test_of_a_key_that_is_there_twice_the_last_counts() -> None:
+    assert parse_json(b'{"a": 1, "a": 2}') == {"a": 2}
+
+
+@pytest.mark.parametrize(
+    ("payload", "problem"),
+    [
+        (b"", "no JSON"),
+        (b"\xff", "no JSON"),
+        (b'\xef\xbb\xbf{"a": 1}', "no JSON"),
+        (b"NaN", "NaN is no number"),
+        (b"[-Infinity]", "-Infinity is no number"),
+        (b"1e999", "too large"),
+        (b"1" * 5000, "no JSON"),
+        (b"[" * 10_000 + b"]" * 10_000, "deeper than 64"),
+        (b"[" * 65 + b"]" * 65, "deeper than 64"),
+        (b'{"a":' * 10_000, "no JSON|deeper than 64"),
+        (b'"\\ud800"', "surrogate"),
+        (b'{"\\uDC00": 1}', "surrogate"),
+        (b" " * 300_000, "longer than"),
+    ],
+)
+def test_what_is_no_sane_json_is_refused(payload: bytes, problem: str) -> None:
+    with pytest.raises(WireError, match=problem) as refused:
+        parse_json(payload)
+    assert len(str(refused.value)) < 300
+
+
+def test_sixty_four_levels_and_a_whole_surrogate_pair_are_sane() -> None:
+    assert parse_json(b"[" * 64 + b"1" + b"]" * 64)
+    assert parse_json(b'"\\ud83d\\ude00"') == "\U0001f600"
+    assert parse_json("[" + "[]," * 100 + "[]]") == [[]] * 101
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_are_json_or_a_wire_error(payload: bytes) -> None:
+    try:
+        parse_json(payload)
+    except WireError:
+        return
+    json.loads(payload)
+
+
+@pytest.mark.parametrize("payload", [b"[]", b"3", b"null", b'"text"'])
+def test_an_object_is_asked_for_and_nothing_else_taken(payload: bytes) -> None:
+    with pytest.raises(WireError, match="no JSON object"):
+        parse_object(payload)
+
+
+@pytest.mark.parametrize(
+    ("text", "clean"),
+    [
+        ("Kitchen lamp", "Kitchen lamp"),
+        ("  blank  ", "blank"),
+        ("a\x00b\x1b[31mc\n\td", "a b [31mc d"),
+        ("left\u202eright", "left right"),
+        ("<script>alert(1)</script>", "<script>alert(1)</script>"),
+        ("Küche 灯 \U0001f4a1", "Küche 灯 \U0001f4a1"),
+        ("\ud800x", "x"),
+        ("n" * 100_000, "n" * 120),
+        ("\x00" * 100_000, ""),
+    ],
+)
+def test_a_name_is_one_short_visible_line(text: str, clean: str) -> None:
+    assert clean_text(text) == clean
+
+
+@given(st.text(max_size=400), st.integers(1, 60))
+def test_a_clean_text_is_short_and_cleaning_it_again_changes_nothing(text: str, limit: int) -> None:
+    clean = clean_text(text, limit)
+    assert len(clean) <= limit
+    assert clean_text(clean, limit) == clean
+
+
+@given(json_values | st.binary(max_size=300))
+def test_an_error_shows_any_value_on_one_short_line(value: object) -> None:
+    assert len(shown(value)) <= 61
+    assert "\n" not in shown(value)

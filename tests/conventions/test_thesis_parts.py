@@ -1,0 +1,111 @@
+"""What a device of the thesis's layout is, by its word, and that it understands what its part offers."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.conventions.thesis_parts import thesis_part
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.ear import decode_text
+from homebot.devices.value import PlainValue
+from homebot.devices.words import decode_command, encode_command
+from homebot.house.device import SimulatedDevice
+from homebot.house.lamp import SimulatedLamp
+from homebot.house.lock import SimulatedDoorLock
+from homebot.house.motor import CoverMotor, WindowMotor
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.thermostat import SimulatedThermostat
+
+
+@pytest.mark.parametrize(
+    ("word", "kind", "tag", "settable", "read_only"),
+    [
+        ("lights", "light", "", ["on_off", "level", "color_temperature"], []),
+        ("Lamp", "light", "", ["on_off", "level", "color_temperature"], []),
+        ("windows", "closure", "window", ["movement", "position"], []),
+        ("doors", "closure", "door", ["movement", "position"], []),
+        ("garage_doors", "closure", "garage_door", ["movement", "position"], []),
+        ("gates", "closure", "", ["movement", "position"], []),
+        ("covers", "window_covering", "", ["movement", "position"], []),
+        ("blinds", "window_covering", "", ["movement", "position"], []),
+        ("locks", "door_lock", "", ["lock"], []),
+        ("plugs", "plug", "", ["on_off"], []),
+        ("switches", "switch", "", ["on_off"], []),
+        ("fans", "fan", "", ["on_off", "fan_speed"], []),
+        ("valves", "water_valve", "", ["valve", "position"], []),
+        ("thermostats", "thermostat", "", ["heating_setpoint"], ["local_temperature"]),
+        ("climate", "thermostat", "", ["heating_setpoint"], ["local_temperature"]),
+        ("contacts", "contact_sensor", "", [], ["contact"]),
+        ("motions", "occupancy_sensor", "", [], ["occupancy"]),
+        ("light_levels", "light_sensor", "", [], ["illuminance"]),
+        ("temperatures", "temperature_sensor", "", [], ["temperature"]),
+        ("humidities", "humidity_sensor", "", [], ["humidity"]),
+        ("power_meters", "electrical_meter", "", [], ["power"]),
+        ("robots", "x_robot", "", [], ["value"]),
+    ],
+)
+def test_the_word_of_the_topic_says_what_a_device_is(
+    word: str, kind: str, tag: str, settable: list[str], read_only: list[str]
+) -> None:
+    part = thesis_part(word, "home/x/y/out", "home/x/y/in")
+    assert part is not None
+    assert (part.id, part.service_type, part.tag, part.advertised, part.guessed) == ("", kind, tag, word, True)
+    assert [one.name for one in part.capabilities if one.settable] == settable
+    assert [one.name for one in part.capabilities if not one.settable] == read_only
+    assert part.reads == ("home/x/y/out",)
+    assert part.writes == (("home/x/y/in",) if settable else ())
+    assert kind in wanted_types(word)
+
+
+@pytest.mark.parametrize("word", ["coffee", "", "type7", "x", "Küchen", "lights\0"])
+def test_an_unknown_word_says_nothing(word: str) -> None:
+    assert thesis_part(word, "out", "in") is None
+
+
+@given(st.text() | st.sampled_from([word for one in DEVICE_TYPES.values() for word in (one.name, *one.words)]))
+def test_whatever_the_word_the_part_is_of_the_vocabulary(word: str) -> None:
+    part = thesis_part(word, "out", "in")
+    if part is not None:
+        assert part.service_type in DEVICE_TYPES
+        assert all(one.name in CAPABILITIES for one in part.capabilities)
+
+
+@pytest.mark.parametrize(
+    "device",
+    [
+        SimulatedLamp("x"),
+        WindowMotor("x"),
+        CoverMotor("x"),
+        SimulatedDoorLock("x"),
+        SimulatedContactSensor("x"),
+        MotionSensor("x"),
+        LuxSensor("x"),
+        PowerMeter("x"),
+        SimulatedThermostat("x"),
+    ],
+    ids=lambda device: device.kind,
+)
+def test_every_simulated_device_says_its_state_and_obeys_what_its_part_offers(device: SimulatedDevice) -> None:
+    """The house's own words, which are the reference for what the layout speaks."""
+    part = thesis_part(device.service_type, "out", "in")
+    assert part is not None
+    assert decode_text(device.state(), part)
+    values: dict[str, PlainValue] = {
+        "on_off": True,
+        "level": 40.0,
+        "color_temperature": 2500.0,
+        "movement": "open",
+        "position": 25.0,
+        "lock": "unlocked",
+        "heating_setpoint": 23.0,
+    }
+    for capability in part.capabilities:
+        if capability.settable:
+            said = encode_command(capability.name, values[capability.name], part)
+            assert decode_command(said, part) == (capability.name, values[capability.name])
+            answers = device.obey(said, device.now)
+            assert answers
+            assert all(decode_text(one, part) for one in answers)

@@ -1,0 +1,246 @@
+"""Lists of a bridge in, devices out: joining, leaving, renaming, and whether they can be reached."""
+
+import json
+from typing import Any
+
+import pytest
+
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.conventions.zigbee2mqtt.availability import StateWord
+from homebot.conventions.zigbee2mqtt.convention import MAX_DEVICES, _read
+from homebot.errors import WireError
+
+LAMP = "0x00158d0001abcdef"
+PLUG = "0x00158d0001abcde0"
+SWITCH = {
+    "type": "switch",
+    "features": [
+        {"type": "binary", "name": "state", "property": "state", "access": 7, "value_on": "ON", "value_off": "OFF"}
+    ],
+}
+COORDINATOR = {"ieee_address": "0x00124b0000000001", "type": "Coordinator", "friendly_name": "Coordinator"}
+
+
+def entry(ieee: str = LAMP, name: str = "kitchen/lamp", **more: Any) -> dict[str, Any]:
+    definition = {"vendor": "IKEA", "model": "LED1545G12", "description": "Bulb E27", "exposes": [SWITCH]}
+    return {
+        "ieee_address": ieee,
+        "friendly_name": name,
+        "type": "Router",
+        "power_source": "Mains (single phase)",
+        "definition": definition,
+        **more,
+    }
+
+
+def bridge(*bases: str) -> Zigbee2Mqtt:
+    return Zigbee2Mqtt(Zigbee2MqttSettings(bases=bases or ("zigbee2mqtt",)))
+
+
+def heard(convention: Zigbee2Mqtt, *entries: object, base: str = "zigbee2mqtt") -> tuple[AnnouncementEvent, ...]:
+    return convention.take(f"{base}/bridge/devices", json.dumps(entries).encode(), retained=True)
+
+
+def info(convention: Zigbee2Mqtt, config: object) -> tuple[AnnouncementEvent, ...]:
+    return convention.take("zigbee2mqtt/bridge/info", json.dumps({"config": config}).encode(), retained=True)
+
+
+def one(found: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
+    (device,) = found
+    assert isinstance(device, DeviceAnnounced)
+    return device
+
+
+def sources(device: DeviceAnnounced) -> list[str]:
+    assert device.availability is not None
+    return [source.topic for source in device.availability.sources]
+
+
+def test_a_bridge_whose_list_does_not_come_is_in_trouble() -> None:
+    """As where the list is larger than a broker may send."""
+    convention = bridge("zigbee2mqtt", "attic")
+    assert convention.problems() == ()
+    info(convention, {})
+    (trouble,) = convention.problems()
+    assert trouble.startswith("zigbee2mqtt/bridge/info came, but zigbee2mqtt/bridge/devices did not")
+    with pytest.raises(WireError):
+        convention.take("zigbee2mqtt/bridge/devices", b"{", retained=True)
+    assert convention.problems() == ()
+    info(convention, {})
+    assert convention.problems() == ()
+
+
+def test_it_listens_to_the_two_topics_of_each_bridge_and_not_to_groups() -> None:
+    assert bridge("zigbee2mqtt", "attic/z2m").filters() == (
+        "zigbee2mqtt/bridge/info",
+        "zigbee2mqtt/bridge/devices",
+        "attic/z2m/bridge/info",
+        "attic/z2m/bridge/devices",
+    )
+    assert bridge().birth_messages() == ()
+
+
+def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
+    device = one(heard(bridge(), COORDINATOR, entry()))
+    assert (device.key, device.name, device.identifiers) == (LAMP, "kitchen/lamp", ("eui64:00158d0001abcdef",))
+    assert device.facts == {
+        "manufacturer": "IKEA",
+        "model": "Bulb E27",
+        "model_id": "LED1545G12",
+        "power_source": "Mains (single phase)",
+        "zigbee_type": "Router",
+        "via_device": "zigbee2mqtt_bridge_0x00124b0000000001",
+    }
+    assert device.parts[0].part.reads == ("zigbee2mqtt/kitchen/lamp",)
+    assert device.parts[0].part.writes == ("zigbee2mqtt/kitchen/lamp/set",)
+
+
+def test_a_device_of_another_bridge_has_the_base_in_its_key_and_topics() -> None:
+    device = one(heard(bridge("zigbee2mqtt", "attic"), entry(), base="attic"))
+    assert (device.key, device.parts[0].part.reads) == (f"attic/{LAMP}", ("attic/kitchen/lamp",))
+
+
+def test_a_device_that_is_missing_from_the_next_list_is_gone() -> None:
+    convention = bridge()
+    heard(convention, entry(), entry(PLUG, "plug"))
+    gone, rest = heard(convention, entry(PLUG, "plug"))
+    assert gone == DeviceWithdrawn(LAMP, "it left its bridge", is_final=True)
+    assert isinstance(rest, DeviceAnnounced)
+    assert rest.key == PLUG
+
+
+def test_a_device_that_is_renamed_keeps_its_key_and_gets_new_topics() -> None:
+    convention = bridge()
+    heard(convention, entry())
+    device = one(heard(convention, entry(name="hall/lamp")))
+    assert (device.key, device.parts[0].part.reads) == (LAMP, ("zigbee2mqtt/hall/lamp",))
+
+
+def test_a_list_that_is_removed_withdraws_its_devices_but_not_for_good() -> None:
+    convention = bridge()
+    heard(convention, entry())
+    assert convention.take("zigbee2mqtt/bridge/devices", b"", retained=False) == (
+        DeviceWithdrawn(LAMP, "its bridge's list was removed"),
+    )
+    assert convention.take("zigbee2mqtt/bridge/devices", b"", retained=False) == ()
+
+
+def test_a_device_that_is_disabled_is_withdrawn_and_comes_back() -> None:
+    convention = bridge()
+    heard(convention, entry())
+    assert heard(convention, entry(disabled=True)) == (DeviceWithdrawn(LAMP, "it was disabled, or its name was taken"),)
+    assert one(heard(convention, entry())).key == LAMP
+
+
+def test_a_device_that_the_bridge_does_not_know_shows_what_it_says() -> None:
+    device = one(heard(bridge(), entry(definition=None, supported=False, interview_state="IN_PROGRESS")))
+    (part,) = device.parts
+    assert part.part.service_type == "x_unknown"
+    assert part.codec.read("zigbee2mqtt/kitchen/lamp", b'{"a":1,"b":"x"}', retained=False) == {"raw": "a=1, b=x"}
+    assert (device.facts["interview"], device.facts["supported"]) == ("in_progress", "no")
+
+
+def test_a_broken_entry_costs_that_device_alone_and_is_counted() -> None:
+    convention = bridge()
+    names = ("a/+/b", "bridge/x", "", "kitchen/lamp/set", "a\x00", "n" * 600)
+    broken = [{"ieee_address": "0x1"}, "lamp", None, *(entry(PLUG, name) for name in names)]
+    assert one(heard(convention, *broken, entry())).key == LAMP
+    assert convention.rejected == len(broken)
+
+
+def test_a_device_whose_entry_is_broken_now_stays_as_it_was() -> None:
+    convention = bridge()
+    heard(convention, entry(), entry(PLUG, "plug"))
+    lamp, plug = heard(convention, entry(name="#"), entry(PLUG, "plug"))
+    assert isinstance(lamp, DeviceAnnounced)
+    assert isinstance(plug, DeviceAnnounced)
+    assert (lamp.key, lamp.name) == (LAMP, "kitchen/lamp")
+
+
+def test_a_name_is_not_kept_for_who_is_broken_now_and_another_has_it() -> None:
+    convention = bridge()
+    heard(convention, entry())
+    gone, plug = heard(convention, entry(PLUG), entry(name="#"))
+    assert gone == DeviceWithdrawn(LAMP, "it was disabled, or its name was taken")
+    assert isinstance(plug, DeviceAnnounced)
+    assert plug.key == PLUG
+
+
+def test_devices_are_left_out_where_those_before_have_all_the_parts() -> None:
+    with pytest.raises(WireError, match="which is the limit"):
+        _read("zigbee2mqtt", entry(), set(), is_known=False, room=0)
+
+
+def test_who_claims_the_name_or_the_address_of_another_is_left_out() -> None:
+    convention = bridge()
+    assert one(heard(convention, entry(), entry(PLUG), entry(name="other"))).name == "kitchen/lamp"
+    assert convention.rejected == 2
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [b"{}", b"nothing", b"[" * 9_999, json.dumps([{}] * (MAX_DEVICES + 1)).encode(), b'[{"ieee_address": "0x"}]'],
+    ids=["object", "no json", "deep", "too many", "broken"],
+)
+def test_a_list_that_is_none_is_refused_and_nothing_changes(payload: bytes) -> None:
+    convention = bridge()
+    heard(convention, entry())
+    with pytest.raises(WireError):
+        convention.take("zigbee2mqtt/bridge/devices", payload, retained=True)
+    assert convention.rejected == 1
+    assert heard(convention) == (DeviceWithdrawn(LAMP, "it left its bridge", is_final=True),)
+
+
+def test_other_topics_say_nothing() -> None:
+    convention = bridge()
+    for topic in ("zigbee2mqtt/lamp", "attic/bridge/devices", "zigbee2mqtt/bridge/groups", "bridge/devices"):
+        assert convention.take(topic, b"[1]", retained=True) == ()
+    assert convention.take("zigbee2mqtt/bridge/info", b"", retained=True) == ()
+
+
+def test_a_device_can_be_reached_when_bridge_and_device_say_so() -> None:
+    device = one(heard(bridge(), entry()))
+    assert sources(device) == ["zigbee2mqtt/bridge/state", "zigbee2mqtt/kitchen/lamp/availability"]
+    assert device.availability is not None
+    assert device.availability.mode == "all"
+
+
+@pytest.mark.parametrize("off", [{}, {"availability": False}, {"availability": {"enabled": False}}])
+def test_where_devices_do_not_tell_it_the_bridges_word_stands_alone(off: object) -> None:
+    convention = bridge()
+    assert info(convention, off) == ()
+    assert sources(one(heard(convention, entry()))) == ["zigbee2mqtt/bridge/state"]
+
+
+def test_devices_are_described_anew_when_it_is_learned_later_how_they_tell_it() -> None:
+    convention = bridge()
+    heard(convention, entry(), entry(PLUG, "plug"))
+    config = {"availability": {"enabled": False}, "devices": {LAMP.upper(): {"availability": True}, "odd": 1}}
+    assert sources(one(info(convention, config))) == ["zigbee2mqtt/bridge/state"]
+    assert info(convention, config) == ()
+    assert {device.key for device in info(convention, {"availability": {"enabled": True}})} == {PLUG}
+
+
+def test_info_without_config_is_refused() -> None:
+    convention = bridge()
+    with pytest.raises(WireError, match="config is None"):
+        convention.take("zigbee2mqtt/bridge/info", b"{}", retained=True)
+    assert convention.rejected == 1
+
+
+@pytest.mark.parametrize(
+    ("payload", "expected"),
+    [
+        (b'{"state":"online"}', True),
+        (b'{"state":"offline"}', False),
+        (b"online", True),
+        (b"offline", False),
+        (b"", None),
+        (b'{"state":1}', None),
+        (b'"online"', None),
+        (b"{" * 5_000, None),
+    ],
+)
+def test_the_word_of_availability_is_an_object_or_plain(payload: bytes, expected: object) -> None:
+    assert StateWord("t").read(payload) is expected

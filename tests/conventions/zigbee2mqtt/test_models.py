@@ -1,0 +1,84 @@
+"""Real models against what Home Assistant makes of the same devices.
+
+``models.jsonl`` has a device per line, as ``bridge/devices`` of Zigbee2MQTT 2.14.1 lists it (without descriptions):
+
+- ``types``: what Home Assistant core 2025.4.4 takes it for, by Zigbee2MQTT's own discovery messages, in our words
+  (left out for two thermostats without modes, for which it assumes those of an air conditioner);
+- ``says``: messages one after the other, and what Home Assistant then knows, by part and capability;
+- ``told``: part, capability, value and transition, and which properties Home Assistant sets for that.
+"""
+
+import json
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import pytest
+
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.devices.value import PlainValue
+
+Model: TypeAlias = dict[str, Any]
+
+LINES = Path(__file__).with_name("models.jsonl").read_text(encoding="utf-8").splitlines()
+MODELS: list[Model] = [json.loads(line) for line in LINES]
+MAIN_TYPES = {"light", "switch", "window_covering", "door_lock", "fan", "thermostat", "room_air_conditioner"}
+
+
+def name(model: Model) -> str:
+    return f"{model['entry']['definition']['vendor']}-{model['entry']['definition']['model']}"
+
+
+def described(model: Model) -> DeviceAnnounced:
+    payload = json.dumps([model["entry"]]).encode()
+    (device,) = Zigbee2Mqtt(Zigbee2MqttSettings()).take("zigbee2mqtt/bridge/devices", payload, retained=True)
+    assert isinstance(device, DeviceAnnounced)
+    return device
+
+
+def parts(model: Model) -> dict[str, DescribedPart]:
+    return {one.part.id: one for one in described(model).parts}
+
+
+def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:
+    """Home Assistant shows whole percents, 255 steps and rounded hues."""
+    if isinstance(ours, tuple) and isinstance(theirs, list):
+        return ours == pytest.approx(theirs, abs=2)
+    return ours == (theirs if isinstance(theirs, bool | str | None) else pytest.approx(theirs, abs=0.6, rel=0.01))
+
+
+@pytest.mark.parametrize("model", [one for one in MODELS if one["types"]], ids=name)
+def test_a_device_is_what_home_assistant_takes_it_for(model: Model) -> None:
+    found = {one.part.service_type for one in described(model).parts if not one.part.category} & MAIN_TYPES
+    settings = {one.part.id for one in described(model).parts if one.part.service_type == "x_setting"}
+    missing = set(model["types"]) - found
+    assert found <= set(model["types"])
+    assert not missing or (missing == {"switch"} and settings)  # a binary that can be set is a setting to us
+
+
+@pytest.mark.parametrize("model", [one for one in MODELS if one["says"]], ids=name)
+def test_what_it_says_is_understood_as_home_assistant_does(model: Model) -> None:
+    device = described(model)
+    topic = f"zigbee2mqtt/{model['entry']['friendly_name']}"
+    known: dict[str, dict[str, PlainValue]] = {one.part.id: {} for one in device.parts}
+    for payload, expected in model["says"]:
+        for one in device.parts:
+            known[one.part.id].update(one.codec.read(topic, payload.encode(), retained=False))
+        wrong = [
+            (part, capability, known[part].get(capability), value)
+            for part, values in expected.items()
+            for capability, value in values.items()
+            if not same(known[part].get(capability), value)
+        ]
+        assert wrong == []
+
+
+@pytest.mark.parametrize("model", [one for one in MODELS if one["told"]], ids=name)
+def test_it_is_told_what_home_assistant_tells_it(model: Model) -> None:
+    by_id = parts(model)
+    for part, capability, value, transition, expected in model["told"]:
+        plain = tuple(value) if isinstance(value, list) else value
+        (publication,) = by_id[part].codec.write(capability, plain, transition=transition)
+        assert publication.topic == f"zigbee2mqtt/{model['entry']['friendly_name']}/set"
+        assert json.loads(publication.payload) == expected
+        assert not publication.retain

@@ -1,0 +1,448 @@
+"""What a device exposes becomes parts that read and tell the right properties."""
+
+import json
+from typing import Any
+
+import pytest
+
+from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.zigbee2mqtt.bridge_device import read_bridge_device
+from homebot.conventions.zigbee2mqtt.parts import build_parts
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+TOPIC = "zigbee2mqtt/a"
+
+
+def feature(kind: str, name: str, access: int = 7, key: str = "", **more: Any) -> dict[str, Any]:
+    return {"type": kind, "name": name, "property": key or name, "access": access, **more}
+
+
+def onoff(suffix: str = "", access: int = 7) -> dict[str, Any]:
+    return feature("binary", "state", access, f"state{suffix}", value_on="ON", value_off="OFF")
+
+
+def level(suffix: str = "") -> dict[str, Any]:
+    return feature("numeric", "brightness", key=f"brightness{suffix}", value_min=0, value_max=254)
+
+
+WHITE = feature("numeric", "color_temp", value_min=153, value_max=500)
+XY = feature("composite", "color_xy", key="color", features=[])
+HS = feature("composite", "color_hs", key="color", features=[])
+EFFECT = feature("enum", "effect", 2, values=["blink", "stop_effect"])
+
+
+def built(*exposes: dict[str, Any], model: str = "m", power: str = "Mains", **definition: Any) -> list[DescribedPart]:
+    entry = {
+        "ieee_address": "0x00158d0001abcdef",
+        "friendly_name": "a",
+        "power_source": power,
+        "definition": {"model": model, "exposes": list(exposes), **definition},
+    }
+    return list(build_parts(read_bridge_device("zigbee2mqtt", entry)))
+
+
+def only(*exposes: dict[str, Any], **more: Any) -> DescribedPart:
+    (part,) = built(*exposes, **more)
+    return part
+
+
+def said(part: DescribedPart, *, retained: bool = False, **message: Any) -> dict[str, PlainValue]:
+    return dict(part.codec.read(TOPIC, json.dumps(message).encode(), retained=retained))
+
+
+def told(part: DescribedPart, capability: str, value: PlainValue, transition: float = 0.0) -> dict[str, Any]:
+    (publication,) = part.codec.write(capability, value, transition=transition)
+    assert publication.topic == f"{TOPIC}/set"
+    message: dict[str, Any] = json.loads(publication.payload)
+    return message
+
+
+def names(part: DescribedPart) -> list[str]:
+    return [one.name for one in part.part.capabilities]
+
+
+def test_a_lamp_is_read_in_our_units() -> None:
+    lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
+    assert names(lamp) == ["on_off", "level", "color_temperature", "color", "effect"]
+    assert said(lamp, state="ON", brightness=127, color_mode="color_temp", color_temp=370) == {
+        "on_off": True,
+        "level": 50.0,
+        "color_temperature": 2702.0,
+        "color": None,
+    }
+    assert said(lamp, state=None) == {"on_off": None}
+    assert said(lamp, state="OFF", brightness=0) == {"on_off": False}
+    assert said(lamp, color_mode="xy", color={"x": 0.7006, "y": 0.2993}, color_temp=370) == {
+        "color": (0.0, 100.0),
+        "color_temperature": None,
+    }
+    assert said(lamp, color_mode="hs", color={"hue": 240, "saturation": 50})["color"] == (240.0, 50.0)
+
+
+def test_before_its_first_colour_mode_a_lamp_shows_what_it_says_alone() -> None:
+    lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
+    assert said(lamp, color_temp=370) == {"color_temperature": 2702.0, "color": None}
+    assert said(lamp, color={"x": 0.7006, "y": 0.2993}) == {"color": (0.0, 100.0), "color_temperature": None}
+    assert said(lamp, color={"hue": 240, "saturation": 50})["color"] == (240.0, 50.0)
+    assert said(lamp, color_temp=370, color={"x": 0.7006, "y": 0.2993}) == {}
+    assert said(lamp, color_temp=None, color_mode=None) == {}
+
+
+def test_a_lamp_is_told_as_home_assistant_tells_it() -> None:
+    lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
+    assert told(lamp, "on_off", value=False, transition=2.0) == {"state": "OFF", "transition": 2}
+    assert told(lamp, "level", 10.0) == {"state": "ON", "brightness": 26}
+    assert told(lamp, "level", 0.1) == {"state": "ON", "brightness": 1}
+    assert told(lamp, "level", 0.0) == {"state": "OFF"}
+    assert told(lamp, "color_temperature", 2_700.0) == {"state": "ON", "color_temp": 370}
+    assert told(lamp, "color", (0.0, 100.0), 1.5) == {
+        "state": "ON",
+        "color": {"x": 0.701, "y": 0.299},
+        "transition": 1.5,
+    }
+    assert told(lamp, "effect", "blink") == {"state": "ON", "effect": "blink"}
+
+
+def test_a_lamp_that_names_hue_first_is_told_hue() -> None:
+    lamp = only({"type": "light", "features": [onoff(), HS, XY]})
+    assert told(lamp, "color", (240.0, 50.0)) == {"state": "ON", "color": {"h": 240.0, "s": 50.0}}
+    assert said(lamp, color_mode="hs", color={"h": 10, "s": 20}) == {"color": (10.0, 20.0)}
+
+
+def test_white_alone_is_read_without_a_colour_mode() -> None:
+    lamp = only({"type": "light", "features": [onoff(), level(), WHITE]})
+    assert said(lamp, color_temp=250) == {"color_temperature": 4000.0}
+    assert lamp.part.capabilities[2].bounds == (1997.0, 6535.0)
+
+
+def test_lamps_of_one_device_have_their_own_properties() -> None:
+    first, second = built(
+        {"type": "light", "endpoint": "l1", "features": [onoff("_l1"), level("_l1")]},
+        {"type": "light", "endpoint": "l2", "features": [onoff("_l2"), level("_l2")]},
+    )
+    assert (first.part.id, first.part.name, second.part.id) == ("light_l1", "l1", "light_l2")
+    assert said(second, state_l1="ON", state_l2="OFF", brightness_l2=254) == {"on_off": False, "level": 100.0}
+    assert told(second, "level", 100.0) == {"state_l2": "ON", "brightness_l2": 254}
+    assert first.state_requests == (Publication("zigbee2mqtt/a/get", b'{"state_l1":"","brightness_l1":""}'),)
+
+
+def test_only_what_can_be_asked_for_is_and_only_of_who_is_awake() -> None:
+    exposes = {"type": "light", "features": [onoff(access=3), level()]}
+    assert only(exposes).state_requests == (Publication("zigbee2mqtt/a/get", b'{"brightness":""}'),)
+    assert only({"type": "switch", "features": [onoff(access=3)]}).state_requests == ()
+    assert only(exposes, power="Battery").state_requests == ()
+
+
+def test_a_switch_is_no_plug_unless_it_says_so() -> None:
+    switch = only({"type": "switch", "features": [onoff()]})
+    assert (switch.part.service_type, switch.part.category) == ("switch", "")
+    assert said(switch, state="ON") == {"on_off": True}
+    assert told(switch, "on_off", value=True) == {"state": "ON"}
+
+
+def test_a_switch_that_is_no_state_is_a_setting() -> None:
+    state = feature("binary", "state", key="window_detection", value_on="ON", value_off="OFF")
+    switch = only({"type": "switch", "label": "Window detection", "features": [state]})
+    assert (switch.part.service_type, switch.part.category) == ("x_setting", "config")
+    assert switch.part.id == "window_detection"
+
+
+MOVING = feature("enum", "moving", 1, values=["UP", "STOP", "DOWN"])
+POSITION = feature("numeric", "position", value_min=0, value_max=100)
+COVER = {"type": "cover", "features": [feature("enum", "state", 3, values=["OPEN", "CLOSE", "STOP"]), POSITION]}
+
+
+@pytest.mark.parametrize(
+    ("message", "expected"),
+    [
+        ({"state": "OPEN", "position": 30}, {"movement": "open", "position": 30.0}),
+        ({"state": "CLOSE", "position": 0}, {"movement": "closed", "position": 0.0}),
+        ({"state": "OPEN", "position": 30, "moving": "DOWN"}, {"movement": "closing", "position": 30.0}),
+        ({"state": "CLOSE", "position": 0, "moving": "DOWN"}, {"movement": "closed", "position": 0.0}),
+        ({"state": "OPEN", "moving": "STOP"}, {"movement": "open"}),
+        ({"state": None}, {"movement": None}),
+        ({"position": 130}, {"position": 100.0}),
+    ],
+)
+def test_a_cover_says_where_it_is_or_goes(message: dict[str, Any], expected: dict[str, Any]) -> None:
+    cover, _motor = built(COVER, MOVING)
+    assert said(cover, **message) == expected
+
+
+def test_a_cover_is_told_words_and_numbers() -> None:
+    cover = only(COVER)
+    assert told(cover, "movement", "closed") == {"state": "CLOSE"}
+    assert told(cover, "movement", "stopped") == {"state": "STOP"}
+    assert told(cover, "position", 30.4) == {"position": 30}
+    with pytest.raises(RefusedError, match="0 to 100"):
+        cover.codec.write("position", 101.0)
+    with pytest.raises(RefusedError, match="open, closed, stopped"):
+        cover.codec.write("movement", "opening")
+
+
+LOCK = {
+    "type": "lock",
+    "features": [
+        feature("binary", "state", value_on="LOCK", value_off="UNLOCK"),
+        feature("enum", "lock_state", 1, values=["not_fully_locked", "locked", "unlocked"]),
+    ],
+}
+
+
+def test_a_lock_goes_by_its_state_and_else_by_its_bolt() -> None:
+    lock = only(LOCK)
+    assert lock.part.service_type == "door_lock"
+    assert said(lock, state="LOCK", lock_state="unlocked") == {"lock": "locked"}
+    assert said(lock, lock_state="not_fully_locked") == {"lock": "unlocked"}
+    assert said(lock, state=None) == {"lock": None}
+    assert said(lock, state="WHAT") == {}
+    assert told(lock, "lock", "unlocked") == {"state": "UNLOCK"}
+    with pytest.raises(RefusedError):
+        lock.codec.write("lock", "open")
+
+
+def test_a_child_lock_is_a_setting_and_no_lock() -> None:
+    lock = only(feature("binary", "child_lock", 3, value_on="LOCK", value_off="UNLOCK"))
+    assert (lock.part.service_type, lock.part.category, names(lock)) == ("x_setting", "config", ["on_off"])
+    assert told(lock, "on_off", value=True) == {"child_lock": "LOCK"}
+
+
+def test_a_fan_with_words_has_percents() -> None:
+    mode = feature("enum", "mode", key="fan_mode", values=["off", "low", "medium", "high", "on", "auto"])
+    fan = only(
+        {"type": "fan", "features": [feature("binary", "state", key="fan_state", value_on="ON", value_off="OFF"), mode]}
+    )
+    assert said(fan, fan_state="ON", fan_mode="medium") == {"on_off": True, "fan_mode": "medium", "fan_speed": 66.0}
+    assert said(fan, fan_mode="auto") == {"fan_mode": "auto"}
+    assert told(fan, "fan_speed", 34.0) == {"fan_mode": "medium"}
+    assert told(fan, "fan_speed", 0.0) == {"fan_mode": "off"}
+    assert told(fan, "fan_mode", "auto") == {"fan_mode": "auto"}
+
+
+def test_a_fan_with_a_speed_has_percents() -> None:
+    fan = only({"type": "fan", "features": [onoff(), feature("numeric", "speed", value_min=1, value_max=254)]})
+    assert said(fan, speed=127) == {"fan_speed": 50.0}
+    assert told(fan, "fan_speed", 10.0) == {"speed": 26}
+    assert told(fan, "fan_speed", 0.0) == {"speed": 0}
+
+
+THERMOSTAT = {
+    "type": "climate",
+    "features": [
+        feature("numeric", "occupied_heating_setpoint", value_min=5, value_max=30, unit="°C"),
+        feature("numeric", "local_temperature", 5, unit="°C"),
+        feature("enum", "system_mode", values=["off", "heat", "auto"]),
+        feature("enum", "running_state", 5, values=["idle", "heat"]),
+        feature("numeric", "local_temperature_calibration", unit="°C", value_min=-5, value_max=5),
+    ],
+}
+
+
+def test_a_thermostat_has_its_parts() -> None:
+    thermostat, thermometer, calibration = built(THERMOSTAT)
+    assert (thermostat.part.service_type, thermometer.part.service_type) == ("thermostat", "temperature_sensor")
+    assert (calibration.part.service_type, calibration.part.category) == ("x_setting", "config")
+    assert said(thermostat, local_temperature=19.5, system_mode="heat", running_state="heat") == {
+        "local_temperature": 19.5,
+        "thermostat_mode": "heat",
+        "thermostat_action": "heating",
+    }
+    assert said(thermometer, local_temperature=19.5) == {"temperature": 19.5}
+    assert told(thermostat, "heating_setpoint", 21.5) == {"occupied_heating_setpoint": 21.5}
+    assert told(thermostat, "heating_setpoint", 21.0) == {"occupied_heating_setpoint": 21}
+    assert told(thermostat, "thermostat_mode", "auto") == {"system_mode": "auto"}
+    with pytest.raises(RefusedError, match="5 to 30"):
+        thermostat.codec.write("heating_setpoint", 60.0)
+
+
+def operating(mode: str, *modes: str) -> DescribedPart:
+    """A thermostat of Bosch's: *mode* is the only one of its modes, or the first."""
+    features = [feature("enum", "system_mode", values=[mode, *modes])]
+    program = feature("enum", "operating_mode", values=["schedule", "manual", "pause"], category="config")
+    return built({"type": "climate", "features": features}, program)[0]
+
+
+@pytest.mark.parametrize(
+    ("part", "mode", "message"),
+    [
+        (operating("heat"), "heat", {"operating_mode": "manual"}),
+        (operating("heat"), "off", {"operating_mode": "pause"}),
+        (operating("heat"), "auto", {"operating_mode": "schedule"}),
+        (operating("off", "heat", "cool"), "cool", {"operating_mode": "manual", "system_mode": "cool"}),
+        (operating("off", "heat", "cool"), "off", {"operating_mode": "pause"}),
+    ],
+)
+def test_a_thermostat_that_says_apart_whether_it_follows_its_program_has_one_mode_of_both(
+    part: DescribedPart, mode: str, message: dict[str, Any]
+) -> None:
+    """As Zigbee2MQTT announces it to Home Assistant: ``system_mode`` alone changes nothing while it is paused."""
+    assert told(part, "thermostat_mode", mode) == message
+    assert said(part, **{"system_mode": "heat", **message})["thermostat_mode"] == mode
+
+
+def test_a_mode_of_two_properties_that_is_not_whole_tells_nothing() -> None:
+    part = operating("heat", "cool")
+    assert said(part, system_mode="heat") == {}
+    assert said(part, operating_mode="manual") == {}
+    assert said(part, operating_mode="x") == {}
+    assert said(part, operating_mode=None) == {"thermostat_mode": None}
+
+
+def test_what_cools_and_blows_is_an_air_conditioner() -> None:
+    modes = feature("enum", "system_mode", values=["off", "cool", "fan_only"])
+    assert only({"type": "climate", "features": [modes]}).part.service_type == "room_air_conditioner"
+
+
+def binary(name: str, on: object, off: object) -> dict[str, Any]:
+    return feature("binary", name, 1, value_on=on, value_off=off)
+
+
+def numeric(name: str, unit: str) -> dict[str, Any]:
+    return feature("numeric", name, 1, unit=unit)
+
+
+@pytest.mark.parametrize(
+    ("expose", "service_type", "value", "expected"),
+    [
+        (binary("contact", False, True), "contact_sensor", False, {"contact": True}),
+        (binary("contact", False, True), "contact_sensor", 0, {}),
+        (binary("garage_door_contact", True, False), "contact_sensor", True, {"contact": False}),
+        (binary("occupancy", True, False), "occupancy_sensor", True, {"occupancy": True}),
+        (binary("water_leak", "Leak", "Dry"), "water_leak_detector", "Dry", {"water_leak": False}),
+        (binary("odd", "yes", "no"), "x_binary_sensor", None, {"state": None}),
+        (numeric("temperature", "°C"), "temperature_sensor", 21.5, {"temperature": 21.5}),
+        (numeric("temperature", "°F"), "temperature_sensor", 212, {"temperature": pytest.approx(100)}),
+        (numeric("outdoor_temperature", "°C"), "temperature_sensor", 1, {"temperature": 1.0}),
+        (numeric("pressure", "kPa"), "pressure_sensor", 101.3, {"pressure": 1013.0}),
+        (numeric("power_a", "kW"), "electrical_meter", 1.5, {"power": 1500.0}),
+        (numeric("energy", "Wh"), "electrical_meter", 1500, {"energy": 1.5}),
+        (numeric("voltage", "mV"), "electrical_meter", 3000, {"voltage": 3.0}),
+        (numeric("co2", "ppm"), "air_quality_sensor", 800, {"carbon_dioxide": 800.0}),
+        (numeric("battery", "%"), "x_battery", "full", {}),
+        (numeric("heat_limit_temperature", "°C"), "x_sensor", 5, {"measurement": 5.0}),
+        (numeric("linkquality", "lqi"), "x_sensor", 90, {"measurement": 90.0}),
+        (feature("enum", "status", 1, values=["a"]), "x_sensor", "a", {"value": "a"}),
+        (feature("list", "alarms", 1), "x_sensor", [1, "ä"], {"value": '[1, "ä"]'}),
+    ],
+)
+def test_a_sensor_has_a_type_and_our_unit(
+    expose: dict[str, Any], service_type: str, value: object, expected: dict[str, Any]
+) -> None:
+    sensor = only(expose)
+    assert sensor.part.service_type == service_type
+    payload = json.dumps({expose["property"]: value}).encode()
+    assert sensor.codec.read(TOPIC, payload, retained=False) == expected
+
+
+def test_a_remote_tells_presses_which_are_events() -> None:
+    remote = only(feature("enum", "action", 1, category="diagnostic", values=["single", "double"]))
+    assert (remote.part.service_type, remote.part.category) == ("generic_switch", "")
+    assert said(remote, action="single") == {"press": "single"}
+    assert said(remote, action="") == {}
+    assert said(remote, action=None) == {}
+    assert said(remote, retained=True, action="single") == {}
+
+
+def test_settings_are_told_in_their_own_types() -> None:
+    number = only(feature("numeric", "countdown", 3, unit="s", value_min=0, value_max=100))
+    assert told(number, "number", 5.0) == {"countdown": 5}
+    option = only(feature("enum", "mode", 7, values=["a", 1, True]))
+    assert [told(option, "option", text) for text in ("a", "1", "true")] == [{"mode": "a"}, {"mode": 1}, {"mode": True}]
+    text = only(feature("text", "name", 3))
+    assert told(text, "text", "ä") == {"name": "ä"}
+    assert said(text, name="b") == {"text": "b"}
+    with pytest.raises(RefusedError, match="UTF-8"):
+        text.codec.write("text", "\ud800")
+    with pytest.raises(RefusedError, match="4096"):
+        text.codec.write("text", "x" * 5_000)
+
+
+def test_an_enum_of_one_is_a_button() -> None:
+    button = only(feature("enum", "identify", 2, category="config", values=["identify"]))
+    assert told(button, "locate", value=True) == {"identify": "identify"}
+    with pytest.raises(RefusedError, match="takes true"):
+        button.codec.write("locate", value=False)
+
+
+def test_a_siren_never_says_whether_it_sounds() -> None:
+    features = [
+        feature("enum", "mode", 2, values=["stop", "burglar", "emergency"]),
+        feature("enum", "level", 2, values=["low"]),
+    ]
+    siren = only(feature("composite", "warning", 2, features=features))
+    assert siren.part.service_type == "siren"
+    assert not any(one.readable for one in siren.part.capabilities)
+    on = {"warning": {"mode": "emergency", "level": "medium", "duration": 10}}
+    assert told(siren, "on_off", value=True) == on
+    assert told(siren, "on_off", value=False) == {"warning": {"mode": "stop"}}
+    assert told(siren, "siren_tone", "burglar")["warning"]["mode"] == "burglar"
+    assert told(siren, "volume", 80.0)["warning"]["level"] == "very_high"
+
+
+def test_a_device_with_firmware_tells_of_updates() -> None:
+    _, update = built({"type": "switch", "features": [onoff()]}, supports_ota=True)
+    assert said(update, update={"installed_version": 100, "latest_version": -1, "state": "available"}) == {
+        "version": "100",
+        "latest_version": None,
+        "update_available": True,
+    }
+    assert said(update, state="ON") == {}
+
+
+def test_a_transition_must_fit_the_radio() -> None:
+    lamp = only({"type": "light", "features": [onoff()]})
+    for seconds in (-1.0, 6_554.0, float("nan"), float("inf")):
+        with pytest.raises(RefusedError, match="transition"):
+            lamp.codec.write("on_off", value=True, transition=seconds)
+
+
+def test_parts_with_the_same_id_are_told_apart() -> None:
+    parts = built(*[feature("numeric", "x", 1)] * 3)
+    assert [one.part.id for one in parts] == ["x", "x_2", "x_3"]
+
+
+def test_what_neither_says_nor_takes_anything_is_left_out() -> None:
+    (part,) = built(feature("numeric", "x", 0), feature("composite", "y", 2), {"type": "new"}, {"type": "binary"})
+    assert part.part.service_type == "x_unknown"
+
+
+def test_a_lamp_that_cannot_fade_is_told_no_transition() -> None:
+    """The bridge lists it among the options of the models that know it."""
+    lamp = {"type": "light", "features": [onoff(), level()]}
+    fades = only(lamp, options=[{"name": "transition"}])
+    switches = only(lamp, options=[{"name": "state_action"}])
+    assert told(fades, "on_off", True, 2.0) == {"state": "ON", "transition": 2}
+    assert told(switches, "on_off", True, 2.0) == {"state": "ON"}
+    assert told(switches, "level", 50.0, 2.0) == {"state": "ON", "brightness": 127}
+
+
+def test_an_endpoint_that_the_bridge_has_no_name_for_is_named_in_the_topic() -> None:
+    """It finds ``state_l2`` by the names of endpoints; ``occupied_heating_setpoint_3`` it does not find at all."""
+    entry = {
+        "ieee_address": "0x00158d0001abcdef",
+        "friendly_name": "a",
+        "endpoints": {"1": {}, "2": {"name": "l2"}, "3": {}},
+        "definition": {
+            "model": "m",
+            "exposes": [
+                {"type": "switch", "endpoint": "l2", "features": [onoff("_l2")]},
+                {
+                    "type": "climate",
+                    "endpoint": "3",
+                    "features": [feature("numeric", "occupied_heating_setpoint", key="occupied_heating_setpoint_3")],
+                },
+                feature("numeric", "floor_min", key="floor_min_3", endpoint="3"),
+                feature("numeric", "code_1"),
+            ],
+        },
+    }
+    relay, valve, floor, code = build_parts(read_bridge_device("zigbee2mqtt", entry))
+    assert relay.codec.write("on_off", True) == (Publication(f"{TOPIC}/set", b'{"state_l2":"ON"}'),)
+    (setpoint,) = valve.codec.write("heating_setpoint", 20.0)
+    assert setpoint == Publication(f"{TOPIC}/3/set", b'{"occupied_heating_setpoint":20}')
+    assert valve.part.writes == (f"{TOPIC}/3/set",)
+    assert valve.state_requests == (Publication(f"{TOPIC}/3/get", b'{"occupied_heating_setpoint":""}'),)
+    assert said(valve, occupied_heating_setpoint_3=19.5) == {"heating_setpoint": 19.5}
+    assert floor.codec.write("number", 5.0) == (Publication(f"{TOPIC}/3/set", b'{"floor_min":5}'),)
+    assert code.codec.write("number", 5.0) == (Publication(f"{TOPIC}/set", b'{"code_1":5}'),)

@@ -1,0 +1,323 @@
+"""Thing Descriptions as a convention: what is heard of them, and how their parts speak and listen."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from homebot.conventions.description import DeviceAnnounced, DeviceWithdrawn, Publication
+from homebot.conventions.payload import parse_json
+from homebot.devices import Device, DevicePart, Endpoint, Route
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WireError
+from homebot.messages import Time
+from homebot.wot import CONTEXT, to_thing
+from homebot.wot.mqtt import ThingDescriptions, ThingSettings
+
+TOPIC = "homebot/things/lamp/td"
+
+
+def thing(properties: dict[str, Any], *types: str, **more: Any) -> dict[str, Any]:
+    return {
+        "@context": CONTEXT,
+        "title": "Lamp",
+        "@type": list(types),
+        "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
+        "security": "nosec_sc",
+        "properties": properties,
+    } | more
+
+
+def prop(topic: str, kind: str = "boolean", **more: Any) -> dict[str, Any]:
+    """A property that is read on *topic* and told on *topic*/set."""
+    forms = [
+        {"href": "mqtt://b", "op": "observeproperty", "mqv:filter": topic},
+        {"href": "mqtt://b", "op": "writeproperty", "mqv:topic": f"{topic}/set", "mqv:qos": "1"},
+    ]
+    return {"type": kind, "forms": forms} | more
+
+
+def take(description: object) -> DeviceAnnounced:
+    payload = json.dumps(description).encode()
+    (heard,) = ThingDescriptions(ThingSettings()).take(TOPIC, payload, retained=True)
+    assert isinstance(heard, DeviceAnnounced)
+    return heard
+
+
+def test_a_description_is_a_device() -> None:
+    description = thing(
+        {"on": prop("lamp/on")},
+        "Light",
+        id="urn:dev:mac:00158d0001abcdef",
+        description="On the desk\n",
+        **{"homebot:area": "Study", "homebot:facts": {"model": "X1"}, "homebot:identifiers": ["mac:aabbccddeeff", "x"]},
+    )
+    heard = take(description)
+    assert (heard.key, heard.convention, heard.topic, heard.name, heard.area) == (
+        "lamp",
+        "thing",
+        TOPIC,
+        "Lamp",
+        "Study",
+    )
+    assert heard.identifiers == (
+        "mac:aabbccddeeff",
+        "eui64:00158d0001abcdef",
+        "id:x",
+        "id:urn:dev:mac:00158d0001abcdef",
+    )
+    assert heard.implies_alive
+    assert heard.facts == {"model": "X1", "description": "On the desk"}
+    (lamp,) = heard.parts
+    assert (lamp.part.service_type, lamp.part.reads, lamp.part.writes) == ("light", ("lamp/on",), ("lamp/on/set",))
+
+
+def test_the_empty_payload_takes_a_description_back() -> None:
+    convention = ThingDescriptions(ThingSettings())
+    assert convention.take(TOPIC, b"", retained=False) == (DeviceWithdrawn("lamp", "its description was taken back"),)
+    assert convention.take("homebot/things/a/b/td", b"{", retained=False) == ()
+    assert convention.take("homebot/things/td", b"{", retained=False) == ()
+
+
+def test_prefixes_can_be_chosen() -> None:
+    convention = ThingDescriptions(ThingSettings(prefixes=("wot", "other/things")))
+    assert convention.filters() == ("wot/+/td", "other/things/+/td")
+    assert convention.birth_messages() == ()
+    assert isinstance(convention.take("other/things/x/td", b"", retained=True)[0], DeviceWithdrawn)
+    with pytest.raises(ValidationError):
+        ThingSettings(prefixes=("wot/#",))
+
+
+@pytest.mark.parametrize(
+    ("schema", "types", "payload", "told"),
+    [
+        (prop("t"), "OnOffProperty", b"true", {"on_off": True}),
+        (prop("t"), "OnOffProperty", b"0", {"on_off": False}),
+        (prop("t"), "OnOffProperty", b"ON", {"on_off": True}),
+        (prop("t"), "OnOffProperty", b"perhaps", {}),
+        (prop("t"), "OnOffProperty", b"null", {"on_off": None}),
+        (prop("t", "string", enum=["AN", "AUS"]), "OnOffProperty", b'"AUS"', {"on_off": True}),
+        (prop("t", "string", enum=["OFF", "ON"]), "OnOffProperty", b"OFF", {"on_off": False}),
+        (prop("t", "integer", minimum=0, maximum=254), "BrightnessProperty", b"127", {"level": 50.0}),
+        (prop("t", "integer", minimum=0, maximum=254), "BrightnessProperty", b"999", {"level": 100.0}),
+        (prop("t", "number"), "BrightnessProperty", b"40", {"level": 40.0}),
+        (prop("t", "number"), "BrightnessProperty", b"1e999", {"level": None}),
+        (prop("t", "integer", unit="mired"), "ColorTemperatureProperty", b"370", {"color_temperature": 2703.0}),
+        (prop("t", "integer", unit="mired"), "ColorTemperatureProperty", b"0", {}),
+        (prop("t", "integer", unit="kelvin"), "ColorTemperatureProperty", b"2700", {"color_temperature": 2700.0}),
+        (prop("t", "string"), "ColorProperty", b'"#00ff00"', {"color": (120.0, 100.0)}),
+        (prop("t", "string"), "ColorProperty", b'"green"', {}),
+        (prop("t", "number", unit="degree fahrenheit"), "TemperatureProperty", b"68", {"temperature": 20.0}),
+        (prop("t", "number", minimum=0, maximum=1), "HumidityProperty", b"0.5", {"humidity": 50.0}),
+        (prop("t", "number", minimum=10, maximum=90), "HumidityProperty", b"50", {"humidity": 50.0}),
+        (prop("t", "string", enum=["locked", "unlocked", "jammed"]), "LockedProperty", b'"JAMMED"', {"lock": "jammed"}),
+        (prop("t"), "LockedProperty", b"false", {"lock": "unlocked"}),
+        (prop("t", "string"), "", b'"hi \\u0007there"', {"text": "hi there"}),
+        (prop("t", "object"), "", b'{"a": [1]}', {"raw": '{"a": [1]}'}),
+        (prop("t", "object"), "", b"\xff\xfe", {"raw": "\ufffd\ufffd"}),
+        (prop("t", "number"), "", b"[" * 100_000, {}),
+        (prop("t", "string"), "", b'"' + b"x" * 300_000 + b'"', {}),
+    ],
+)
+def test_what_a_thing_says_is_read_in_the_vocabularys_units(
+    schema: dict[str, Any], types: str, payload: bytes, told: dict[str, PlainValue]
+) -> None:
+    """JSON as its schema says, or bare words; what cannot be meant says nothing."""
+    (part,) = take(thing({"p": schema | {"@type": types}})).parts
+    assert dict(part.codec.read("t", payload, retained=False)) == told
+    assert dict(part.codec.read("other", payload, retained=False)) == {}
+
+
+@pytest.mark.parametrize(
+    ("schema", "types", "capability", "value", "payload"),
+    [
+        (prop("t"), "OnOffProperty", "on_off", True, b"true"),
+        (prop("t", "string", enum=["OFF", "ON"]), "OnOffProperty", "on_off", False, b'"OFF"'),
+        (prop("t", "integer", minimum=0, maximum=254), "BrightnessProperty", "level", 50.0, b"127"),
+        (prop("t", "number", minimum=0, maximum=1), "BrightnessProperty", "level", 12.5, b"0.125"),
+        (prop("t", "integer", unit="mired"), "ColorTemperatureProperty", "color_temperature", 2700.0, b"370"),
+        (prop("t", "string"), "ColorProperty", "color", (240.0, 100.0), b'"#0000ff"'),
+        (prop("t", "number", unit="°F"), "TargetTemperatureProperty", "heating_setpoint", 20.0, b"68"),
+        (prop("t", "string", enum=["locked", "unlocked"]), "LockedProperty", "lock", "locked", b'"locked"'),
+        (prop("t"), "LockedProperty", "lock", "unlocked", b"false"),
+        (prop("t", "string", enum=["eco", "max"]), "", "option", "eco", b'"eco"'),
+        (prop("t", "integer"), "", "number", 7.0, b"7"),
+        (prop("t", "string"), "", "text", "ä", '"ä"'.encode()),
+    ],
+)
+def test_a_command_is_spelt_as_the_schema_says(
+    schema: dict[str, Any], types: str, capability: str, value: PlainValue, payload: bytes
+) -> None:
+    (part,) = take(thing({"p": schema | {"@type": types}})).parts
+    assert part.codec.write(capability, value, transition=3) == (Publication("t/set", payload, 1),)
+
+
+@pytest.mark.parametrize(
+    ("schema", "types", "capability", "value", "problem"),
+    [
+        (prop("t"), "OnOffProperty", "on_off", "on", "it takes true or false"),
+        (prop("t"), "OnOffProperty", "level", 5.0, "this part takes on_off"),
+        (prop("t", "number"), "BrightnessProperty", "level", 101.0, "it takes 0 to 100"),
+        (prop("t", "number", minimum=5, maximum=30), "", "number", 31.0, "it takes 5 to 30"),
+        (prop("t", "number"), "", "number", float("nan"), "it takes a number"),
+        (prop("t", "string"), "ColorProperty", "color", (400.0, 0.0), "it takes hue 0 to 360"),
+        (prop("t"), "LockedProperty", "lock", "open", "it takes locked, unlocked"),
+        (prop("t", "string", enum=["eco", "max"]), "", "option", "party", "it takes eco, max"),
+    ],
+)
+def test_what_is_no_value_of_a_part_is_refused(
+    schema: dict[str, Any], types: str, capability: str, value: PlainValue, problem: str
+) -> None:
+    (part,) = take(thing({"p": schema | {"@type": types}})).parts
+    with pytest.raises(RefusedError, match=problem):
+        part.codec.write(capability, value)
+
+
+def test_plain_text_is_told_as_it_is() -> None:
+    schema = prop("t", "string", enum=["on", "off"], **{"@type": "OnOffProperty"})
+    for form in schema["forms"]:
+        form["contentType"] = "text/plain"
+    (part,) = take(thing({"p": schema})).parts
+    assert part.codec.write("on_off", True) == (Publication("t/set", b"on", 1),)
+    assert part.codec.read("t", b"off", retained=True) == {"on_off": False}
+
+
+def test_actions_are_pushed_and_kept_events_are_none() -> None:
+    heard = take(
+        thing(
+            {},
+            actions={"blink": {"forms": [{"href": "mqtt://b/lamp/blink"}]}},
+            events={"hot": {"data": {"type": "string"}, "forms": [{"href": "mqtt://b", "mqv:filter": "lamp/+/hot"}]}},
+        )
+    )
+    blink, hot = heard.parts
+    assert blink.codec.write("push", True) == (Publication("lamp/blink", b""),)
+    with pytest.raises(RefusedError, match="it takes true"):
+        blink.codec.write("push", False)
+    assert hot.codec.read("lamp/1/hot", b'"very"', retained=False) == {"press": "very"}
+    assert hot.codec.read("lamp/1/hot", b'"very"', retained=True) == {}
+
+
+def test_what_is_about_other_protocols_or_payloads_is_there_and_no_more() -> None:
+    """A house's own lamp, exported and imported elsewhere, is not told what its own convention would spell."""
+    part = Part(
+        id="",
+        service_type="light",
+        capabilities=(Capability(name="on_off", settable=True),),
+        reads=("zigbee2mqtt/lamp",),
+        writes=("zigbee2mqtt/lamp/set",),
+    )
+    route = Route(gateway="mqtt", key="k", part="", convention="zigbee2mqtt")
+    now = Time(sec=0, nanosec=0)
+    device = Device(
+        id="lamp",
+        name="Lamp",
+        service_type="light",
+        endpoints=(Endpoint(gateway="mqtt", key="k", address="", command_address=""),),
+        metadata=(),
+        first_seen=now,
+        last_seen=now,
+        expires=now,
+        freshness="fresh",
+        parts=(DevicePart(id="", part=part, routes=(route,)),),
+    )
+    web = {"type": "boolean", "@type": "OnOffProperty", "forms": [{"href": "https://lamp.local/on"}]}
+    for description in (to_thing(device, {}), thing({"on": web}, "Light")):
+        (found,) = take(description).parts
+        assert found.part.service_type == "light"
+        (on_off,) = found.part.capabilities
+        assert (on_off.readable, on_off.settable, found.part.reads, found.part.writes) == (False, False, (), ())
+        assert found.codec.topics() == ()
+        with pytest.raises(RefusedError, match="this part takes nothing"):
+            found.codec.write("on_off", True)
+
+
+@pytest.mark.parametrize(
+    ("description", "problem"),
+    [
+        (b"{", "is no JSON"),
+        (b"[" * 100_000, "nested deeper than 64 levels"),
+        (b" " * 600_000, "a payload of 600000 bytes is longer than"),
+        (b"5", "is no JSON object"),
+        (thing({"on": prop("#")}), "the topic of on: '#' is about more than one thing"),
+        (thing({"on": prop("$SYS/x")}), "is about more than one thing"),
+        (thing({"on": prop("a/#/b")}), "the topic of on: "),
+        (
+            thing({"on": {"type": "boolean", "forms": [{"href": "mqtt://b", "mqv:topic": "a/+/set"}]}}),
+            "the topic of on: ",
+        ),
+    ],
+)
+def test_a_broken_description_is_refused_and_counted(description: Any, problem: str) -> None:
+    convention = ThingDescriptions(ThingSettings())
+    payload = description if isinstance(description, bytes) else json.dumps(description).encode()
+    with pytest.raises(WireError, match="(?s).*" + problem.replace("$", r"\$")):
+        convention.take(TOPIC, payload, retained=True)
+    assert convention.rejected == 1
+
+
+_types = st.sampled_from(
+    ["OnOffProperty", "BrightnessProperty", "ColorProperty", "LockedProperty", "PushedProperty", ""]
+)
+_kinds = st.sampled_from(["boolean", "integer", "number", "string", "object", "array", "null"])
+_ends = st.none() | st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(2**70), 2**70)
+_units = st.sampled_from(["", "mired", "fahrenheit", "percent"])
+_values = st.none() | st.booleans() | st.floats() | st.text(max_size=5) | st.tuples(st.floats(), st.floats())
+
+
+@given(
+    _types,
+    _units,
+    _kinds,
+    st.tuples(_ends, _ends),
+    st.lists(st.text(max_size=3) | st.integers(), max_size=2),
+    st.binary() | _ends.map(str).map(str.encode),
+    _values,
+)
+def test_nothing_that_is_said_or_told_breaks_a_part(
+    types: str,
+    unit: str,
+    kind: str,
+    ends: tuple[Any, Any],
+    enum: list[Any],
+    payload: bytes,
+    value: PlainValue,
+) -> None:
+    """Reading never raises and gives no number without end; writing raises nothing but a refusal, and spells JSON."""
+    more = {"@type": types, "unit": unit} | ({"enum": enum} if enum else {})
+    schema = prop("t", kind, minimum=ends[0], maximum=ends[1], **more)
+    convention = ThingDescriptions(ThingSettings())
+    try:
+        (heard,) = convention.take(TOPIC, json.dumps(thing({"p": schema})).encode(), retained=True)
+    except WireError:
+        return
+    assert isinstance(heard, DeviceAnnounced)
+    for part in heard.parts:
+        for said in (payload, json.dumps(value).encode()):
+            read = part.codec.read("t", said, retained=False)
+            assert all(math.isfinite(one) for one in read.values() if isinstance(one, float))
+        for capability in part.part.capabilities:
+            assert all(math.isfinite(end) for end in capability.bounds)
+            try:
+                (written,) = part.codec.write(capability.name, value)
+            except RefusedError:
+                continue
+            assert written.topic == "t/set"
+            parse_json(written.payload)
+
+
+@given(st.binary() | st.text().map(lambda text: text.encode(errors="surrogatepass")))
+def test_any_payload_is_a_thing_or_a_clear_error(payload: bytes) -> None:
+    """The empty one takes a thing back."""
+    convention = ThingDescriptions(ThingSettings())
+    if not payload:
+        return
+    with pytest.raises(WireError):
+        convention.take(TOPIC, payload, retained=False)
