@@ -1,5 +1,5 @@
 from homebot.gateways.mqtt.deferred import MAX_WORK_EACH, DeferredMessages
-from homebot.gateways.mqtt.offenders import MESSAGE_WORK
+from homebot.gateways.mqtt.work_budget import MESSAGE_WORK
 from homebot.mqtt.message import MqttMessage
 
 

@@ -15,9 +15,9 @@ from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssist
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, excess_of
 from homebot.gateways.mqtt.filter_tree import ReaderTree
+from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
 
 REAL = Path(__file__).parent / "zigbee2mqtt" / "both_announcements.jsonl"

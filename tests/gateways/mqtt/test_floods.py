@@ -9,7 +9,7 @@ import anyio
 import pytest
 
 from homebot.conventions.description import AnnouncementEvent
-from homebot.gateways.mqtt.offenders import BURST, MESSAGE_WORK, RATE, SHARED_BURST
+from homebot.gateways.mqtt.work_budget import BURST, MESSAGE_WORK, RATE, SHARED_BURST
 
 from .conftest import House, MakeHouse, SimpleConvention, settled
 

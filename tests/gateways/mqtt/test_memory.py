@@ -12,8 +12,8 @@ import pytest
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.discovery.index import DeviceIndex
-from homebot.gateways.mqtt.claims import AnnouncementRegistry
 from homebot.gateways.mqtt.filter_tree import ReaderTree
+from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.messages import Time
 

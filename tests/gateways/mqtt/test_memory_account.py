@@ -19,9 +19,9 @@ from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
+from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
 
 REAL = Path(__file__).parent / "zigbee2mqtt" / "both_announcements.jsonl"

@@ -20,7 +20,7 @@ from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicRe
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, UsageError
 from homebot.gateways import Gateway
-from homebot.gateways.listeners import RawDelivery
+from homebot.gateways.raw_delivery import RawDelivery
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.messages import Time
 

@@ -8,14 +8,14 @@ from homebot.devices.value import PlainValue
 from homebot.devices.words import decode_command, encode_command
 from homebot.errors import HomebotError, LinkError, RefusedError, WrongCodeError
 from homebot.gateways.base import Gateway
+from homebot.gateways.mqtt.announcement import AnnouncedPart
 from homebot.gateways.mqtt.channels import Channel, Channels
-from homebot.gateways.mqtt.claim import AnnouncedPart
-from homebot.gateways.mqtt.claims import AnnouncementRegistry
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.plain_voices import TextStateReader
+from homebot.gateways.mqtt.quarantine import PeerQuarantine
+from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
-from homebot.gateways.mqtt.tribunal import PeerQuarantine
+from homebot.gateways.mqtt.text_states import TextStateReader
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.topics import validate_topic
 

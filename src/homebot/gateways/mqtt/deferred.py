@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from homebot.gateways.mqtt.offenders import MESSAGE_WORK
+from homebot.gateways.mqtt.work_budget import MESSAGE_WORK
 from homebot.mqtt.message import MqttMessage
 
 __all__ = ["DeferredMessages"]

@@ -25,16 +25,16 @@ from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicRe
 from homebot.devices.words import read_text_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.base import Gateway
-from homebot.gateways.listeners import RawDelivery
 from homebot.gateways.mqtt.acting_lease import ActingLease
-from homebot.gateways.mqtt.board import REFRESH, stamps
 from homebot.gateways.mqtt.channels import Channel, Channels, begin_of
-from homebot.gateways.mqtt.claims import TopicReaders
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.described_devices import AnnouncedDevices
+from homebot.gateways.mqtt.engine import AnnouncedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.loaded_conventions import find_conventions
+from homebot.gateways.mqtt.registry import TopicReaders
+from homebot.gateways.mqtt.reporter import REFRESH, stamps
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
+from homebot.gateways.raw_delivery import RawDelivery
 from homebot.graph import EntityKind, Node
 from homebot.isolation import run_as
 from homebot.messages import Time

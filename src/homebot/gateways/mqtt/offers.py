@@ -19,7 +19,7 @@ from homebot.devices.offer import ExposedDevice, ExposedState
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError
 from homebot.gateways.base import Gateway
-from homebot.gateways.mqtt.tribunal import PeerQuarantine
+from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import run_as
 from homebot.mqtt.client import MqttSubscription

@@ -11,11 +11,11 @@ import anyio
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DeviceRequest, Publication
 from homebot.errors import HomebotError, LinkError, RefusedError
-from homebot.gateways.mqtt.claim import StoredAnnouncement
-from homebot.gateways.mqtt.claims import AnnouncementRegistry
+from homebot.gateways.mqtt.announcement import StoredAnnouncement
 from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.quarantine import PeerQuarantine
+from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
-from homebot.gateways.mqtt.tribunal import PeerQuarantine
 from homebot.isolation import run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection

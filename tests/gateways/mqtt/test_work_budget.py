@@ -1,6 +1,6 @@
 from random import Random
 
-from homebot.gateways.mqtt.offenders import BURST, CALM, LONGEST_DEBT, MESSAGE_WORK, RATE, SHARED_BURST, WorkBudgets
+from homebot.gateways.mqtt.work_budget import BURST, CALM, LONGEST_DEBT, MESSAGE_WORK, RATE, SHARED_BURST, WorkBudgets
 
 FILTERS = ("hello/+", "homie/5/+/$state", "+/events/rpc")
 

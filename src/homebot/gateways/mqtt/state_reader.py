@@ -14,13 +14,13 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import Reading
 from homebot.devices.value import PlainValue, Value
 from homebot.devices.words import encode_state
-from homebot.gateways.listeners import RawDelivery
-from homebot.gateways.mqtt.board import DeviceReporter
-from homebot.gateways.mqtt.claim import AnnouncedPart, AvailabilityReader, StoredAnnouncement
-from homebot.gateways.mqtt.claims import AnnouncementRegistry
+from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.timekeeper import Scheduler
-from homebot.gateways.mqtt.tribunal import PeerQuarantine
+from homebot.gateways.mqtt.quarantine import PeerQuarantine
+from homebot.gateways.mqtt.registry import AnnouncementRegistry
+from homebot.gateways.mqtt.reporter import DeviceReporter
+from homebot.gateways.mqtt.scheduler import Scheduler
+from homebot.gateways.raw_delivery import RawDelivery
 from homebot.mqtt.message import MqttMessage
 
 __all__ = ["StateReader"]

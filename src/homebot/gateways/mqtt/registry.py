@@ -9,7 +9,7 @@ from typing import TypeAlias
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DeviceAnnounced
 from homebot.errors import WireError
-from homebot.gateways.mqtt.claim import AnnouncedPart, AvailabilityReader, StoredAnnouncement
+from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, Excess, excess_of
 from homebot.gateways.mqtt.filter_tree import ReaderTree, has_wildcard
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount

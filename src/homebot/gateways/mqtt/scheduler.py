@@ -9,7 +9,7 @@ import anyio
 import anyio.lowlevel
 
 from homebot.clock import Clock
-from homebot.gateways.mqtt.agenda import Callback, TimerQueue
+from homebot.gateways.mqtt.timer_queue import Callback, TimerQueue
 
 __all__ = ["Scheduler"]
 

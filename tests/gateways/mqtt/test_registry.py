@@ -13,8 +13,8 @@ from homebot.conventions.description import Availability, DescribedPart, DeviceA
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.filter_tree import ReaderTree
+from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.topics import topic_matches
 

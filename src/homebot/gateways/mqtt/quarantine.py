@@ -7,10 +7,10 @@ from functools import partial
 
 from homebot.devices.quarantine import Quarantine
 from homebot.gateways.base import Gateway
-from homebot.gateways.mqtt.board import DeviceReporter
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.offenders import CALM, WorkBudget, WorkBudgets
-from homebot.gateways.mqtt.timekeeper import Scheduler
+from homebot.gateways.mqtt.reporter import DeviceReporter
+from homebot.gateways.mqtt.scheduler import Scheduler
+from homebot.gateways.mqtt.work_budget import CALM, WorkBudget, WorkBudgets
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import crash_of
 from homebot.log import LogLimit

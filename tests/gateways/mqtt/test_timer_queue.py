@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.gateways.mqtt.agenda import TimerQueue
+from homebot.gateways.mqtt.timer_queue import TimerQueue
 
 
 @given(st.lists(st.tuples(st.integers(0, 5), st.floats(0, 100)), max_size=300))

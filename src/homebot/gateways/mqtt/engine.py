@@ -26,27 +26,27 @@ from homebot.devices.command import SendCommand
 from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.words import read_text_address
 from homebot.gateways.base import Gateway
-from homebot.gateways.listeners import RawDelivery
 from homebot.gateways.mqtt.acting_lease import ActingLease
-from homebot.gateways.mqtt.announcements import AnnouncementHandler
-from homebot.gateways.mqtt.board import DeviceReporter
+from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.mqtt.channels import Channels
-from homebot.gateways.mqtt.claim import AnnouncedPart, AvailabilityReader
-from homebot.gateways.mqtt.claims import AnnouncementRegistry, RegistryChange, RegistryLimits, TopicReaders
 from homebot.gateways.mqtt.commands import CommandServer
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.filter_tree import ReaderTree
-from homebot.gateways.mqtt.last_words import CachedMessage, LastMessageCache
+from homebot.gateways.mqtt.intake import AnnouncementHandler
+from homebot.gateways.mqtt.last_messages import CachedMessage, LastMessageCache
 from homebot.gateways.mqtt.offers import Offers
-from homebot.gateways.mqtt.plain_voices import TextStateReader
+from homebot.gateways.mqtt.quarantine import PeerQuarantine
+from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange, RegistryLimits, TopicReaders
+from homebot.gateways.mqtt.reporter import DeviceReporter
 from homebot.gateways.mqtt.reserved import ReservedTopics
+from homebot.gateways.mqtt.scheduler import Scheduler
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.gateways.mqtt.spare_memory import LONG, SpareMemory
+from homebot.gateways.mqtt.state_reader import StateReader
 from homebot.gateways.mqtt.state_topics import StateTopics
-from homebot.gateways.mqtt.states import StateReader
 from homebot.gateways.mqtt.subscriber import Subscriber
-from homebot.gateways.mqtt.timekeeper import Scheduler
-from homebot.gateways.mqtt.tribunal import PeerQuarantine
+from homebot.gateways.mqtt.text_states import TextStateReader
+from homebot.gateways.raw_delivery import RawDelivery
 from homebot.isolation import run_as
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage

@@ -6,7 +6,7 @@ from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.devices.services import NEVER
 from homebot.devices.value import Value
 from homebot.gateways.base import Gateway
-from homebot.gateways.mqtt.claim import SightingKind, StoredAnnouncement
+from homebot.gateways.mqtt.announcement import SightingKind, StoredAnnouncement
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.messages import Time
 

@@ -13,9 +13,9 @@ from homebot.devices.report import Reading
 from homebot.devices.value import Value
 from homebot.devices.words import decode_command
 from homebot.errors import RefusedError
-from homebot.gateways.mqtt.board import DeviceReporter
 from homebot.gateways.mqtt.channels import Channel
 from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.reporter import DeviceReporter
 from homebot.mqtt.message import MqttMessage
 
 __all__ = ["TextStateReader"]

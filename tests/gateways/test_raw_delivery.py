@@ -8,7 +8,7 @@ from structlog.testing import capture_logs
 
 from homebot.devices import GatewayNames, RawMessage
 from homebot.errors import InvalidNameError, RefusedError
-from homebot.gateways.listeners import FULL_INBOX_WAIT, RawDelivery
+from homebot.gateways.raw_delivery import FULL_INBOX_WAIT, RawDelivery
 from homebot.graph import Graph, Node, Publisher, Subscription
 from homebot.messages import Time
 
