@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from homebot.cli.script import run
     from homebot.config import Config, load_config, parse_config
     from homebot.devices import Device, DeviceChange, DevicePart, Devices, Follow, RawMessage, State, StateChange
+    from homebot.devices.exposed import ExposedDevice
     from homebot.devices.handles import (
         AirConditioner,
         AlarmPanel,
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
         WaterValve,
         WindowCovering,
     )
-    from homebot.devices.offer import ExposedDevice
     from homebot.devices.part import Capability, Part
     from homebot.errors import (
         ClosedError,
@@ -169,7 +169,7 @@ _NAMES = {
         HumiditySensor LawnMower Light LightSensor OccupancySensor Plug PressureSensor RoboticVacuumCleaner Siren
         SmokeAlarm Switch TemperatureSensor Thermostat WaterLeakDetector WaterValve WindowCovering
         """,
-    "homebot.devices.offer": "ExposedDevice",
+    "homebot.devices.exposed": "ExposedDevice",
     "homebot.devices.part": "Capability Part",
     "homebot.errors": """
         ClosedError ConfigError HomebotError LinkError PeerError RefusedError ServiceError ServiceFailedError

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from homebot.conventions.thesis_parts import thesis_part
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.ear import decode_text
+from homebot.devices.text.decode import decode_text
+from homebot.devices.text.encode import decode_command, encode_command
 from homebot.devices.value import PlainValue
-from homebot.devices.words import decode_command, encode_command
 from homebot.house.device import SimulatedDevice
 from homebot.house.lamp import SimulatedLamp
 from homebot.house.lock import SimulatedDoorLock

@@ -23,9 +23,9 @@ from homebot.devices import (
     Sighting,
     StateChange,
 )
+from homebot.devices.health import GetHealth
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, GatewayNames
 from homebot.devices.part import Part
-from homebot.devices.quarantine import GetHealth
 from homebot.devices.report import Report
 from homebot.devices.services import ForgetDevice
 from homebot.discovery import Directory, DirectorySettings

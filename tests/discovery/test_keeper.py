@@ -12,9 +12,9 @@ import pytest
 from structlog.testing import capture_logs
 
 from homebot.devices import Sighting
+from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import DISCOVERY_HEALTH
 from homebot.devices.part import Part
-from homebot.devices.quarantine import GetHealth, HealthRequest
 from homebot.discovery import Directory, DirectorySettings, keeper
 from homebot.graph import Graph, Node
 from homebot.testing import FakeGateway

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from homebot.conventions.thesis import ThesisLayout
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.ear import decoder_for
 from homebot.devices.part import Part
-from homebot.devices.words import decode_command, encode_command
+from homebot.devices.text.decode import decoder_for
+from homebot.devices.text.encode import decode_command, encode_command
 from homebot.errors import RefusedError, WireError
 
 if TYPE_CHECKING:

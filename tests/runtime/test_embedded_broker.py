@@ -8,7 +8,7 @@ from contextlib import ExitStack, suppress
 from structlog.testing import capture_logs
 
 from homebot.clock import LoopClock
-from homebot.devices.quarantine import GetHealth, HealthRequest
+from homebot.devices.health import GetHealth, HealthRequest
 from homebot.graph import Graph, Node
 from homebot.runtime.embedded_broker import FIRST_PORT, NEIGHBOURS, embedded_broker
 

@@ -6,12 +6,12 @@ from pydantic import BaseModel
 
 from homebot.apps.base import App
 from homebot.devices import Device, RawMessage
-from homebot.devices.ear import decode_text
 from homebot.devices.handles import Light
 from homebot.devices.part import Capability, Part
-from homebot.devices.speaker import speaking_part
+from homebot.devices.text.decode import decode_text
+from homebot.devices.text.encode import read_text_address
+from homebot.devices.text.speaking_part import speaking_part
 from homebot.devices.value import PlainValue
-from homebot.devices.words import read_text_address
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit

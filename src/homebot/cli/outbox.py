@@ -10,7 +10,7 @@ from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
 from homebot.devices import GatewayNames, GatewayState, RawCommand
 from homebot.devices.gateway_state import ONLY_OBSERVES
-from homebot.devices.quarantine import HealthResponse
+from homebot.devices.health import HealthResponse
 from homebot.errors import LinkError, RefusedError
 from homebot.messages.json import message_from_json, message_to_json
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from homebot.conventions.description import AnnouncementEvent, Publication
 from homebot.devices import KeyValue
 from homebot.devices.command import Command
-from homebot.devices.offer import ExposedDevice
+from homebot.devices.exposed import ExposedDevice
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 

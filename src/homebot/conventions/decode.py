@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from homebot.conventions.payload import MAX_STATE_BYTES, parse_json
+from homebot.devices.text.vocabulary import says_unknown
 from homebot.devices.value import PlainValue
-from homebot.devices.wording import says_unknown
 from homebot.errors import WireError
 
 __all__ = [

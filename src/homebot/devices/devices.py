@@ -8,14 +8,13 @@ from typing import ParamSpec, TypeAlias, TypeVar, overload
 import anyio.lowlevel
 
 from homebot.devices.device import Device, Endpoint
+from homebot.devices.exposed import ExposedDevice
+from homebot.devices.exposure import Exposure
 from homebot.devices.follow import Follow
 from homebot.devices.gateway_state import ONLY_OBSERVES, GatewayState
 from homebot.devices.handles import FollowHandles, Handle, Handles, HandleType
 from homebot.devices.names import FIND_DEVICES, GatewayNames
-from homebot.devices.offer import ExposedDevice
-from homebot.devices.offering import Exposure
 from homebot.devices.raw import RawCommand, RawMessage
-from homebot.devices.service_starts import watch_services
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,
@@ -23,9 +22,10 @@ from homebot.devices.services import (
     SubscribeToTopicRequest,
     SubscribeToTopicResponse,
 )
-from homebot.devices.told_at import command_address, others_at
+from homebot.devices.text.route import command_address, others_at
 from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
 from homebot.graph import Client, Node, Publisher, Subscription, qos_profile_latched
+from homebot.graph.service_watch import watch_services
 from homebot.log import LogLimit
 from homebot.messages import Time
 from homebot.names import validate_node_name

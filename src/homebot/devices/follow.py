@@ -9,12 +9,12 @@ import anyio
 import anyio.lowlevel
 
 from homebot.devices.device import DeviceChange, StateChange
-from homebot.devices.followed import LiveQueryState
+from homebot.devices.live_query_state import LiveQueryState
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
-from homebot.devices.service_starts import watch_services
 from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
 from homebot.errors import ClosedError, ServiceError
 from homebot.graph import Client, Node, Subscription
+from homebot.graph.service_watch import watch_services
 from homebot.log import LogLimit
 
 __all__ = ["Follow"]

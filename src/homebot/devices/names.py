@@ -42,11 +42,11 @@ class GatewayNames:
         out: Topic of the raw commands for its devices.
         readings: Topic of what its devices say of themselves, as :class:`homebot.devices.report.Report`.
         state: Topic of its own state.
-        quarantine: Topic of where it listens only a little, as :class:`homebot.devices.quarantine.Quarantine`.
+        quarantine: Topic of where it listens only a little, as :class:`homebot.devices.health.Quarantine`.
         health: Service that tells what it counted and whom it ignores.
         offers: Topic of what homebot offers to other systems through it, as
-            :class:`homebot.devices.offer.ExposedDevice`.
-        offer_reports: Topic of what that says of itself, as :class:`homebot.devices.offer.ExposedState`.
+            :class:`homebot.devices.exposed.ExposedDevice`.
+        offer_reports: Topic of what that says of itself, as :class:`homebot.devices.exposed.ExposedState`.
         offer_commands: Topic of what those systems tell it, as :class:`homebot.devices.command.Command`.
         send_command: Service that takes commands in the words of the vocabulary.
         subscribe: Service that starts the mirroring of raw messages.

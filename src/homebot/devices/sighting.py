@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 from homebot.devices.device import KeyValue
 from homebot.devices.part import Part
-from homebot.devices.words import read_text_address
+from homebot.devices.text.encode import read_text_address
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
@@ -27,7 +27,7 @@ class Sighting(Message):
         service_type: What it offers, in its own word; of a device that is described, what the first part is that is
             neither setting nor diagnosis.
         address: Where it speaks. Of a device that is described, the words address of that part; see
-            :mod:`homebot.devices.words`.
+            :mod:`homebot.devices.text.encode`.
         command_address: Where it listens; empty when it takes no commands. Of a device that is described likewise.
         metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
         convention: By which convention it was announced; empty where there is one only.

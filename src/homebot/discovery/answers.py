@@ -18,8 +18,8 @@ from homebot.devices import (
     GetIndexData,
     QueryDevices,
 )
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
-from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.query import And, parse_query, type_is
 from homebot.devices.services import (
     AnnouncedOn,

@@ -17,8 +17,8 @@ from homebot.devices import (
     State,
 )
 from homebot.devices.device_types import wanted_types
+from homebot.devices.text.encode import accepts_text, text_address
 from homebot.devices.value import PlainValue, Value
-from homebot.devices.words import accepts_text, text_address
 from homebot.discovery.claim import SourceKey, SourceRecord, StoredValue, preference
 from homebot.discovery.echoes import Echoes
 from homebot.discovery.part_ids import NO_IDS, PartIds, lost_ids

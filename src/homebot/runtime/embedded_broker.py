@@ -9,7 +9,7 @@ from dataclasses import asdict
 from functools import partial
 
 from homebot.clock import Clock
-from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.errors import LinkError
 from homebot.graph import Graph, Node
 from homebot.logger import get_logger

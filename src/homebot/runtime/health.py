@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.graph import Graph, Node
 from homebot.loop_watch import LoopWatch
 from homebot.messages.builtin_interfaces import Time

@@ -22,7 +22,7 @@ from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock
 from homebot.config import Config
-from homebot.devices.quarantine import GetHealth
+from homebot.devices.health import GetHealth
 from homebot.discovery import Directory
 from homebot.errors import ConfigError
 from homebot.gateways import Gateway

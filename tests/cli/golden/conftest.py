@@ -27,9 +27,9 @@ from homebot.devices import (
     Route,
     State,
 )
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
 from homebot.devices.part import Capability, Part
-from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
 from homebot.devices.query import facets_of, fits, parse_query
 from homebot.devices.services import (
     AnnouncedOn,
@@ -41,8 +41,8 @@ from homebot.devices.services import (
     QueryDevicesRequest,
     QueryDevicesResponse,
 )
+from homebot.devices.text.encode import text_address
 from homebot.devices.value import PlainValue, Value
-from homebot.devices.words import text_address
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time

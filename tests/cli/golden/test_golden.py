@@ -15,7 +15,7 @@ from tests.cli.golden.conftest import NOW
 
 from homebot.cli import main
 from homebot.cli.commands.import_thing import topic_level
-from homebot.devices.quarantine import PartFailure
+from homebot.devices.health import PartFailure
 from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.wot import CONTEXT, read_thing

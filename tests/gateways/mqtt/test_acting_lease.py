@@ -11,7 +11,7 @@ import anyio
 import pytest
 
 from homebot.devices import GatewayState, RawCommand
-from homebot.devices.quarantine import GetHealth, HealthRequest
+from homebot.devices.health import GetHealth, HealthRequest
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.mqtt.client import MqttSubscription

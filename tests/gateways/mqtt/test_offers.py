@@ -11,7 +11,7 @@ import anyio
 import pytest
 
 from homebot.devices.command import Command
-from homebot.devices.offer import ExposedDevice, ExposedState
+from homebot.devices.exposed import ExposedDevice, ExposedState
 from homebot.devices.part import Capability, Part
 from homebot.devices.report import Reading
 from homebot.devices.value import PlainValue, Value

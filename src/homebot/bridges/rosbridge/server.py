@@ -31,7 +31,7 @@ from homebot.bridges.rosbridge.session import ClientSession
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.token_guard import TokenGuard
 from homebot.bridges.rosbridge.turns import Turns
-from homebot.devices.quarantine import Count, HealthRequest, HealthResponse
+from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.errors import ConfigError, LinkError
 from homebot.graph import Node
 

@@ -18,7 +18,7 @@ from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query import type_is
 from homebot.devices.query.vocabulary import TYPE_WORDS
-from homebot.devices.words import read_text_address
+from homebot.devices.text.encode import read_text_address
 from homebot.similar import did_you_mean
 
 __all__ = ["list_devices"]

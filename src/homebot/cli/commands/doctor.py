@@ -14,7 +14,7 @@ from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.through_door import with_client
 from homebot.devices import Device, GatewayState
-from homebot.devices.quarantine import Count, GetHealth, HealthResponse, PartFailure, Quarantine
+from homebot.devices.health import Count, GetHealth, HealthResponse, PartFailure, Quarantine
 from homebot.messages.json import message_from_json
 
 __all__ = ["doctor"]

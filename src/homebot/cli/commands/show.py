@@ -18,7 +18,7 @@ from homebot.cli.values import in_words, life, span
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Capability
-from homebot.devices.words import read_text_address
+from homebot.devices.text.encode import read_text_address
 
 __all__ = ["show"]
 

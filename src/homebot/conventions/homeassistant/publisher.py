@@ -15,7 +15,7 @@ from homebot.conventions.description import Publication
 from homebot.conventions.homeassistant.published_entity import CommandReader, EntityTopics, PublishedEntity
 from homebot.conventions.homeassistant.published_part import publish_part
 from homebot.devices.command import Command
-from homebot.devices.offer import ExposedDevice
+from homebot.devices.exposed import ExposedDevice
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Value
 

@@ -7,6 +7,7 @@ from homebot.devices.handles.door_lock import DoorLock
 from homebot.devices.handles.fan import Fan
 from homebot.devices.handles.follow import FollowHandles, HandleChange
 from homebot.devices.handles.handle import Handle
+from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, HandleType
 from homebot.devices.handles.handles import Handles
 from homebot.devices.handles.light import Light
 from homebot.devices.handles.measuring import (
@@ -19,7 +20,6 @@ from homebot.devices.handles.measuring import (
 from homebot.devices.handles.opening import Closure, WaterValve, WindowCovering
 from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
 from homebot.devices.handles.switchable import Plug, Siren, Switch
-from homebot.devices.handles.wanted import CommonFilters, HandleQuery, HandleType
 
 __all__ = [
     "AirConditioner",

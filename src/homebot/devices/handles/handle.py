@@ -8,9 +8,9 @@ from typing import ClassVar, Literal, Self, Unpack
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
 from homebot.devices.device import Device, Freshness
-from homebot.devices.handles.commander import CommandSender
-from homebot.devices.handles.known import TrackedDevice
-from homebot.devices.handles.wanted import CommonFilters, HandleQuery, Term
+from homebot.devices.handles.command_sender import CommandSender
+from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Term
+from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
 from homebot.devices.query.folding import fold

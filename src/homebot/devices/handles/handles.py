@@ -8,10 +8,10 @@ from weakref import WeakValueDictionary
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import Device, DeviceChange, StateChange
-from homebot.devices.handles.commander import CommandSender
+from homebot.devices.handles.command_sender import CommandSender
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.known import TrackedDevice
-from homebot.devices.handles.wanted import HandleQuery
+from homebot.devices.handles.handle_query import HandleQuery
+from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.graph import Node

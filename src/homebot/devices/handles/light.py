@@ -6,7 +6,7 @@ import math
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle, plain_value
-from homebot.devices.handles.wanted import CommonFilters, HandleQuery
+from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
 from homebot.errors import RefusedError
 
 __all__ = ["Light"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.wanted import CommonFilters, HandleQuery
+from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
 from homebot.devices.query import StateIs
 
 __all__ = ["Closure", "WaterValve", "WindowCovering"]

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.devices import KeyValue, RawMessage, Sighting
-from homebot.devices.words import accepts_text, main_part, text_address
+from homebot.devices.text.encode import accepts_text, main_part, text_address
 from homebot.gateways.mqtt.channels import missed
 from homebot.gateways.mqtt.reachability import ReachabilityReader
 from homebot.messages import Time

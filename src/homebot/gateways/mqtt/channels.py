@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from homebot.clock import Clock
 from homebot.conventions.convention import TopicDevice, TopicLayout
 from homebot.devices import RawMessage
-from homebot.devices.ear import TextDecoder, decoder_for
+from homebot.devices.text.decode import TextDecoder, decoder_for
 from homebot.errors import WireError
 from homebot.graph import Publisher
 from homebot.messages import Time

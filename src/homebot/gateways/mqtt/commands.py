@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from homebot.conventions.description import Publication, TakesCode
 from homebot.devices.command import Command, SendCommandResponse
+from homebot.devices.text.encode import decode_command, encode_command
 from homebot.devices.value import PlainValue
-from homebot.devices.words import decode_command, encode_command
 from homebot.errors import HomebotError, LinkError, RefusedError, WrongCodeError
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.announcement import AnnouncedPart
@@ -84,7 +84,7 @@ class CommandServer:
         return SendCommandResponse(success=True)
 
     async def tell(self, key: str, part_id: str, said: str) -> None:
-        """Tell a part the word *said*; see :mod:`homebot.devices.words`.
+        """Tell a part the word *said*; see :mod:`homebot.devices.text.encode`.
 
         Raises:
             RefusedError: Nobody is described by that key and part, it does not take that word, the gateway only

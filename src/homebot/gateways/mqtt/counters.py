@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
-from homebot.devices.quarantine import Count
+from homebot.devices.health import Count
 
 __all__ = ["GatewayCounters"]
 

@@ -23,8 +23,8 @@ from homebot.conventions.convention import (
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.command import SendCommand
-from homebot.devices.quarantine import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.words import read_text_address
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
+from homebot.devices.text.encode import read_text_address
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader

@@ -22,7 +22,7 @@ from homebot.conventions.convention import TopicDevice
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.devices.words import read_text_address
+from homebot.devices.text.encode import read_text_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease

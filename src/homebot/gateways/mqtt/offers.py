@@ -15,7 +15,7 @@ from homebot.conventions.convention import OfferPublisher
 from homebot.conventions.description import Publication
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command import Command
-from homebot.devices.offer import ExposedDevice, ExposedState
+from homebot.devices.exposed import ExposedDevice, ExposedState
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError
 from homebot.gateways.base import Gateway

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import partial
 
-from homebot.devices.quarantine import Quarantine
+from homebot.devices.health import Quarantine
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.reporter import DeviceReporter

@@ -12,8 +12,8 @@ from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import Reading
+from homebot.devices.text.encode import encode_state
 from homebot.devices.value import PlainValue, Value
-from homebot.devices.words import encode_state
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.quarantine import PeerQuarantine

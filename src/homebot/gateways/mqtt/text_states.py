@@ -7,11 +7,11 @@ where it answers a command of ours with just that number.
 from __future__ import annotations
 
 from homebot.conventions.bounded_dict import BoundedDict
-from homebot.devices.ear import Decoded
 from homebot.devices.part import Part
 from homebot.devices.report import Reading
+from homebot.devices.text.decode import Decoded
+from homebot.devices.text.encode import decode_command
 from homebot.devices.value import Value
-from homebot.devices.words import decode_command
 from homebot.errors import RefusedError
 from homebot.gateways.mqtt.channels import Channel
 from homebot.gateways.mqtt.counters import GatewayCounters

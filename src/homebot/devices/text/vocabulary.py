@@ -1,4 +1,4 @@
-"""How values are spelt in plain words; see :mod:`homebot.devices.words`. Pure."""
+"""How values are spelt in plain words; see :mod:`homebot.devices.text.encode`. Pure."""
 
 from __future__ import annotations
 

@@ -14,8 +14,8 @@ import pytest
 from homebot.config import parse_config
 from homebot.devices.command import Command
 from homebot.devices.devices import Devices
+from homebot.devices.exposed import ExposedDevice, ExposedState
 from homebot.devices.names import GatewayNames
-from homebot.devices.offer import ExposedDevice, ExposedState
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import Value
 from homebot.graph import Graph, Node, qos_profile_latched

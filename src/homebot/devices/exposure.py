@@ -7,8 +7,8 @@ from types import TracebackType
 from typing import Self
 
 from homebot.devices.command import Command
+from homebot.devices.exposed import ExposedDevice, ExposedState
 from homebot.devices.names import GatewayNames
-from homebot.devices.offer import ExposedDevice, ExposedState
 from homebot.devices.report import Reading
 from homebot.devices.value import PlainValue, Value
 from homebot.graph import DurabilityPolicy, Node, QoSProfile

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices import Device, DeviceChange, Endpoint
-from homebot.devices.followed import LiveQueryState
+from homebot.devices.live_query_state import LiveQueryState
 from homebot.messages import Time
 
 NOW = Time(sec=0, nanosec=0)

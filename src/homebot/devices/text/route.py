@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device, DevicePart, Endpoint
-from homebot.devices.words import decode_command, text_address
+from homebot.devices.text.encode import decode_command, text_address
 from homebot.errors import RefusedError
 
 __all__ = ["command_address", "others_at"]

@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from homebot.devices.part import Capability, Part
-from homebot.devices.value import PlainValue
-from homebot.devices.wording import (
+from homebot.devices.text.vocabulary import (
     BOOL_WORDS,
     FRACTION_CAPABILITIES,
     OPENING_WORDS,
@@ -22,6 +21,7 @@ from homebot.devices.wording import (
     percent,
     plain_number,
 )
+from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 __all__ = [

@@ -6,10 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.devices.ear import decode_text
 from homebot.devices.part import Capability, Part
-from homebot.devices.value import PlainValue
-from homebot.devices.words import (
+from homebot.devices.text.decode import decode_text
+from homebot.devices.text.encode import (
     decode_command,
     encode_command,
     encode_state,
@@ -17,6 +16,7 @@ from homebot.devices.words import (
     read_text_address,
     text_address,
 )
+from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 

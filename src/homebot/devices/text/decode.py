@@ -1,4 +1,4 @@
-"""Understands the plain words that a part says: the inverse of :func:`homebot.devices.words.encode_state`. Pure."""
+"""Understands the plain words that a part says: the inverse of :func:`homebot.devices.text.encode.encode_state`. Pure."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from typing import TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
-from homebot.devices.value import PlainValue
-from homebot.devices.wording import (
+from homebot.devices.text.vocabulary import (
     BOOL_WORDS,
     FRACTION_CAPABILITIES,
     OPENING_WORDS,
@@ -21,6 +20,7 @@ from homebot.devices.wording import (
     plain_number,
     says_unknown,
 )
+from homebot.devices.value import PlainValue
 
 __all__ = ["Decoded", "TextDecoder", "decode_text", "decoder_for"]
 
@@ -37,7 +37,7 @@ class TextDecoder:
     """The words of a part, ready to be looked up, so that a payload which is none of them costs next to nothing.
 
     What follows from a word is heard as well: a lamp that says ``0.4`` is on, and what says ``closed`` is at 0 %. Of
-    several capabilities that a bare number may be about it is the one that :func:`homebot.devices.words.encode_state`
+    several capabilities that a bare number may be about it is the one that :func:`homebot.devices.text.encode.encode_state`
     speaks of first, among those whose bounds it keeps. What says ``nan`` where it should say what it measures does not
     know it.
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from homebot.devices import Device, DevicePart, Endpoint, Route
 from homebot.devices.part import Capability, Part
-from homebot.devices.told_at import command_address, others_at
-from homebot.devices.words import text_address
+from homebot.devices.text.encode import text_address
+from homebot.devices.text.route import command_address, others_at
 from homebot.messages import Time
 
 OWN, OTHER = text_address("own", "state"), text_address("other", "x")
