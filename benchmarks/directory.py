@@ -20,7 +20,7 @@ from homebot.devices.query import parse_query
 from homebot.devices.report import Reading, Report
 from homebot.devices.value import Value
 from homebot.discovery import DeviceIndex
-from homebot.discovery.rank import rank, reasons
+from homebot.discovery.search.rank import rank, reasons
 from homebot.messages import Time
 
 T = TypeVar("T")

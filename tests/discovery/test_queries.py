@@ -14,7 +14,7 @@ from homebot.devices.query import facets_of, fits, parse_query
 from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.devices.value import Value
 from homebot.discovery import DeviceIndex
-from homebot.discovery.rank import rank, reasons
+from homebot.discovery.search.rank import rank, reasons
 from homebot.messages import Time
 
 Announce = Callable[..., Sighting]

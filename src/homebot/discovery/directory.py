@@ -26,9 +26,9 @@ from homebot.devices import (
     gateway_of,
 )
 from homebot.devices.report import Report
-from homebot.discovery.answers import DirectoryServices
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
-from homebot.discovery.keeper import IndexPersistence
+from homebot.discovery.persistence import IndexPersistence
+from homebot.discovery.services import DirectoryServices
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
 from homebot.isolation import run_as

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias, final
 
 from homebot.devices.value import PlainValue
-from homebot.discovery.claim import SourceKey
+from homebot.discovery.source_record import SourceKey
 
 __all__ = ["Echoes"]
 

@@ -19,12 +19,12 @@ from homebot.devices import (
 from homebot.devices.device_types import wanted_types
 from homebot.devices.text.encode import accepts_text, text_address
 from homebot.devices.value import PlainValue, Value
-from homebot.discovery.claim import SourceKey, SourceRecord, StoredValue, preference
 from homebot.discovery.echoes import Echoes
-from homebot.discovery.part_ids import NO_IDS, PartIds, lost_ids
-from homebot.discovery.parts import Disputed, MergedParts, main_part, merge_parts
-from homebot.discovery.reach import offline_parts, reachability
-from homebot.discovery.rhythm import ReportInterval
+from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
+from homebot.discovery.merging.parts import Disputed, MergedParts, main_part, merge_parts
+from homebot.discovery.reachability import offline_parts, reachability
+from homebot.discovery.report_interval import ReportInterval
+from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
 from homebot.messages import Time
 
 __all__ = ["MAX_FACTS", "Entry"]

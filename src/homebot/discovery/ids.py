@@ -11,7 +11,7 @@ from typing import final
 
 from homebot.devices import Sighting
 from homebot.devices.query.folding import fold
-from homebot.discovery.claim import SourceKey
+from homebot.discovery.source_record import SourceKey
 
 __all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "new_id"]
 

@@ -18,18 +18,18 @@ from homebot.devices.device import ChangeKind
 from homebot.devices.part import Part
 from homebot.devices.query import Query, facets_of, type_is
 from homebot.devices.report import REACHABLE, Reading, Report
-from homebot.discovery.bonds import IdentityGraph
-from homebot.discovery.claim import SourceKey, SourceRecord, StoredValue, is_described_anew, note_description
+from homebot.discovery.change_queue import ChangeQueue
+from homebot.discovery.command_topics import NOBODY, TopicOwnership, topic_use
 from homebot.discovery.deadlines import Deadlines
-from homebot.discovery.disputes import NOBODY, TopicOwnership, topic_use
 from homebot.discovery.entry import Entry
-from homebot.discovery.happenings import ChangeQueue
 from homebot.discovery.ids import Tombstone, Tombstones, new_id
-from homebot.discovery.parts import MergedParts
-from homebot.discovery.postings import Postings
-from homebot.discovery.regroup import Regrouped, regroup
-from homebot.discovery.strays import PendingReports
-from homebot.discovery.values import NOT_ANNOUNCED, has_capability, is_denied, state_of, store_reachability, store_value
+from homebot.discovery.merging.identity import IdentityGraph
+from homebot.discovery.merging.parts import MergedParts
+from homebot.discovery.merging.regroup import Regrouped, regroup
+from homebot.discovery.pending import PendingReports
+from homebot.discovery.search.postings import Postings
+from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, is_described_anew, note_description
+from homebot.discovery.states import NOT_ANNOUNCED, has_capability, is_denied, state_of, store_reachability, store_value
 from homebot.messages import Time
 
 __all__ = ["MAX_DEVICES", "MAX_SOURCES", "DeviceIndex", "IndexCounters"]

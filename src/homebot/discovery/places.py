@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.discovery.bonds import is_generic
+from homebot.discovery.merging.identity import is_generic
 
 __all__ = ["Place", "aliases_of", "is_called", "names", "place_of", "score"]
 

@@ -9,11 +9,11 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from homebot.devices import Sighting
-from homebot.discovery.claim import SourceKey, SourceRecord
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
-from homebot.discovery.part_ids import PartPlace
-from homebot.discovery.rhythm import ReportInterval
+from homebot.discovery.merging.part_ids import PartPlace
+from homebot.discovery.report_interval import ReportInterval
+from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import InvalidNameError, WireError
 from homebot.messages import Time
 from homebot.names import validate_node_name

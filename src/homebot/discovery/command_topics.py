@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple, TypeAlias, final
 
-from homebot.discovery.claim import NATIVE_CONVENTIONS, SourceKey, SourceRecord
 from homebot.discovery.places import aliases_of, is_called, names, place_of, score
+from homebot.discovery.source_record import NATIVE_CONVENTIONS, SourceKey, SourceRecord
 
 __all__ = ["MAX_BELOW", "MAX_LEVELS", "MAX_TOPICS", "MAX_USERS", "NOBODY", "TopicOwnership", "TopicUse", "topic_use"]
 

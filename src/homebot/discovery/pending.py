@@ -8,7 +8,7 @@ from typing import final
 from homebot.devices import Sighting
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import REACHABLE, Report
-from homebot.discovery.claim import SourceKey
+from homebot.discovery.source_record import SourceKey
 from homebot.messages import Time
 
 __all__ = ["PendingReports"]

@@ -11,7 +11,7 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query import And, FactIs, GatewayIs, HasText, InArea, Not, Or, Query, TypeIs
 from homebot.devices.query.folding import is_typo
 from homebot.devices.query.vocabulary import ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, TYPE_WORDS
-from homebot.discovery.postings import Postings
+from homebot.discovery.search.postings import Postings
 from homebot.similar import did_you_mean
 
 __all__ = ["unknown_word"]

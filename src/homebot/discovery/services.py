@@ -38,9 +38,9 @@ from homebot.devices.services import (
 )
 from homebot.discovery.change_log import ChangeLog
 from homebot.discovery.index import DeviceIndex
-from homebot.discovery.keeper import IndexPersistence
-from homebot.discovery.rank import rank, reasons
-from homebot.discovery.unknown_words import unknown_word
+from homebot.discovery.persistence import IndexPersistence
+from homebot.discovery.search.rank import rank, reasons
+from homebot.discovery.search.unknown_words import unknown_word
 from homebot.errors import UsageError
 from homebot.graph import Node
 

@@ -10,7 +10,7 @@ from homebot.devices import Sighting
 from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex
-from homebot.discovery.unknown_words import unknown_word
+from homebot.discovery.search.unknown_words import unknown_word
 
 
 @pytest.fixture

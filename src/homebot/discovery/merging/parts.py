@@ -10,10 +10,10 @@ from typing import TypeAlias
 from homebot.devices import DevicePart, Route
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
-from homebot.discovery.abilities import decided, settable_by
-from homebot.discovery.claim import NATIVE_CONVENTIONS, SourceRecord, preference
-from homebot.discovery.matching import Candidate, candidates, match
-from homebot.discovery.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
+from homebot.discovery.merging.capabilities import decided, settable_by
+from homebot.discovery.merging.matching import Candidate, candidates, match
+from homebot.discovery.merging.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
+from homebot.discovery.source_record import NATIVE_CONVENTIONS, SourceRecord, preference
 
 __all__ = ["MAX_PARTS", "Disputed", "MergedParts", "main_part", "merge_parts"]
 
@@ -77,7 +77,7 @@ _Telling: TypeAlias = tuple[SourceRecord, Part, _Told]
 def merge_parts(claims: Sequence[SourceRecord], disputed: Disputed, known: PartIds = NO_IDS) -> MergedParts:
     """Return the parts that *claims* on one device tell of; those that are *known* keep their ids.
 
-    Parts of different conventions or gateways are one as :mod:`homebot.discovery.matching` says. In one convention they
+    Parts of different conventions or gateways are one as :mod:`homebot.discovery.merging.matching` says. In one convention they
     are one only when they have one id and the same topics. Two of one id that do not are in conflict: the older one
     counts.
     """

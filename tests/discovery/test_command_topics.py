@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.discovery.disputes import MAX_LEVELS, MAX_TOPICS, MAX_USERS, NOBODY, TopicOwnership, TopicUse
+from homebot.discovery.command_topics import MAX_LEVELS, MAX_TOPICS, MAX_USERS, NOBODY, TopicOwnership, TopicUse
 
 GATEWAY = "mqtt"
 

@@ -18,7 +18,7 @@ from itertools import combinations
 from typing import TypeAlias, final
 
 from homebot.devices import Sighting
-from homebot.discovery.claim import WHOLE_DEVICE, SourceKey
+from homebot.discovery.source_record import WHOLE_DEVICE, SourceKey
 
 __all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "IdentityGraph", "is_generic"]
 

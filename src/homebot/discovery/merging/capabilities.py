@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from homebot.devices.device import EVERYTHING
 from homebot.devices.part import Capability, Part
-from homebot.discovery.matching import SETTING
+from homebot.discovery.merging.matching import SETTING
 
 __all__ = ["decided", "merge_capabilities", "settable_by"]
 

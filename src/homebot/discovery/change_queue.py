@@ -10,7 +10,7 @@ from homebot.devices import Device, DeviceChange, State, StateChange
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind
 from homebot.discovery.entry import Entry
-from homebot.discovery.parts import MergedParts
+from homebot.discovery.merging.parts import MergedParts
 
 __all__ = ["ChangeQueue"]
 

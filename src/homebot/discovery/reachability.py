@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import TypeAlias
 
 from homebot.devices import Reachability
-from homebot.discovery.claim import Reach, SourceKey, SourceRecord
+from homebot.discovery.source_record import Reach, SourceKey, SourceRecord
 
 __all__ = ["offline_parts", "reachability"]
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 from homebot.devices import State
 from homebot.devices.report import Reading, Report
-from homebot.discovery.claim import Reach, SourceRecord, StoredValue
 from homebot.discovery.entry import Entry
+from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
 from homebot.messages import Time
 
 __all__ = ["NOT_ANNOUNCED", "has_capability", "is_denied", "state_of", "store_reachability", "store_value"]

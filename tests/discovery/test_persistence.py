@@ -15,7 +15,7 @@ from homebot.devices import Sighting
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import DISCOVERY_HEALTH
 from homebot.devices.part import Part
-from homebot.discovery import Directory, DirectorySettings, keeper
+from homebot.discovery import Directory, DirectorySettings, persistence
 from homebot.graph import Graph, Node
 from homebot.testing import FakeGateway
 
@@ -138,18 +138,18 @@ async def test_a_disk_that_has_room_again_is_written_within_ten_seconds(
     path: Path, announce: Announce, part: MakePart, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Here in a tenth of a second."""
-    assert keeper.SAVE_EVERY + keeper.RETRY_AFTER < 10
-    monkeypatch.setattr(keeper, "SAVE_EVERY", keeper.SAVE_EVERY / 100)
-    monkeypatch.setattr(keeper, "RETRY_AFTER", keeper.RETRY_AFTER / 100)
+    assert persistence.SAVE_EVERY + persistence.RETRY_AFTER < 10
+    monkeypatch.setattr(persistence, "SAVE_EVERY", persistence.SAVE_EVERY / 100)
+    monkeypatch.setattr(persistence, "RETRY_AFTER", persistence.RETRY_AFTER / 100)
     path.mkdir()
     async with directory_with(path) as directory:
         directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
-        await anyio.sleep(2 * keeper.RETRY_AFTER)
+        await anyio.sleep(2 * persistence.RETRY_AFTER)
         assert "lamp" in directory.index.unsaved
         path.rmdir()
         with anyio.fail_after(5):
             while directory.index.unsaved or not path.exists():  # noqa: ASYNC110 - a thread of SQLite tells nobody
-                await anyio.sleep(keeper.SAVE_EVERY)
+                await anyio.sleep(persistence.SAVE_EVERY)
 
 
 async def test_what_could_not_be_written_is_written_when_it_can_be(

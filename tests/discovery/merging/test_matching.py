@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from homebot.devices import Device, Sighting
 from homebot.devices.part import Capability, Category, Part
 from homebot.discovery import DeviceIndex
-from homebot.discovery.matching import candidates, match
+from homebot.discovery.merging.matching import candidates, match
 from homebot.messages import Time
 
 Announce = Callable[..., Sighting]

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from homebot.devices.query import And, CanDo, Facets, FactIs, HasText, InArea, Not, Or, Query, StateIs, TypeIs, fits
 from homebot.devices.query.folding import is_typo, words_of
 from homebot.devices.value import PlainValue
-from homebot.discovery.postings import Postings
+from homebot.discovery.search.postings import Postings
 
 __all__ = ["Ranked", "rank", "reasons"]
 

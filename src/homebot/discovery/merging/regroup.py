@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from homebot.discovery.claim import SourceKey
 from homebot.discovery.entry import Entry
+from homebot.discovery.source_record import SourceKey
 
 __all__ = ["Regrouped", "regroup"]
 

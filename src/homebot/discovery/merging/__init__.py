@@ -1,0 +1,1 @@
+"""Decides which announcements are about one device, and which parts are one. Pure."""

@@ -1,0 +1,1 @@
+"""Finds devices in the index: postings, ranks and unknown words. Pure."""
