@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.errors import UsageError
-from homebot.house.condition import DeviceState
+from homebot.house.device_state import DeviceState
 from homebot.house.dialect import OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
 

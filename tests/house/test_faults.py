@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.house import faults
-from homebot.house.device import SimulatedDevice
 from homebot.house.faults import (
     Chatterbox,
     Deaf,
@@ -26,6 +25,7 @@ from homebot.house.lamp import SimulatedLamp
 from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import WindowMotor
 from homebot.house.sensors import SimulatedContactSensor
+from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.thermostat import SimulatedThermostat
 
 

@@ -22,14 +22,14 @@ from homebot.errors import UsageError
 from homebot.house import SimulatedHouse, SimulatedLamp, WindowMotor, World
 from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
-from homebot.house.device import SimulatedDevice
 from homebot.house.devices import SimulatedDoorLock
 from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
 from homebot.house.dialects.thesis import ThesisDialect
 from homebot.house.faults import Chatterbox, Unplugged
-from homebot.house.presence import QUEUED
+from homebot.house.mqtt_device import QUEUED
 from homebot.house.rooms import Room, Rooms
+from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.world import Placed, ScheduledCommand
 from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker, BrokerPolicy

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.errors import UsageError
-from homebot.house.agenda import EventQueue
+from homebot.house.event_queue import EventQueue
 from homebot.house.household import Household
 from homebot.house.people import Habit, Person
 from homebot.house.rooms import Room, Rooms

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from homebot.errors import UsageError
-from homebot.house.chronicle import Event
 from homebot.house.daylight import DAY
+from homebot.house.event_log import Event
 from homebot.house.faults import Chatterbox, Deaf, Liar, Reverter, Unplugged
 from homebot.house.lamp import SimulatedLamp
 from homebot.house.lock import SimulatedDoorLock

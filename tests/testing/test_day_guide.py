@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from homebot.testing import Day
-from homebot.testing.day_happening import HAPPENINGS
+from homebot.testing.day_event import HAPPENINGS
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "days.md").read_text(encoding="utf-8")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.cli.moments import iso
+from homebot.cli.time_format import iso
 from homebot.devices.device import Device, State
 from homebot.messages.json import message_to_json
 

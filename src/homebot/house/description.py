@@ -40,11 +40,11 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
-from homebot.house.device import SimulatedDevice
 from homebot.house.dialects.known import DIALECTS
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.people import Habit, Person
 from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.world import Placed, ScheduledCommand, World
 from homebot.toml_file import read_toml
 

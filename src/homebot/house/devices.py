@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from homebot.house.device import SimulatedDevice
 from homebot.house.lamp import SimulatedLamp
 from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import CoverMotor, WindowMotor
 from homebot.house.robot import Pose, Robot
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.thermostat import SimulatedThermostat
 
 __all__ = [

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from homebot.errors import UsageError
-from homebot.house.condition import DeviceState
+from homebot.house.device_state import DeviceState
 
 __all__ = ["Bridge", "Dialect", "OutgoingMessage", "SimulatedDeviceInfo"]
 

@@ -11,7 +11,7 @@ import random
 from collections import deque
 from collections.abc import Iterable
 
-from homebot.house.device import SimulatedDevice
+from homebot.house.simulated_device import SimulatedDevice
 
 __all__ = [
     "Chatterbox",

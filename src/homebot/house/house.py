@@ -14,14 +14,14 @@ from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.house.chronicle import Event
-from homebot.house.condition import DeviceState, state_of
 from homebot.house.daylight import DAY
+from homebot.house.device_state import DeviceState, state_of
 from homebot.house.dialect import Dialect, SimulatedDeviceInfo
 from homebot.house.dialects.bridge import BridgeDialect
 from homebot.house.dialects.known import DIALECTS
+from homebot.house.event_log import Event
 from homebot.house.faults import unwrap
-from homebot.house.presence import HouseCounters, MqttDevice
+from homebot.house.mqtt_device import HouseCounters, MqttDevice
 from homebot.house.world import Placed, World
 from homebot.isolation import run_as
 from homebot.log import LogLimit

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
 
-from homebot.house.agenda import EventQueue
+from homebot.house.event_queue import EventQueue
 from homebot.house.people import Person, Visit
 from homebot.house.rooms import Rooms
 

@@ -13,13 +13,13 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.house import faults
-from homebot.house.device import SimulatedDevice
 from homebot.house.lamp import SimulatedLamp
 from homebot.house.lock import SimulatedDoorLock
 from homebot.house.motor import CoverMotor, WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.thermostat import SimulatedThermostat
 
 __all__ = ["FAULTS", "KINDS", "FaultSettings", "KindSettings", "Surroundings"]

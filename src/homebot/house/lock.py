@@ -6,7 +6,7 @@ import random
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.device import SimulatedDevice
+from homebot.house.simulated_device import SimulatedDevice
 
 __all__ = ["SimulatedDoorLock"]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from homebot.errors import UsageError
-from homebot.house.device import SimulatedDevice
 from homebot.house.rooms import Rooms
+from homebot.house.simulated_device import SimulatedDevice
 
 __all__ = ["Pose", "Robot"]
 

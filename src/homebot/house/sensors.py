@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.device import SimulatedDevice, spoken
+from homebot.house.simulated_device import SimulatedDevice, spoken
 
 __all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "SimulatedContactSensor"]
 

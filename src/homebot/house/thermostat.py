@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.device import SimulatedDevice, number, spoken
+from homebot.house.simulated_device import SimulatedDevice, number, spoken
 
 __all__ = ["SimulatedThermostat"]
 

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from homebot.errors import UsageError
-from homebot.house.agenda import EventQueue
-from homebot.house.chronicle import Event, Verb, WorldLog
 from homebot.house.daylight import DAY, daylight, weather
-from homebot.house.device import SimulatedDevice
+from homebot.house.event_log import Event, Verb, WorldLog
+from homebot.house.event_queue import EventQueue
 from homebot.house.faults import unwrap
 from homebot.house.household import Household
 from homebot.house.lamp import SimulatedLamp
@@ -25,6 +24,7 @@ from homebot.house.people import Person
 from homebot.house.robot import Robot
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.thermostat import SimulatedThermostat
 
 __all__ = ["Placed", "ScheduledCommand", "World"]

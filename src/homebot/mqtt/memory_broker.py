@@ -18,9 +18,9 @@ from homebot.errors import LinkError, UsageError
 from homebot.logger import get_logger
 from homebot.mqtt.broker import BrokerLimits, BrokerPolicy, BrokerState, BrokerStats
 from homebot.mqtt.broker.authentication import Authentication
-from homebot.mqtt.broker.hub_timer import HubTimer
 from homebot.mqtt.broker.limits import checked_keep_alive
 from homebot.mqtt.broker.policy import policy_of
+from homebot.mqtt.broker.state_timer import HubTimer
 from homebot.mqtt.memory_client import MemoryClient
 from homebot.mqtt.memory_link import LinkUser, MemoryLink, MemorySocket
 from homebot.mqtt.options import MqttOptions

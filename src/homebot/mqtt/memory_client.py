@@ -13,7 +13,7 @@ from typing import Protocol, final
 from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttCounters, MqttSubscription, PublishResult, SessionGrant
-from homebot.mqtt.memory_conversation import ClientProtocol
+from homebot.mqtt.client_protocol import ClientProtocol
 from homebot.mqtt.memory_link import LinkUser, MemorySocket
 from homebot.mqtt.memory_packets import filter_request, publish_properties
 from homebot.mqtt.memory_requests import Requests

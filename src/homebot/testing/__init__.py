@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from homebot.testing.day import Day
-    from homebot.testing.day_happening import DayEvent
+    from homebot.testing.day_event import DayEvent
     from homebot.testing.day_live import live_day
     from homebot.testing.event_log import EventLog, HouseEvent
     from homebot.testing.gateway import FakeGateway, FakeGatewaySettings

@@ -32,11 +32,11 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
-from homebot.house.chronicle import WorldLog
 from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
+from homebot.house.event_log import WorldLog
 from homebot.house.world import World
-from homebot.testing.day_happening import DayEvent
+from homebot.testing.day_event import DayEvent
 from homebot.testing.day_text import LONGEST, read_time, write_duration, write_tables, write_time
 from homebot.toml_file import parse_toml, read_toml
 from homebot.units import parse_duration

@@ -132,7 +132,7 @@ def _shown(
     made: AbstractAsyncContextManager[HouseT],
 ) -> Iterator[HouseT]:
     """Run the house on *loop*, with a log of it for the report of a failed test."""
-    from homebot.testing.held import hold_open  # noqa: PLC0415 - only for those who use it
+    from homebot.testing.fixture_context import hold_open  # noqa: PLC0415 - only for those who use it
 
     houses = request.node.stash.setdefault(_HOUSES, [])
     with _explained(), hold_open(loop, _with_log(made)) as house:

@@ -23,8 +23,8 @@ from homebot.runtime import Runtime
 from homebot.testing.background import in_background
 from homebot.testing.house import EVERYTHING, TestHouse
 from homebot.testing.house_config import house_config
-from homebot.testing.moment import next_moment, parse_time
 from homebot.testing.plain_logs import plain_logs
+from homebot.testing.times import next_moment, parse_time
 from homebot.testing.virtual_time import VirtualTimeLoop
 from homebot.units import parse_duration
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.house.condition import state_of
+from homebot.house.device_state import state_of
 from homebot.house.devices import CoverMotor, SimulatedDevice, SimulatedLamp, SimulatedThermostat
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS

@@ -16,8 +16,7 @@ from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.house.condition import state_of
-from homebot.house.device import SimulatedDevice
+from homebot.house.device_state import state_of
 from homebot.house.devices import (
     CoverMotor,
     LuxSensor,
@@ -31,6 +30,7 @@ from homebot.house.devices import (
 )
 from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
+from homebot.house.simulated_device import SimulatedDevice
 from homebot.mqtt.topics import topic_matches
 
 CONVENTIONS: Mapping[str, Callable[[], Convention]] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from homebot.bridges.rosbridge.backlog import DoorBacklog
-from homebot.bridges.rosbridge.complaints import ClientErrorLog
+from homebot.bridges.rosbridge.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.counters import DoorCounters
 from homebot.bridges.rosbridge.expected_topics import ExpectedTopics
 from homebot.bridges.rosbridge.settings import DoorSettings

@@ -22,8 +22,8 @@ from websockets.http11 import Request, Response
 
 from homebot.bridges.rosbridge.admission import is_loopback, is_token, refusal, token_of
 from homebot.bridges.rosbridge.backlog import DoorBacklog
+from homebot.bridges.rosbridge.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.common import Common
-from homebot.bridges.rosbridge.complaints import ClientErrorLog
 from homebot.bridges.rosbridge.connection import DoorConnection
 from homebot.bridges.rosbridge.counters import DoorCounters
 from homebot.bridges.rosbridge.expected_topics import ExpectedTopics

@@ -15,8 +15,8 @@ from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.calls import call_service
+from homebot.bridges.rosbridge.client_error_log import operation_text
 from homebot.bridges.rosbridge.common import Common
-from homebot.bridges.rosbridge.complaints import operation_text
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
     ActionOperation,

@@ -7,7 +7,7 @@ import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from homebot.cli.until_told import on_an_event_loop, serve
+from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import read_secret
 from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging

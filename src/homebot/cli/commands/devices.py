@@ -7,13 +7,13 @@ import json
 import sys
 
 from homebot.cli.device_json import device_json
+from homebot.cli.device_queries import all_devices, house_time
 from homebot.cli.door_client import DoorClient
-from homebot.cli.inventory import all_devices, house_time
-from homebot.cli.moments import ago
 from homebot.cli.terminal import print_table
 from homebot.cli.thing_files import write_things
-from homebot.cli.through_door import with_client
+from homebot.cli.time_format import ago
 from homebot.cli.values import life, main_parts, state_text, types
+from homebot.cli.with_client import with_client
 from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query import type_is

@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
+from homebot.cli.device_queries import find_devices, house_time
 from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
-from homebot.cli.inventory import find_devices, house_time
-from homebot.cli.moments import ago
-from homebot.cli.outbox import gateway_state
+from homebot.cli.publishing import gateway_state
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
-from homebot.cli.through_door import with_client
+from homebot.cli.time_format import ago
+from homebot.cli.with_client import with_client
 from homebot.devices import Device, GatewayState
 from homebot.devices.health import Count, GetHealth, HealthResponse, PartFailure, Quarantine
 from homebot.messages.json import message_from_json

@@ -11,7 +11,7 @@ import anyio
 from homebot.cli.directory import WAITING, no_such_topic, topic_type
 from homebot.cli.door_client import DoorClient, ReceivedMessage
 from homebot.cli.schema import Schema, message_schema
-from homebot.cli.through_door import with_client
+from homebot.cli.with_client import with_client
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
 

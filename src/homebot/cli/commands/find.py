@@ -6,12 +6,12 @@ import argparse
 import json
 
 from homebot.cli.device_json import device_json
+from homebot.cli.device_queries import find_devices
 from homebot.cli.door_client import DoorClient
-from homebot.cli.inventory import find_devices
 from homebot.cli.table import to_table, without_empty
 from homebot.cli.terminal import is_terminal, print_table
-from homebot.cli.through_door import with_client
 from homebot.cli.values import life, state_text, types
+from homebot.cli.with_client import with_client
 from homebot.devices.services import QueryDevicesResponse
 
 __all__ = ["find"]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 
+from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient
-from homebot.cli.inventory import named_device
-from homebot.cli.outbox import GatewayPublisher
+from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.table import printable
-from homebot.cli.through_door import with_client
+from homebot.cli.with_client import with_client
 from homebot.devices.names import FORGET_DEVICE
 from homebot.devices.services import ForgetDeviceResponse
 from homebot.errors import PeerError

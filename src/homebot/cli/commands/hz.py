@@ -12,7 +12,7 @@ import anyio
 
 from homebot.cli.directory import WAITING, no_such_topic, topic_type
 from homebot.cli.door_client import DoorClient
-from homebot.cli.through_door import with_client
+from homebot.cli.with_client import with_client
 
 __all__ = ["hz", "rate_text"]
 

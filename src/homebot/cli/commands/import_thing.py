@@ -9,11 +9,11 @@ from pathlib import Path
 
 import anyio
 
+from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient
-from homebot.cli.inventory import all_devices
-from homebot.cli.outbox import GatewayPublisher
+from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.table import printable
-from homebot.cli.through_door import with_client
+from homebot.cli.with_client import with_client
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices import DEVICE_CHANGES, Device, DeviceChange
 from homebot.errors import ConfigError, UsageError, WireError

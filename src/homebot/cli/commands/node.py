@@ -7,7 +7,7 @@ import argparse
 from homebot.cli.directory import entities
 from homebot.cli.door_client import DoorClient
 from homebot.cli.similar import not_found
-from homebot.cli.through_door import with_client
+from homebot.cli.with_client import with_client
 from homebot.errors import PeerError
 
 __all__ = ["info", "list_nodes"]

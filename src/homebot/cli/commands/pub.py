@@ -10,8 +10,8 @@ import anyio
 
 from homebot.cli.directory import no_such_topic, topic_type
 from homebot.cli.door_client import DoorClient
-from homebot.cli.outbox import GatewayPublisher
-from homebot.cli.through_door import with_client
+from homebot.cli.publishing import GatewayPublisher
+from homebot.cli.with_client import with_client
 
 __all__ = ["pub"]
 

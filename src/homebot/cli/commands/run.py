@@ -13,7 +13,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from homebot.cli.until_told import on_an_event_loop, serve
+from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, load_config, parse_config
 from homebot.discovery.store import take_over
 from homebot.log import configure_logging

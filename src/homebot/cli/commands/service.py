@@ -12,7 +12,7 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.schema import response_schema
 from homebot.cli.similar import not_found
 from homebot.cli.table import printable
-from homebot.cli.through_door import with_client
+from homebot.cli.with_client import with_client
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
 

@@ -7,14 +7,14 @@ import json
 from collections.abc import Iterable, Iterator
 
 from homebot.cli.device_json import device_json
+from homebot.cli.device_queries import house_time, named_device, reasons_for
 from homebot.cli.door_client import DoorClient
-from homebot.cli.inventory import house_time, named_device, reasons_for
-from homebot.cli.moments import ago
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.thing_files import thing_text
-from homebot.cli.through_door import with_client
+from homebot.cli.time_format import ago
 from homebot.cli.values import in_words, life, span
+from homebot.cli.with_client import with_client
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Capability

@@ -6,7 +6,7 @@ import argparse
 
 from homebot.cli.directory import GraphEntity, entities, no_such_topic, topic_type
 from homebot.cli.door_client import DoorClient
-from homebot.cli.through_door import with_client
+from homebot.cli.with_client import with_client
 
 __all__ = ["info", "list_topics"]
 

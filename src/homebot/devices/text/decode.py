@@ -1,4 +1,4 @@
-"""Understands the plain words that a part says: the inverse of :func:`homebot.devices.text.encode.encode_state`. Pure."""
+"""Decodes what a device publishes as text, the reverse of :func:`homebot.devices.text.encode.encode_state`. Pure."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class TextDecoder:
     """The words of a part, ready to be looked up, so that a payload which is none of them costs next to nothing.
 
     What follows from a word is heard as well: a lamp that says ``0.4`` is on, and what says ``closed`` is at 0 %. Of
-    several capabilities that a bare number may be about it is the one that :func:`homebot.devices.text.encode.encode_state`
-    speaks of first, among those whose bounds it keeps. What says ``nan`` where it should say what it measures does not
-    know it.
+    several capabilities that a bare number may be about it is the one that
+    :func:`homebot.devices.text.encode.encode_state` speaks of first, among those whose bounds it keeps. What says
+    ``nan`` where it should say what it measures does not know it.
 
     Args:
         capabilities: What the part can be asked and told.

@@ -77,9 +77,9 @@ _Telling: TypeAlias = tuple[SourceRecord, Part, _Told]
 def merge_parts(claims: Sequence[SourceRecord], disputed: Disputed, known: PartIds = NO_IDS) -> MergedParts:
     """Return the parts that *claims* on one device tell of; those that are *known* keep their ids.
 
-    Parts of different conventions or gateways are one as :mod:`homebot.discovery.merging.matching` says. In one convention they
-    are one only when they have one id and the same topics. Two of one id that do not are in conflict: the older one
-    counts.
+    Parts of different conventions or gateways are one as :mod:`homebot.discovery.merging.matching` says. In one
+    convention they are one only when they have one id and the same topics. Two of one id that do not are in conflict:
+    the older one counts.
     """
     conflicts: list[str] = []
     tellings = _tellings(sorted(claims, key=preference) if len(claims) > 1 else claims, conflicts)

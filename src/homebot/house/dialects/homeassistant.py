@@ -11,8 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from homebot.house.condition import DeviceState
-from homebot.house.device import spoken
+from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.homeassistant_components import COMPONENTS
 from homebot.house.dialects.wire import (
@@ -25,6 +24,7 @@ from homebot.house.dialects.wire import (
     lamp_order,
     node_name,
 )
+from homebot.house.simulated_device import spoken
 
 __all__ = ["HomeAssistantDialect"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
 
-from homebot.house.condition import DeviceState
+from homebot.house.device_state import DeviceState
 
 __all__ = ["COMPONENTS", "ComponentTemplate"]
 

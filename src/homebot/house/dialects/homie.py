@@ -11,11 +11,11 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from homebot.house.condition import DeviceState
-from homebot.house.device import spoken
+from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.homie_nodes import NODES
 from homebot.house.dialects.wire import as_json, as_number, as_text, hardware_address, lamp_order
+from homebot.house.simulated_device import spoken
 
 __all__ = ["HomieDialect"]
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from homebot.house.condition import DeviceState
-from homebot.house.device import spoken
+from homebot.house.device_state import DeviceState
+from homebot.house.simulated_device import spoken
 
 __all__ = ["NODES", "SimulatedHomieNode"]
 

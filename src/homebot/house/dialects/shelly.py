@@ -12,8 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from homebot.house.condition import DeviceState
-from homebot.house.device import spoken
+from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
@@ -24,6 +23,7 @@ from homebot.house.dialects.wire import (
     hardware_address,
     lamp_order,
 )
+from homebot.house.simulated_device import spoken
 
 __all__ = ["ShellyDialect"]
 

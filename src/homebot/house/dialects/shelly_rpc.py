@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from homebot.house.condition import DeviceState
-from homebot.house.device import spoken
+from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_number, as_object, cover_order, hardware_address, lamp_order
+from homebot.house.simulated_device import spoken
 
 __all__ = ["ShellyRpcDialect"]
 

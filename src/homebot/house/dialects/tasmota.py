@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from homebot.house.condition import DeviceState
-from homebot.house.device import spoken
+from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
@@ -22,6 +21,7 @@ from homebot.house.dialects.wire import (
     lamp_order,
     node_name,
 )
+from homebot.house.simulated_device import spoken
 
 __all__ = ["TasmotaDialect"]
 

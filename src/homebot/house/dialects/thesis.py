@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from homebot.house.condition import DeviceState
+from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.kinds import KINDS
 

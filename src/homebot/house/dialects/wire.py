@@ -8,8 +8,8 @@ import math
 import re
 from collections.abc import Mapping
 
-from homebot.house.device import spoken
 from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.simulated_device import spoken
 
 __all__ = ["as_json", "as_number", "as_object", "as_text", "cover_order", "hardware_address", "lamp_order", "node_name"]
 

@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
-from homebot.house.condition import DeviceState
-from homebot.house.device import spoken
+from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
@@ -24,6 +23,7 @@ from homebot.house.dialects.wire import (
     lamp_order,
 )
 from homebot.house.dialects.zigbee2mqtt_exposes import EXPOSES
+from homebot.house.simulated_device import spoken
 
 __all__ = ["Zigbee2MqttDialect"]
 

@@ -4,13 +4,13 @@ Three parts: the codec (:mod:`homebot.mqtt.packets`), the broker's state without
 is made of), and the server (:class:`Broker`).
 """
 
-from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.limits import BrokerLimits
-from homebot.mqtt.broker.link import Transport
 from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.policy import BrokerPolicy, RefusedFilters
 from homebot.mqtt.broker.server import Broker, PortTakenError
+from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.broker.stats import BrokerStats
+from homebot.mqtt.broker.transport import Transport
 
 __all__ = [
     "Broker",

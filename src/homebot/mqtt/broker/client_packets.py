@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import ClassVar, final
 
+from homebot.mqtt.broker.backpressure import Backpressure
 from homebot.mqtt.broker.filter_requests import FilterRequests
-from homebot.mqtt.broker.holding import Backpressure
-from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.inbound import Inbound
 from homebot.mqtt.broker.login import expiry_of
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.session import BrokerSession
+from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import (
     Auth,
     Disconnect,

@@ -7,11 +7,11 @@ import socket
 from collections.abc import Callable
 from typing import Final, cast, final
 
-from homebot.mqtt.broker.endpoint import ConnectionHandler
-from homebot.mqtt.broker.hub import BrokerState
-from homebot.mqtt.broker.link import Transport
+from homebot.mqtt.broker.connection_handler import ConnectionHandler
 from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.sockets import Sockets
+from homebot.mqtt.broker.state import BrokerState
+from homebot.mqtt.broker.transport import Transport
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["BrokerConnection"]

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, final
 
-from homebot.mqtt.broker.holding import Backpressure
-from homebot.mqtt.broker.hub import BrokerState
+from homebot.mqtt.broker.backpressure import Backpressure
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.retained import RetainedMessages
 from homebot.mqtt.broker.session import BrokerSession
+from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import ReasonCode, Suback, Subscribe, Unsuback, Unsubscribe
 
 __all__ = ["FilterRequests"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import Final, final
 
-from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.losses import LossReport
+from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.memory import MemoryKeeper
 
 __all__ = ["Housekeeping"]

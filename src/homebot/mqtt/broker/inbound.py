@@ -6,10 +6,10 @@ from dataclasses import replace
 from typing import final
 
 from homebot.mqtt.broker.exchange import Receipt
-from homebot.mqtt.broker.hub import BrokerState
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.session import BrokerSession
+from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
     PacketError,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from homebot.mqtt.broker.hub import BrokerState
+from homebot.mqtt.broker.client_text import host_of
 from homebot.mqtt.broker.login_throttle import Applicant
 from homebot.mqtt.broker.sessions import will_size
-from homebot.mqtt.broker.words import host_of
+from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import (
     MAX_PACKET_SIZE,
     Connack,

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.link import Transport
 from homebot.mqtt.broker.queue import QueuedMessage
 from homebot.mqtt.broker.stats import Counters
+from homebot.mqtt.broker.transport import Transport
 from homebot.mqtt.packets import MAX_PACKET_SIZE, Packet, ProtocolVersion, encode
 from homebot.mqtt.packets.publish import encode_publish_parts
 

@@ -7,16 +7,16 @@ from typing import final
 
 from homebot.mqtt.broker import login
 from homebot.mqtt.broker.client_packets import ClientPackets
+from homebot.mqtt.broker.client_text import host_of
 from homebot.mqtt.broker.deadlines import Deadline
-from homebot.mqtt.broker.farewell import goodbye, unread_connect_answer
-from homebot.mqtt.broker.hub import BrokerState
-from homebot.mqtt.broker.link import Transport
+from homebot.mqtt.broker.disconnect import goodbye, unread_connect_answer
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.peer_log import PeerLog
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.sessions import will_size
+from homebot.mqtt.broker.state import BrokerState
+from homebot.mqtt.broker.transport import Transport
 from homebot.mqtt.broker.unread import UnreadMark
-from homebot.mqtt.broker.words import host_of
 from homebot.mqtt.packets import (
     Connack,
     Connect,

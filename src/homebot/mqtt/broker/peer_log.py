@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import final
 
-from homebot.mqtt.broker.hub import BrokerState
-from homebot.mqtt.broker.link import Transport
-from homebot.mqtt.broker.words import client_text, short
+from homebot.mqtt.broker.client_text import client_text, short
+from homebot.mqtt.broker.state import BrokerState
+from homebot.mqtt.broker.transport import Transport
 from homebot.mqtt.packets import PacketError, ReasonCode
 
 __all__ = ["PeerLog"]

@@ -18,18 +18,18 @@ from homebot.errors import LinkError, UsageError
 from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication, is_loopback
 from homebot.mqtt.broker.connection import BrokerConnection
-from homebot.mqtt.broker.endpoint import ConnectionHandler
+from homebot.mqtt.broker.connection_handler import ConnectionHandler
 from homebot.mqtt.broker.housekeeping import Housekeeping
-from homebot.mqtt.broker.hub import BrokerState
-from homebot.mqtt.broker.hub_timer import HubTimer
 from homebot.mqtt.broker.limits import BrokerLimits, checked_keep_alive
-from homebot.mqtt.broker.link import Transport
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.peer import Peer
 from homebot.mqtt.broker.policy import BrokerPolicy, policy_of
 from homebot.mqtt.broker.sockets import Sockets
+from homebot.mqtt.broker.state import BrokerState
+from homebot.mqtt.broker.state_timer import HubTimer
 from homebot.mqtt.broker.stats import BrokerStats
 from homebot.mqtt.broker.tls_socket import TlsSocket
+from homebot.mqtt.broker.transport import Transport
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["Broker", "PortTakenError"]

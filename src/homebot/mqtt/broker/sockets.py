@@ -7,7 +7,7 @@ from typing import Protocol, final
 
 import anyio
 
-from homebot.mqtt.broker.hub import BrokerState
+from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["OpenSocket", "Sockets"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Protocol, final
 
-from homebot.mqtt.broker.words import host_of
+from homebot.mqtt.broker.client_text import host_of
 
 __all__ = ["LoginCandidate", "WaitingLogins"]
 

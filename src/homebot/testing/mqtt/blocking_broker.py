@@ -8,10 +8,10 @@ import anyio
 
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 from homebot.mqtt.topics import validate_filter
+from homebot.testing.mqtt.broker_view import BrokerView
 from homebot.testing.mqtt.core import BrokerCore
 from homebot.testing.mqtt.fault_control import BlockingFaults
-from homebot.testing.mqtt.seen import Payload, RecordedMessage, Wanted
-from homebot.testing.mqtt.side import BrokerView
+from homebot.testing.mqtt.recorded_message import Payload, RecordedMessage, Wanted
 from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["BlockingTestBroker"]

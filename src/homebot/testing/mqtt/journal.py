@@ -11,8 +11,8 @@ import anyio
 
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.topics import topic_matches
-from homebot.testing.mqtt.bell import PulseEvent
-from homebot.testing.mqtt.seen import RecordedMessage, Wanted, payload_matches
+from homebot.testing.mqtt.pulse_event import PulseEvent
+from homebot.testing.mqtt.recorded_message import RecordedMessage, Wanted, payload_matches
 
 __all__ = ["Journal"]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, final
 
 from homebot.mqtt.packets import Packet
-from homebot.testing.mqtt.words import packet_text
+from homebot.testing.mqtt.packet_text import packet_text
 
 __all__ = ["PacketLog", "PacketRecord"]
 

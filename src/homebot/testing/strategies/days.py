@@ -11,7 +11,7 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 
 from homebot.errors import UsageError
 from homebot.testing.day import Day
-from homebot.testing.day_happening import HAPPENINGS, DayEvent, What
+from homebot.testing.day_event import HAPPENINGS, DayEvent, What
 from homebot.testing.strategies.choices import chosen, moments, one_of, several, target
 from homebot.testing.strategies.devices import commands
 from homebot.testing.strategies.houses import houses

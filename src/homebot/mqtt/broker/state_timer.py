@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import final
 
-from homebot.mqtt.broker.hub import BrokerState
+from homebot.mqtt.broker.state import BrokerState
 
 __all__ = ["HubTimer"]
 

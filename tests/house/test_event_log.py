@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.house.chronicle import Event, WorldLog
+from homebot.house.event_log import Event, WorldLog
 
 
 def test_an_event_is_a_line_of_day_and_time_and_what_happened() -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from homebot.house.device import SimulatedDevice, number
 from homebot.house.lamp import SimulatedLamp
 from homebot.house.motor import WindowMotor
+from homebot.house.simulated_device import SimulatedDevice, number
 from homebot.house.thermostat import SimulatedThermostat
 
 __all__ = ["DeviceState", "state_of"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.house.condition import DeviceState, state_of
+from homebot.house.device_state import DeviceState, state_of
 from homebot.house.devices import (
     CoverMotor,
     LuxSensor,

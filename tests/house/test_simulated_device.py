@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.house.device import SimulatedDevice, number, spoken
 from homebot.house.faults import Deaf
 from homebot.house.lamp import SimulatedLamp
 from homebot.house.lock import SimulatedDoorLock
@@ -17,6 +16,7 @@ from homebot.house.motor import WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Room, Rooms
 from homebot.house.sensors import SimulatedContactSensor
+from homebot.house.simulated_device import SimulatedDevice, number, spoken
 from homebot.house.thermostat import SimulatedThermostat
 
 

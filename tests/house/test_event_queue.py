@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.house.agenda import EventQueue
+from homebot.house.event_queue import EventQueue
 
 
 @given(st.lists(st.sampled_from([0.0, 1.0, 2.0, 3.0])))

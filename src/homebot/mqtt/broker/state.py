@@ -13,6 +13,7 @@ from homebot.clock import Clock
 from homebot.log import LogLimit
 from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication
+from homebot.mqtt.broker.client_text import short
 from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
@@ -25,7 +26,6 @@ from homebot.mqtt.broker.stats import BrokerStats, Counters
 from homebot.mqtt.broker.unread import UnreadPackets
 from homebot.mqtt.broker.unsent import UnsentBytes
 from homebot.mqtt.broker.waiting_logins import WaitingLogins
-from homebot.mqtt.broker.words import short
 from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import ReasonCode
 

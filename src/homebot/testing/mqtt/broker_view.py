@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from homebot.mqtt.topics import validate_filter
-from homebot.testing.mqtt.breach import ProtocolViolation
 from homebot.testing.mqtt.core import BrokerCore, ClientView
 from homebot.testing.mqtt.packet_log import PacketLog
+from homebot.testing.mqtt.protocol_violation import ProtocolViolation
 from homebot.testing.mqtt.settings import BrokerSettings
 from homebot.testing.mqtt.thread import BrokerThread
 

@@ -16,7 +16,7 @@ from typing import final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
-from homebot.house.condition import DeviceState
+from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.isolation import run_as
 from homebot.log import LogLimit

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from structlog.testing import capture_logs
 
-from homebot.bridges.rosbridge.complaints import ClientErrorLog
+from homebot.bridges.rosbridge.client_error_log import ClientErrorLog
 from homebot.clock import ManualClock
 from homebot.graph import Graph, Node
 
