@@ -15,7 +15,7 @@ import_module("homebot.apps.light_service")
 
 START = """
 import asyncio, pytest
-from homebot.house import Lamp, World
+from homebot.house import SimulatedLamp, World
 
 def loop():
     return type(asyncio.get_running_loop()).__name__
@@ -30,7 +30,9 @@ async def test_a_day_of_the_house(house):
     await house.run_until("22:00")
     assert house.now.hour == 22
 
-@pytest.mark.house("light_service", world=lambda: World.of(Lamp("desk")), root="villa", start="2026-07-01 06:30")
+@pytest.mark.house(
+    "light_service", world=lambda: World.of(SimulatedLamp("desk")), root="villa", start="2026-07-01 06:30"
+)
 async def test_the_mark_says_what_is_in_it(house):
     assert (house.now.month, list(house.world.devices)) == (7, ["desk"])
     await house.says("villa/lights/shelf/out", "on")
@@ -129,7 +131,7 @@ def test_without_a_mark_the_house_is_that_of_the_thesis_and_tests_do_not_share_i
     pytester.makepyfile(
         START
         + """
-SHARED = World.of(Lamp("desk"))
+SHARED = World.of(SimulatedLamp("desk"))
 
 @pytest.mark.parametrize("again", [1, 2])
 @pytest.mark.house(world=SHARED)

@@ -33,7 +33,7 @@ __all__ = [
 
 _HOMES = {
     "Day": "day",
-    "DayEvent": "day_happening",
+    "DayEvent": "day_event",
     "EventLog": "event_log",
     "FakeGateway": "gateway",
     "FakeGatewaySettings": "gateway",

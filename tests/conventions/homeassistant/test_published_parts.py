@@ -135,7 +135,7 @@ class Way:
 
 
 HOME_ASSISTANT = Path(
-    os.environ.get("HOMEASSISTANT_PYTHON", Path(__file__).parents[4] / ".venv-bench-ha" / "bin" / "python")
+    os.environ.get("HOMEASSISTANT_PYTHON", Path(__file__).parents[3] / ".venv-bench-ha" / "bin" / "python")
 )
 SCHEMAS = Path(__file__).with_name("home_assistant_schemas.py")
 

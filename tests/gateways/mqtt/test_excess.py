@@ -20,7 +20,7 @@ from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
 
-REAL = Path(__file__).parent / "zigbee2mqtt" / "both_announcements.jsonl"
+REAL = Path(__file__).parents[2] / "conventions" / "zigbee2mqtt" / "both_announcements.jsonl"
 ORIGIN = {"name": "Zigbee2MQTT", "sw": "2.1.1", "url": "https://www.zigbee2mqtt.io"}
 CONFIGS_OF_THE_LARGEST_HOUSE = 35_981
 MOST, MOST_EACH = 20_000, 9_000

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import json
+import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractAsyncContextManager
-from itertools import repeat
+from itertools import pairwise, repeat
 from pathlib import Path
 from typing import Any
 
@@ -104,10 +106,20 @@ def test_a_long_list_is_taken_in_many_steps() -> None:
     assert len(steps) - steps.count(None) == 100
 
 
+@pytest.fixture
+def _no_garbage_collection() -> Iterator[None]:
+    """What all tests of this process hold would be looked through."""
+    gc.disable()
+    yield
+    gc.enable()
+
+
+@pytest.mark.usefixtures("_no_garbage_collection")
 async def test_others_get_their_turns_while_a_large_bridge_is_taken() -> None:
-    """In real time; at least one turn for every ten devices, from the message until all are known."""
+    """In CPU time of this thread; nobody waits longer than 50 ms, from the message until all are known."""
     count = 200
-    graph, turns = Graph(), 0
+    graph = Graph()
+    turns: list[float] = []
     async with (
         MemoryBroker() as broker,
         Node(graph, "mqtt", namespace="/gateway") as gateway_node,
@@ -123,13 +135,13 @@ async def test_others_get_their_turns_while_a_large_bridge_is_taken() -> None:
         await wire.publish(TOPIC, house_of(count), qos=1)
         while not len(directory.index):
             await anyio.lowlevel.checkpoint()
-            turns += 1 if gateway.counters.announcements else 0
+            turns.append(time.thread_time())
         with anyio.fail_after(60):
             while len(directory.index) < count:
                 await anyio.lowlevel.checkpoint()
-                turns += 1
+                turns.append(time.thread_time())
         tasks.cancel_scope.cancel()
-    assert turns >= count / 10
+    assert max(after - before for before, after in pairwise(turns)) < 0.05
 
 
 class Endless(SimpleConvention):

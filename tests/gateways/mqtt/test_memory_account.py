@@ -24,7 +24,7 @@ from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
 
-REAL = Path(__file__).parent / "zigbee2mqtt" / "both_announcements.jsonl"
+REAL = Path(__file__).parents[2] / "conventions" / "zigbee2mqtt" / "both_announcements.jsonl"
 ALL_MODELS = 4_478
 KB = 1024
 MOST = 100 * KB

@@ -58,7 +58,7 @@ class Acme:
         """Return the filter of all announcements."""
         return (f"{self._prefix}/+/info",)
 
-    def births(self) -> tuple[Publication, ...]:
+    def birth_messages(self) -> tuple[Publication, ...]:
         """Return nothing: announcements are retained."""
         return ()
 
