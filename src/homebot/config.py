@@ -82,16 +82,16 @@ class HomeSettings(BaseModel):
 
 
 class Config(BaseModel):
-    """A whole configuration.
+    """The configuration of a homebot, as in ``homebot.toml``.
 
     Attributes:
-        home: About the home.
-        gateways: A table for each gateway, by the name of its node.
-        apps: A table for each app, by the name of its node.
+        home: The table ``[home]``.
+        gateways: The tables ``[gateways.NAME]``, by name.
+        apps: The tables ``[apps.NAME]``, by name.
         door: The address at which rosbridge clients reach this homebot; empty for the default.
-        discovery: How long devices are remembered.
-        source: The file, or what else the values came from; for messages.
-        folder: Where relative paths in it begin: the folder of the file.
+        discovery: The table ``[discovery]``: how long devices are kept.
+        source: The file, or another source of the values, for error messages.
+        folder: The folder that relative paths start from: that of the file.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -127,11 +127,11 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
 
     Args:
         tables: The tables.
-        source: The file, or what else they came from; for messages.
-        folder: Where relative paths in them begin.
+        source: The file, or another source of the tables, for error messages.
+        folder: The folder that relative paths start from.
 
     Raises:
-        ConfigError: A key is unknown or a value wrong; the error names *source*, the key and the reason.
+        ConfigError: A key is unknown or a value invalid; the message names *source*, the key and the reason.
     """
     config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
     for section, names in (("gateways", config.gateways), ("apps", config.apps)):

@@ -54,17 +54,17 @@ def configure_logging(
 ) -> None:
     """Send every log line of the process to *stream*, by default standard error.
 
-    What libraries log with the standard library's ``logging``, at warning or above, and Python's own warnings come the
-    same way: limited, and with what looks like a secret taken out.
+    This includes what libraries log with the standard library's ``logging`` at warning or above, and Python's own
+    warnings: at a limited rate, and without what looks like a secret.
 
     Args:
         log_format: ``console`` for people, ``json`` for programs: one object a line.
-        level: Least level shown: debug, info, warning, error or critical.
-        stream: Where to; colours are used only on a terminal.
+        level: The lowest level shown: debug, info, warning, error or critical.
+        stream: The stream to write to; colours are used only on a terminal.
         processors: Further structlog processors that see each line before it is written.
 
     Raises:
-        UsageError: *level* is no level.
+        UsageError: *level* is not a level.
     """
     if level not in _LEVELS:
         raise UsageError(f"no log level {level!r}; there are {', '.join(_LEVELS)}")

@@ -34,7 +34,7 @@ def run(
 
     Without *config*, a ``homebot.toml`` in the working directory is used; without that and *mqtt*, a simulated house.
     The log goes to standard error, unless structlog is configured already. At the end everything is stopped in order,
-    in 4.8 s at most: then the process is ended, whatever hangs.
+    in at most 4.8 s; then the process exits even if something hangs.
 
     Args:
         apps: Classes, or names of installed apps such as ``"light_service"``; without any, those of the configuration.
@@ -42,8 +42,8 @@ def run(
         house: Simulated house in TOML, on the embedded broker.
         mqtt: URL of a broker, as ``mqtt://[user@]host[:port]``.
         root: First level of the topics of devices that do not announce themselves.
-        act: Let commands reach a broker that is not homebot's own.
-        ephemeral: Remember no devices over a restart.
+        act: Send commands to devices on a broker other than the embedded one.
+        ephemeral: Do not keep devices over a restart.
         seconds: Stop after this time.
 
     Returns:

@@ -82,13 +82,13 @@ class Route(Message):
 
 
 class DevicePart(Message):
-    """Something a device offers, however many announcements speak of it.
+    """A part of a device, merged from all announcements of it.
 
     Attributes:
-        id: Unique in the device, and lasting: it stays when other announcements tell of the part too, or instead.
-        part: What it is, as its best route describes it, with the capabilities of all routes.
-        routes: The ways to it, best first: a command goes by the first that takes it and whose gateway is there. Empty
-            while another device has a claim to its topics; see :attr:`Device.conflicts`.
+        id: Unique in the device; it stays the same when announcements are added or replaced.
+        part: Its description by the best route, with the capabilities of all routes.
+        routes: The ways to send it commands, best first: of those that accept a command, the first whose gateway is
+            running is used. Empty while another device claims its topics; see :attr:`Device.conflicts`.
     """
 
     id: str
@@ -122,7 +122,7 @@ class Reachability(Message):
     Attributes:
         state: ``yes``, ``no`` or ``unknown``.
         since: Since when that is so.
-        why: The reason, in words.
+        why: The reason, as text.
     """
 
     state: Literal["yes", "no", "unknown"] = "unknown"
@@ -131,15 +131,15 @@ class Reachability(Message):
 
 
 class State(Message):
-    """The value of a capability, as it was last told.
+    """The latest value of one capability of a device, or its latest event.
 
     Attributes:
-        part: Which part of the device; see :attr:`DevicePart.id`.
-        capability: Which capability.
-        value: Its value in the vocabulary's unit.
-        since: Since when it has this value, as far as was heard.
-        told_at: When it was last told.
-        live: Whether the device told it, rather than a message that the broker had kept.
+        part: The id of the part; see :attr:`DevicePart.id`.
+        capability: The name of the capability.
+        value: The value, in the unit of the vocabulary; ``value.plain()`` gives it as a Python value.
+        since: The time of the first report of this value.
+        told_at: The time of the latest report.
+        live: Whether the device itself reported it; False if it is known only from a retained message.
     """
 
     part: str
@@ -156,27 +156,28 @@ class Device(Message):
     Attributes:
         id: Unique in this homebot, for example ``lights/roomlights405``; renaming the device does not change it.
         name: The name for people.
-        service_type: What it offers in the first place: the word of a device that speaks plain words by itself, for
-            example ``lights``, else a device type of the vocabulary.
-        endpoints: The ways to reach it in raw or plain words, at least one.
+        service_type: Its main type: the level SERVICE_TYPE of the topic of a device that does not announce itself, for
+            example ``lights``; otherwise a device type of the vocabulary, for example ``light``.
+        endpoints: The addresses for raw messages and texts, at least one.
         metadata: Further facts.
         first_seen: The time of its first message or announcement.
         last_seen: The time of its latest message or announcement, to about a second.
         expires: The time at which it becomes stale if nothing more is received.
-        freshness: ``fresh``: it spoke itself; ``unconfirmed``: only a message that the broker had kept, or the index
-            file, speaks for it; ``stale``: it has been silent for too long.
-        service_types: All that it offers: device types of the vocabulary, then the advertised words.
+        freshness: ``fresh``: the device itself reported; ``unconfirmed``: it is known only from a retained message or
+            from the index file; ``stale``: it has not reported for too long.
+        service_types: The types of all its parts: device types of the vocabulary, then the types that it advertised.
         area: The room that it is in; empty where none is known.
         names: Every name it has, :attr:`name` first.
-        identifiers: Who it is; see :func:`homebot.devices.identity.identifiers`.
+        identifiers: Its identifiers, such as hardware addresses; see :func:`homebot.devices.identity.identifiers`.
         parts: Its parts, each once.
-        facts: What was said of it, by whom, and when; of each name the one that counts first.
+        facts: Facts about it, each with its source and time; of several with one name, the one in use comes first.
         reachable: Whether it can be reached, as its parts together report.
         offline_parts: The ids of parts that report that they cannot be reached.
         states: The latest value of each capability of its parts.
         events: The latest event of each capability that has events, such as a button press.
-        evidence: Why its announcements are one device, in words; empty for a single announcement.
-        conflicts: What is disputed about it, in words; nothing of that counts until it is resolved.
+        evidence: The reasons why its announcements are one device, as text; empty for a single announcement.
+        conflicts: Contradictions between its announcements, as text; the facts concerned are not used until they are
+            resolved.
     """
 
     id: str
@@ -203,17 +204,17 @@ class Device(Message):
 
 
 class DeviceChange(Message):
-    """Something happened to a device.
+    """A change of a device in the directory.
 
     Attributes:
         kind: ``appeared``, ``changed``, ``stale``, ``returned`` (from stale) or ``removed``; ``merged``: further
-            announcements, or the device *other*, turned out to be this device; ``unmerged``: some of them are a device
-            of their own, *other*; ``conflict``: somebody else claims what is this device's, and nothing changed;
-            ``resolved``: a conflict is over.
+            announcements, or the device *other*, are now part of this device; ``unmerged``: some of its announcements
+            are now the device *other*; ``conflict``: another announcement contradicts it, and nothing else changed;
+            ``resolved``: a contradiction has ended.
         device: The device after the change; before it where it was removed.
-        sequence: Grows with every change and never goes back; a snapshot names the last one it holds.
-        why: The reason, in words.
-        other: Id of the other device that is concerned; empty where there is none.
+        sequence: A number that grows with every change; a snapshot has the number of the last change in it.
+        why: The reason, as text.
+        other: The id of the other device concerned; empty if there is none.
     """
 
     key_field: ClassVar[str | None] = "device.id"
@@ -226,14 +227,14 @@ class DeviceChange(Message):
 
 
 class StateChange(Message):
-    """A capability of a device has another value, or an event happened.
+    """A change of the value of a capability, or an event.
 
     Attributes:
-        stream: Device, part and capability in one: of each the newest change is never lost. Each event has a stream of
-            its own, so that a reader who is behind loses none of the last hundred.
-        device: Id of the device.
-        state: The new state.
-        sequence: In one series with those of :class:`DeviceChange`.
+        stream: The device, part and capability as one key: the newest change of each is never lost. Each event has a
+            key of its own, so that a slow reader loses none of the last hundred.
+        device: The id of the device.
+        state: The new value or the event.
+        sequence: A number that grows with every change, in one series with those of :class:`DeviceChange`.
     """
 
     key_field: ClassVar[str | None] = "stream"

@@ -44,7 +44,7 @@ _COMMANDS_DEPTH = 1000
 
 
 class Devices:
-    """Finds, follows and commands the devices of the house, for one node; an app has it as ``self.devices``.
+    """Access of one node to the devices of the house; an app has it as ``self.devices``.
 
     Queries and subscriptions made here belong to the node and end with it.
 

@@ -17,15 +17,15 @@ __all__ = ["ExposedDevice", "ExposedState"]
 
 
 class ExposedDevice(Message):
-    """Something of homebot's that others may see and use.
+    """A device that homebot exposes to other systems, such as Home Assistant.
 
     Attributes:
-        id: Unique in this homebot, and lasting.
-        name: What people call it.
-        parts: What it can do.
-        model: What kind of thing it is, in words; empty where nothing is to be said.
-        area: The room it is in; empty where it has none.
-        is_withdrawn: Whether it is offered no more.
+        id: Unique in this homebot; keep it the same over restarts.
+        name: The name for people.
+        parts: Its parts.
+        model: The model or kind, for people; may be empty.
+        area: The room that it is in; empty if it has none.
+        is_withdrawn: Whether it is no longer exposed.
     """
 
     key_field: ClassVar[str | None] = "id"

@@ -34,18 +34,18 @@ _PAUSE = 0.5
 class Follow:
     """``async for change in Follow(node, "lights")``: first ``appeared`` for each device there is, then every change.
 
-    To a reader, each device appears first and is removed last. One that falls behind misses intermediate changes of a
-    device, never its last one. A directory that is not there yet is waited for; after one was restarted, the reader
-    hears what became different, and nothing twice. One task reads.
+    Of each device ``appeared`` comes first and ``removed`` last. A reader that falls behind misses intermediate changes
+    of a device, never the last one. The query waits for a directory that is not running yet; after a restart of the
+    directory it yields the differences. Only one task may read.
 
     Args:
-        node: Who asks; the query ends with it.
-        service_type: For example ``lights``; empty for every device. A device that offers it no longer is removed.
-        query: What else is wanted, as text, for example ``on lights in kitchen``: a device that comes to fit appears,
-            and one that fits no longer is removed. See :mod:`homebot.devices.query`.
+        node: The node that asks; the query ends with it.
+        service_type: For example ``lights``; empty for every device. A device that no longer has it is ``removed``.
+        query: A further condition as text, for example ``on lights in kitchen``: a device that comes to match
+            ``appeared``, one that no longer does is ``removed``. See :mod:`homebot.devices.query`.
 
     Raises:
-        UsageError: The query is not understood.
+        UsageError: The query cannot be parsed.
     """
 
     def __init__(self, node: Node, service_type: str = "", query: str = "") -> None:

@@ -16,7 +16,7 @@ class Capability(Message):
 
     Attributes:
         name: From the vocabulary, for example ``on_off``; see :data:`homebot.devices.capabilities.CAPABILITIES`.
-        readable: Whether the part reports it; one that does not is *optimistic*: nobody knows its state.
+        readable: Whether the part reports it; if not, its state is never known (*optimistic*).
         settable: Whether it can be set.
         unit: The unit of its values, for example ``°C``; empty where there is none, or as the vocabulary says.
         bounds: The smallest and the largest value; empty where unknown.
@@ -40,7 +40,7 @@ class Part(Message):
         service_type: A device type of the vocabulary, for example ``light``; see
             :data:`homebot.devices.device_types.DEVICE_TYPES`.
         advertised: The type in the words of its announcement, for example ``lights`` or ``cover``.
-        tag: The kind within its type, for example ``window`` or ``blind``; empty where nothing was said.
+        tag: The kind within its type, for example ``window`` or ``blind``; empty if it declares none.
         category: ``config`` for a setting, ``diagnostic`` for a self-observation; empty for what the device is for.
         guessed: Whether the service type was guessed rather than declared.
         capabilities: The values that it reports and the commands that it accepts.

@@ -18,12 +18,12 @@ class RawMessage(Message):
     """A raw message of a device, as received.
 
     Attributes:
-        gateway: The gateway that heard it.
-        key: What that gateway calls the device.
-        address: Where it was said (MQTT: the topic).
-        payload: The bytes.
-        retained: Whether the broker had kept it from before.
-        received_at: When.
+        gateway: The name of the gateway.
+        key: The gateway's key of the device.
+        address: The address on which it was published (MQTT: the topic).
+        payload: The payload.
+        retained: Whether it was a retained message.
+        received_at: The time at which it was received.
     """
 
     gateway: str

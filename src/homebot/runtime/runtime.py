@@ -60,17 +60,17 @@ _log = get_logger(node="/homebot")
 
 
 class Runtime:
-    """One homebot, to be used as ``async with Runtime(config) as runtime``.
+    """A running homebot, used as ``async with Runtime(config) as runtime``.
 
     Entering starts everything and returns when it is ready; leaving stops everything in reverse order.
 
     Args:
         config: What to run.
-        house: A simulated house to carry over the embedded broker; at midnight of the day, in UTC, as it is.
+        house: A simulated house whose devices connect to the embedded broker; its state is that of last midnight, UTC.
         with_door: Whether to listen for rosbridge clients, such as the command line; without it, and with *broker*, no
             socket is opened.
         clock: The clock; by default that of the running loop.
-        broker: Stands in for the embedded broker. All MQTT goes through it, in memory; it is the caller's to run.
+        broker: A broker in memory in place of the embedded one. All MQTT goes through it; the caller runs it.
         random: The source of random numbers; a seeded one makes every run the same.
         loop_watch: Watches for code that blocks the event loop; health reports show what it found.
         lost_lines: Returns the number of log lines lost so far.
@@ -137,7 +137,7 @@ class Runtime:
         await self._stop(error)
 
     def cut_start_short(self) -> None:
-        """Start nothing more and wait for nothing, if the start is still under way; entering then returns at once."""
+        """Abort a start that is under way: entering returns at once, and nothing more is started."""
         self._start_is_cut = True
         self.supervisor.hurry()
 
