@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from homebot.errors import UsageError
-from homebot.house.event_queue import EventQueue
 from homebot.house.household import Household
 from homebot.house.people import Habit, Person
 from homebot.house.rooms import Room, Rooms
+from homebot.timer_queue import TimerQueue
 
 PLAN = Rooms({"a": Room(), "b": Room(x=3.0), "c": Room(x=5.0), "loft": Room()}, [("a", "b"), ("b", "c")])
 
@@ -32,12 +34,14 @@ class Watch:
 
 def lived(watch: Watch, *people: Person) -> Household:
     """A day of *people*."""
-    agenda = EventQueue()
-    household = Household(people, PLAN, agenda, lambda: watch.now, watch)
+    queue: TimerQueue[object, Callable[[], None]] = TimerQueue()
+    household = Household(people, PLAN, queue, lambda: watch.now, watch)
     household.begin_day(0, "seed")
-    while (at := agenda.next_at()) is not None:
+    while (at := queue.next()) is not None:
         watch.now = at
-        agenda.pop()()
+        due = queue.pop()
+        assert due is not None
+        due[1]()
     return household
 
 

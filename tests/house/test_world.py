@@ -247,7 +247,7 @@ def test_commands_without_end_do_not_fill_the_agenda() -> None:
     planned = set()
     for number in range(2000):
         world.command("cover", ("close", "open")[number % 2], 1.0 + number / 100)
-        planned.add(len(world._agenda))
+        planned.add(len(world._queue._heap))
     assert max(planned) < 200
 
 

@@ -20,7 +20,6 @@ from homebot.devices.query import Query, facets_of, type_is
 from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.discovery.change_queue import ChangeQueue
 from homebot.discovery.command_topics import NOBODY, TopicOwnership, topic_use
-from homebot.discovery.deadlines import Deadlines
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone, Tombstones, new_id
 from homebot.discovery.merging.identity import IdentityGraph
@@ -31,6 +30,7 @@ from homebot.discovery.search.postings import Postings
 from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, is_described_anew, note_description
 from homebot.discovery.states import NOT_ANNOUNCED, has_capability, is_denied, state_of, store_reachability, store_value
 from homebot.messages import Time
+from homebot.timer_queue import TimerQueue
 
 __all__ = ["MAX_DEVICES", "MAX_SOURCES", "DeviceIndex", "IndexCounters"]
 
@@ -98,7 +98,7 @@ class DeviceIndex:
         self._entries: dict[str, Entry] = {}
         self._identities = IdentityGraph()
         self._topic_ownership = TopicOwnership()
-        self._deadlines = Deadlines()
+        self._deadlines: TimerQueue[str, None] = TimerQueue()
         self._postings = Postings()
         self._unsorted: dict[str, None] = {}
         self._changes = ChangeQueue(self._device, first_sequence)
@@ -203,13 +203,14 @@ class DeviceIndex:
         made = 0
         while (at_most is None or made < at_most) and (due := self._deadlines.pop(now)) is not None:
             made += 1
-            entry = self._entries[due]
+            device_id, _ = due
+            entry = self._entries[device_id]
             if entry.freshness == "stale":
                 at = entry.expires + self._forget_after
                 self._remove(entry, "it has been stale for too long", is_ghost=True, at=at)
                 continue
             entry.freshness = "stale"
-            self._deadlines.set(due, entry.deadline + self._forget_after)
+            self._deadlines.set(device_id, entry.deadline + self._forget_after, None)
             self._note("stale", entry, "it has been silent for too long")
         return made
 
@@ -323,7 +324,7 @@ class DeviceIndex:
         entry.deadline, entry.expires = now + lasts, (now if wall is None else wall) + lasts
         self._entries[entry.id] = entry
         self._describe(entry)
-        self._deadlines.set(entry.id, entry.deadline)
+        self._deadlines.set(entry.id, entry.deadline, None)
         self._note("appeared", entry, "it was known before the start")
 
     def _add(self, key: SourceKey, sighting: Sighting) -> None:
@@ -590,7 +591,7 @@ class DeviceIndex:
             usual = _ONLINE_FOR
         before, entry.freshness = entry.freshness, "fresh"
         entry.deadline, entry.expires = now + usual, stamp.to_seconds() + usual
-        self._deadlines.set(entry.id, entry.deadline)
+        self._deadlines.set(entry.id, entry.deadline, None)
         if before == "fresh":
             return
         self._unsorted[entry.id] = None
@@ -608,7 +609,7 @@ class DeviceIndex:
 
     def _set_deadline(self, entry: Entry) -> None:
         forgets = self._forget_after if entry.freshness == "stale" else 0.0
-        self._deadlines.set(entry.id, entry.deadline + forgets)
+        self._deadlines.set(entry.id, entry.deadline + forgets, None)
 
     def _store_value(self, entry: Entry, claim: SourceRecord, reading: Reading, told: StoredValue) -> None:
         """Make a new value findable, and tell it."""

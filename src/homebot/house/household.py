@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
 
-from homebot.house.event_queue import EventQueue
 from homebot.house.people import Person, Visit
 from homebot.house.rooms import Rooms
+from homebot.timer_queue import TimerQueue
 
 __all__ = ["Household", "MovementObserver"]
 
@@ -46,8 +46,8 @@ class Household:
     Args:
         people: Who lives there.
         rooms: Where.
-        agenda: Gets their steps.
-        clock: Returns the time that the agenda is at.
+        queue: Gets their steps.
+        clock: Returns the time that the queue is at.
         witness: Is told what they do.
 
     Raises:
@@ -58,12 +58,12 @@ class Household:
         self,
         people: Sequence[Person],
         rooms: Rooms,
-        agenda: EventQueue,
+        queue: TimerQueue[object, Callable[[], None]],
         clock: Callable[[], float],
         witness: MovementObserver,
     ) -> None:
         self._rooms = rooms
-        self._agenda = agenda
+        self._queue = queue
         self._clock = clock
         self._witness = witness
         self._bodies = [_Body(person, person.starts_in, person.asleep) for person in people]
@@ -75,7 +75,7 @@ class Household:
         """Plan the visits of *day*, 0 for the first."""
         for body in self._bodies:
             for visit in body.person.plan(day, seed):
-                self._agenda.add(visit.at, partial(self._set_out, body, visit))
+                self._queue.set(object(), visit.at, partial(self._set_out, body, visit))
 
     def people_in(self, room: str) -> tuple[str, ...]:
         """Return who is in *room*, asleep or not."""
@@ -103,5 +103,5 @@ class Household:
                 self._witness.lay_down(body.person.name, body.room)
         else:
             seconds = self._rooms.metres(way[0], way[1]) / body.person.speed
-            self._agenda.add(self._clock() + seconds, partial(self._walk, body, walk, visit, way[1:]))
+            self._queue.set(object(), self._clock() + seconds, partial(self._walk, body, walk, visit, way[1:]))
         self._witness.stirred(body.room)

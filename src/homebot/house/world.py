@@ -14,7 +14,6 @@ from functools import partial
 from homebot.errors import UsageError
 from homebot.house.daylight import DAY, daylight, weather
 from homebot.house.event_log import Event, Verb, WorldLog
-from homebot.house.event_queue import EventQueue
 from homebot.house.faults import unwrap
 from homebot.house.household import Household
 from homebot.house.lamp import SimulatedLamp
@@ -26,6 +25,7 @@ from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.thermostat import SimulatedThermostat
+from homebot.timer_queue import TimerQueue
 
 __all__ = ["Placed", "ScheduledCommand", "World"]
 
@@ -146,10 +146,10 @@ class World:
         self._check()
         self._in_room = {room: [t for t in self._things.values() if t.placed.room == room] for room in rooms.rooms}
         self._was_dark: dict[str, bool] = {}
-        self._agenda = EventQueue()
-        self._household = Household(people, rooms, self._agenda, lambda: self.now, self)
-        self._agenda.add(0.0, partial(self._begin_day, 0))
-        self._agenda.add(0.0, self._sample)
+        self._queue: TimerQueue[object, Callable[[], None]] = TimerQueue()
+        self._household = Household(people, rooms, self._queue, lambda: self.now, self)
+        self._queue.set(object(), 0.0, partial(self._begin_day, 0))
+        self._queue.set(object(), 0.0, self._sample)
         for thing in self._things.values():
             self._plan_wake(thing)
 
@@ -169,7 +169,7 @@ class World:
 
     def next_event(self) -> float:
         """Return when something happens next by itself; at most a few minutes ahead."""
-        at = self._agenda.next_at()
+        at = self._queue.next()
         return self.now + SAMPLE if at is None else at
 
     def run_until(self, now: float) -> tuple[Event, ...]:
@@ -242,7 +242,7 @@ class World:
             elif isinstance(thing.real, SimulatedDoorLock):
                 self._switch(thing, "unlock")
                 thing.open_until = self.now + DOOR_LOCKS
-                self._agenda.add(thing.open_until, partial(self._close, thing))
+                self._queue.set(object(), thing.open_until, partial(self._close, thing))
 
     def lay_down(self, name: str, room: str) -> None:
         """Somebody sleeps. For the household alone."""
@@ -272,17 +272,18 @@ class World:
         return self._things[device_id]
 
     def _run(self, now: float) -> None:
-        while (at := self._agenda.next_at()) is not None and at <= now:
+        while (at := self._queue.next()) is not None and at <= now:
             self.now = max(self.now, at)
-            self._agenda.pop()()
+            if (due := self._queue.pop()) is not None:
+                due[1]()
         self.now = max(self.now, now)
 
     def _begin_day(self, day: int) -> None:
         self._household.begin_day(day, str(self._seed))
         for errand in self._errands:
             thing = self._things[errand.device_id]
-            self._agenda.add(day * DAY + errand.at, partial(self._command, thing, errand.command))
-        self._agenda.add((day + 1) * DAY, partial(self._begin_day, day + 1))
+            self._queue.set(object(), day * DAY + errand.at, partial(self._command, thing, errand.command))
+        self._queue.set(object(), (day + 1) * DAY, partial(self._begin_day, day + 1))
 
     def _on_door(self, one: str, other: str) -> list[_PlacedDevice]:
         """What is on the door between two rooms; nothing where they are one."""
@@ -295,7 +296,7 @@ class World:
     def _open(self, contact: _PlacedDevice) -> None:
         self._feel(contact, 1.0)
         contact.open_until = self.now + DOOR_CLOSES
-        self._agenda.add(contact.open_until, partial(self._close, contact))
+        self._queue.set(object(), contact.open_until, partial(self._close, contact))
 
     def _close(self, thing: _PlacedDevice) -> None:
         if self.now < thing.open_until:
@@ -336,7 +337,11 @@ class World:
 
     def _plan_wake(self, thing: _PlacedDevice) -> None:
         device = thing.placed.device
-        self._agenda.plan(device.device_id, device.next_event(), partial(self._act, thing, self._let_pass))
+        at = device.next_event()
+        if at is None:
+            self._queue.discard(device.device_id)
+        elif at != self._queue.time_of(device.device_id):  # else its turn among those at the same time stays
+            self._queue.set(device.device_id, at, partial(self._act, thing, self._let_pass))
 
     def _let_pass(self, device: SimulatedDevice) -> tuple[str, ...]:
         return device.advance(self.now)
@@ -378,7 +383,7 @@ class World:
             if is_dark and self._was_dark.get(room) is False:
                 self.stirred(room)
             self._was_dark[room] = is_dark
-        self._agenda.add(self.now + SAMPLE, self._sample)
+        self._queue.set(object(), self.now + SAMPLE, self._sample)
 
     def _note(self, who: str, verb: Verb, what: str) -> None:
         self.chronicle.add(Event(self.now, who, verb, what))

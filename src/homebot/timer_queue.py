@@ -1,0 +1,89 @@
+"""When each of many things is due, and which is next. Pure: the owner of the clock asks what is due."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from typing import Generic, TypeAlias, TypeVar, final
+
+__all__ = ["TimerQueue"]
+
+Key = TypeVar("Key")
+Item = TypeVar("Item")
+
+_Entry: TypeAlias = tuple[float, int, Key, Item]
+
+_SLACK = 64
+"""Outdated entries that may lie in the heap beside as many as there are valid ones, before it is built anew."""
+
+
+@final
+class TimerQueue(Generic[Key, Item]):
+    """A time and an item for each key; the earliest comes first, of equal times the one that was set first.
+
+    Setting a later time, as every sign of life does, costs a look-up: the heap keeps the earlier one, and the key goes
+    back into it when it turns up too early.
+    """
+
+    def __init__(self) -> None:
+        self._entries: dict[Key, _Entry[Key, Item]] = {}
+        self._queued: dict[Key, float] = {}  # the time in the heap that counts for a key
+        self._heap: list[_Entry[Key, Item]] = []
+        self._number = 0
+
+    def set(self, key: Key, at: float, item: Item) -> None:
+        """Have *item* due *at* that time, in place of what *key* had before."""
+        self._number = number = self._number + 1
+        entry = self._entries[key] = (at, number, key, item)
+        if at < self._queued.get(key, math.inf):
+            self._queued[key] = at
+            heapq.heappush(self._heap, entry)
+            if len(self._heap) > 2 * len(self._entries) + _SLACK:
+                self._rebuild()
+
+    def discard(self, key: Key) -> None:
+        """Forget *key*; one that is not there is fine."""
+        if self._entries.pop(key, None) is not None:
+            self._queued.pop(key, None)  # an endless time is in no heap
+            if len(self._heap) > 2 * len(self._entries) + _SLACK:
+                self._rebuild()
+
+    def time_of(self, key: Key) -> float | None:
+        """Return when *key* is due; None where it is not there."""
+        entry = self._entries.get(key)
+        return None if entry is None else entry[0]
+
+    def next(self) -> float | None:
+        """Return the earliest time; None where nothing waits."""
+        heap = self._heap
+        while heap:
+            first = heap[0]
+            entry = self._entries.get(first[2])
+            if entry is first:
+                return first[0]
+            if entry is None or self._queued.get(first[2]) != first[0]:
+                heapq.heappop(heap)
+            else:
+                self._queued[first[2]] = entry[0]
+                heapq.heapreplace(heap, entry)
+        return None
+
+    def pop(self, now: float = math.inf) -> tuple[Key, Item] | None:
+        """Forget the earliest key and return it with its item; None where nothing is due at *now*."""
+        earliest = self.next()
+        if earliest is None or earliest > now:
+            return None
+        _, _, key, item = heapq.heappop(self._heap)
+        del self._entries[key], self._queued[key]
+        return key, item
+
+    def __contains__(self, key: Key) -> bool:
+        return key in self._entries
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def _rebuild(self) -> None:
+        self._heap = list(self._entries.values())
+        self._queued = {key: entry[0] for key, entry in self._entries.items()}
+        heapq.heapify(self._heap)

@@ -1,0 +1,55 @@
+"""The queue of everything that waits for a time, held to a plain list of what is due."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.timer_queue import TimerQueue
+
+TIMES = st.integers(0, 6).map(float)
+STEPS = st.one_of(
+    st.tuples(st.just("set"), st.sampled_from("abcd"), TIMES),
+    st.tuples(st.just("discard"), st.sampled_from("abcd"), st.just(0.0)),
+    st.tuples(st.just("pop"), st.just(""), TIMES),
+)
+
+
+def empty(queue: TimerQueue[str, int]) -> list[tuple[str, int]]:
+    popped = []
+    while (found := queue.pop()) is not None:
+        popped.append(found)
+    return popped
+
+
+@given(st.lists(STEPS, max_size=40))
+def test_the_earliest_comes_first_and_of_equal_times_the_one_set_first(steps: list[tuple[str, str, float]]) -> None:
+    queue: TimerQueue[str, int] = TimerQueue()
+    plain: dict[str, tuple[float, int]] = {}
+    for number, (step, key, at) in enumerate(steps):
+        if step == "set":
+            queue.set(key, at, number)
+            plain[key] = (at, number)
+        elif step == "discard":
+            queue.discard(key)
+            plain.pop(key, None)
+        else:
+            due = min((entry for entry in plain.items() if entry[1][0] <= at), key=lambda entry: entry[1], default=None)
+            assert queue.pop(at) == (None if due is None else (due[0], due[1][1]))
+            if due is not None:
+                del plain[due[0]]
+        assert len(queue) == len(plain)
+        assert [queue.time_of(one) for one in "abcd"] == [plain.get(one, (None,))[0] for one in "abcd"]
+        assert queue.next() == min((at for at, _ in plain.values()), default=None)
+    assert empty(queue) == [(key, number) for key, (_, number) in sorted(plain.items(), key=lambda entry: entry[1])]
+
+
+def test_it_stays_small_however_often_times_move() -> None:
+    queue: TimerQueue[str, int] = TimerQueue()
+    for number in range(10_000):
+        queue.set("a", -float(number), 0)  # always earlier, so that each is a new entry
+        queue.set(f"{number}", 1.0, 0)
+        queue.discard(f"{number}")
+    assert len(queue) == 1
+    assert len(queue._heap) <= 2 + 64 + 1
+    assert empty(queue) == [("a", 0)]
