@@ -1,4 +1,44 @@
-"""What every gateway is: a node that speaks one protocol and brings its devices onto the graph."""
+"""The contract of gateways: nodes that bring the devices of one protocol onto the graph and command them.
+
+A gateway is the node ``/gateway/<name>``. All that others know of it are these names below that node, which
+:class:`homebot.devices.names.GatewayNames` spells. The first five are duties of every gateway; the others are for those
+whose protocol has them.
+
+=====================  ==========================================================================================
+``received_topics``    topic: :class:`Sighting`, the newest of each device kept for late joiners
+``readings``           topic: :class:`Report`, the newest of each stream kept for late joiners; events are not kept
+``state``              topic: :class:`GatewayState`, latched
+``send_command``       service: a :class:`Command` to a part, in the values of the vocabulary
+``health``             service: what it counted, and what is wrong with it
+``out``                topic it reads: :class:`RawCommand`, a text to a text address, or raw bytes to an address
+``subscribe_to_topic`` service: delivery of the raw messages of an address, or of a part's states as text
+``quarantine``         topic: :class:`Quarantine`, the peers that it listens to no more often than it can afford
+``offers``             topic it reads: :class:`ExposedDevice`, what homebot shows to other systems there
+``offer_reports``      topic it reads: :class:`ExposedState`, what that reports
+``offer_commands``     topic: :class:`Command`, what those systems tell it
+=====================  ==========================================================================================
+
+Apps that work with texts, such as the light service, need ``out`` and ``subscribe_to_topic``; typed handles do not.
+
+*Key* is what the gateway calls a device, or one announcement of it: unique in the gateway, and the same after a
+restart. *Address* is a place in the protocol where the device reports or takes commands (MQTT: a topic); a protocol
+without any has the text addresses of its parts (:func:`homebot.devices.text.encode.text_address`), which the
+engine makes. *expires_at* is when silence begins to count: the gateway alone knows how often its devices report, and
+sends a new sighting each time one does; the directory calls a device stale that was not sighted until then.
+
+*Advertised* and *reachable* are two facts. A sighting says that a device is known; ``confirmed`` says that the device
+itself was heard, rather than a note kept of it. Whether it can be reached now is a report of the capability
+``reachable``, and only where the protocol says so; a device that cannot be reached is still there. ``removed`` means
+taken out of the house, never "silent".
+
+After a restart of the gateway its topics are empty. It is the gateway that finds its devices again, by asking or by
+waiting for what they announce, and sights each anew; the directory keeps them meanwhile. After a restart of the
+directory, the sightings and reports kept for late joiners tell it everything, and the gateway does nothing.
+
+``unavailable`` with a reason is a normal state: the broker is away, the radio is unplugged. The gateway then keeps its
+devices, goes on trying, answers commands with ``unreachable``, and never ends because of it. It is ready
+(``task_status.started()``) when its first try has ended, whatever came of it.
+"""
 
 from __future__ import annotations
 
@@ -11,18 +51,16 @@ from pydantic import BaseModel
 
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.gateway_state import ONLY_OBSERVES
+from homebot.devices.report import Report
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, qos_profile_latched
 
 __all__ = ["Gateway"]
 
-_SIGHTINGS_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_NEWEST_OF_EACH = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Gateway(ABC):
-    """The base of gateways; the plug-in group is ``homebot.gateways``.
-
-    It publishes the sightings of its devices on ``/gateway/<name>/received_topics`` (kept for late joiners, newest per
-    device) and its own state on ``/gateway/<name>/state``.
+    """The base of gateways; the plug-in group is ``homebot.gateways``. The module states the contract.
 
     Args:
         node: The node it is: ``/gateway/<name>``.
@@ -32,21 +70,23 @@ class Gateway(ABC):
         Settings: The model of its table.
         node: That node.
         names: Its names on the graph.
-        acts: Whether it sends commands to devices; a gateway that only observes says no to all of them.
-        observes_because: Why it only observes, where it does, in words.
+        reports: The publisher of its devices' reports.
+        acts: Whether it sends commands to devices; a gateway that only observes refuses them all.
+        observes_because: The reason why it only observes, as text.
     """
 
     Settings: ClassVar[type[BaseModel]]
     acts: bool = True
     observes_because: str = ONLY_OBSERVES
 
-    def __init__(self, node: Node, settings: BaseModel) -> None:  # noqa: ARG002  # what every gateway is given
+    def __init__(self, node: Node, settings: BaseModel) -> None:  # noqa: ARG002 - every gateway is given them
         self.node = node
         self.names = GatewayNames(node.name)
-        self._sightings = node.create_publisher(Sighting, self.names.received_topics, _SIGHTINGS_QOS)
+        self._sightings = node.create_publisher(Sighting, self.names.received_topics, _NEWEST_OF_EACH)
+        self.reports = node.create_publisher(Report, self.names.readings, _NEWEST_OF_EACH)
         self._states = node.create_publisher(GatewayState, self.names.state, qos_profile_latched)
 
-    @classmethod  # noqa: B027  # no duty: most gateways have nothing to look for
+    @classmethod  # noqa: B027 - no duty: most gateways have nothing to look for
     def check(cls, settings: BaseModel) -> None:
         """Look for what *settings* name, such as files, before anything is started; nothing is connected.
 
@@ -59,16 +99,21 @@ class Gateway(ABC):
 
     @abstractmethod
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Work until cancelled; say that you are ready with ``task_status.started()``."""
+        """Work until cancelled; call ``task_status.started()`` when ready."""
 
-    def sight(self, sighting: Sighting) -> None:
-        """Tell the graph of a device; one that is removed is not kept for late joiners."""
+    def publish_sighting(self, sighting: Sighting) -> None:
+        """Publish that a device is there, still there, or gone; one that is gone is not kept for late joiners."""
         self._sightings.publish(sighting)
         if sighting.kind == "removed":
             self._sightings.dispose(sighting.key)
 
-    def report(self, state: Literal["active", "unavailable"], reason: str = "") -> None:
-        """Tell the graph how the gateway is."""
+    def publish_state(self, state: Literal["active", "unavailable"], reason: str = "") -> None:
+        """Publish whether the gateway reaches its devices' world.
+
+        Args:
+            state: ``unavailable`` where it does not; its devices stay.
+            reason: The reason, as text for people; empty where all is well.
+        """
         if not reason and not self.acts and self.observes_because != ONLY_OBSERVES:
             reason = self.observes_because
         self._states.publish(GatewayState(state=state, reason=reason, acts=self.acts))

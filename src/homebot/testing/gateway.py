@@ -90,7 +90,7 @@ class FakeGateway(Gateway):
     ) -> None:
         """Sight the device *key*; what it offers is the first part of its key unless said otherwise."""
         now, until = stamps(self.node.graph.clock.now(), self._settings.stale_after)
-        self.sight(
+        self.publish_sighting(
             Sighting(
                 gateway=self.node.name,
                 key=key,

@@ -21,7 +21,7 @@ from homebot.devices.value import Value
 from homebot.errors import HomebotError, UsageError
 from homebot.gateways import Gateway
 from homebot.gateways.raw_delivery import RawDelivery
-from homebot.graph import DurabilityPolicy, Node, QoSProfile
+from homebot.graph import Node
 from homebot.messages import Time
 
 __all__ = ["FolderGateway", "FolderSettings"]
@@ -52,8 +52,6 @@ class FolderGateway(Gateway):
         super().__init__(node, settings)
         self._folder = anyio.Path(settings.folder)
         self._lamps: dict[str, bytes] = {}
-        qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self._reports = node.create_publisher(Report, self.names.readings, qos)
         self._listeners = RawDelivery(node, self.names, inboxes=True)
         node.create_subscription(RawCommand, self.names.out, self._send)
         node.create_service(SendCommand, self.names.send_command, self._command)
@@ -69,7 +67,7 @@ class FolderGateway(Gateway):
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Look at the folder until cancelled."""
         await self._look()
-        self.report("active")
+        self.publish_state("active")
         task_status.started()
         while True:
             await anyio.sleep(0.1)
@@ -99,7 +97,7 @@ class FolderGateway(Gateway):
             await self._listeners.deliver(listener, message, wait_if_full=True)
         if payload in WORDS:
             reading = Reading(part="", capability="on_off", value=Value.of(WORDS[payload]))
-            self._reports.publish(
+            self.reports.publish(
                 Report(
                     gateway=self.node.name,
                     key=name,
@@ -120,7 +118,7 @@ class FolderGateway(Gateway):
             reads=(f"{name}.lamp",),
             writes=(f"{name}.set",),
         )
-        self.sight(
+        self.publish_sighting(
             Sighting(
                 gateway=self.node.name,
                 key=name,

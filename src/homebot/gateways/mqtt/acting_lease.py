@@ -180,7 +180,7 @@ class ActingLease:
         self.rival = word.name or word.id
         if is_new:
             self._gateway.acts, self._gateway.observes_because = False, self.trouble
-            self._gateway.report("active", self.trouble)
+            self._gateway.publish_state("active", self.trouble)
             self._gateway.node.log.warning(YIELDED, message=f"only observing: {self.trouble}", rival=self.rival)
 
     def _resume(self) -> None:
@@ -188,7 +188,7 @@ class ActingLease:
             return
         rival, self.rival = self.rival, ""
         self._gateway.acts, self._gateway.observes_because = True, ONLY_OBSERVES
-        self._gateway.report("active")
+        self._gateway.publish_state("active")
         self._gateway.node.log.info(RESUMED, message=f"acting again: the homebot {rival} is gone", rival=rival)
 
     def _tell_rival(self, word: _Word) -> None:

@@ -288,7 +288,7 @@ class MqttGateway(Gateway):
                 f"{channel.device.key} is known only from a message that the broker kept; it may be gone",
                 topic=message.topic,
             )
-        self.sight(
+        self.publish_sighting(
             self._sighting(
                 "appeared" if is_new else "updated",
                 "the broker keeps a message of it" if message.retain else f"it spoke on {message.topic}",
@@ -303,7 +303,7 @@ class MqttGateway(Gateway):
         self._channels.close(channel.device.address)
         self._listeners.tidy(channel.device.address)
         self._plain.forget(channel)
-        self.sight(self._sighting("removed", "its topic was cleared", channel.device, stamp, confirmed=True))
+        self.publish_sighting(self._sighting("removed", "its topic was cleared", channel.device, stamp, confirmed=True))
 
     def _sighting(
         self,

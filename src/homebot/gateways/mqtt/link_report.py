@@ -75,20 +75,20 @@ class LinkReport:
         observing = "" if self._gateway.acts else " (observing only)"
         hears = f"listening to {self._listening_to}{observing}"
         if not refused:
-            self._gateway.report("active")
+            self._gateway.publish_state("active")
             self._gateway.node.log.info(CONNECTED, message=f"connected to {url}, {hears}", broker=url)
             return
         names = ", ".join(list(refused)[:_MAX_NAMES]) + (", …" if len(refused) > _MAX_NAMES else "")
         reason = f"the broker refused the subscription to {names}: {next(iter(refused.values()))}"
         is_deaf = all(one in refused for one in self._filters)
-        self._gateway.report("unavailable" if is_deaf else "active", reason)
+        self._gateway.publish_state("unavailable" if is_deaf else "active", reason)
         outcome = "it hears nothing" if is_deaf else hears
         self._gateway.node.log.warning(NOT_HEARD, message=f"connected to {url}, but {reason}; {outcome}", broker=url)
 
     def _down(self, state: ConnectionState) -> None:
         url = self._connection.url
         reason = state.reason.removeprefix(f"{url}: ")
-        self._gateway.report("unavailable", reason)
+        self._gateway.publish_state("unavailable", reason)
         event, limit = (LOST, self._losses) if self._was_up else (UNAVAILABLE, self._tries)
         if limit.allows(event) is None:
             return

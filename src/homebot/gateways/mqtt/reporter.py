@@ -7,7 +7,6 @@ from homebot.devices.services import NEVER
 from homebot.devices.value import Value
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.announcement import SightingKind, StoredAnnouncement
-from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.messages import Time
 
 __all__ = ["REFRESH", "DeviceReporter", "stamps"]
@@ -17,8 +16,6 @@ REFRESH = 1.0
 
 _EVENTS = 1000
 """Events of one gateway that a reader may have unread; it loses those that are older, and counts them."""
-
-_READINGS_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def stamps(seconds: float, stale_after: float) -> tuple[Time, Time]:
@@ -48,7 +45,7 @@ class DeviceReporter:
         self._clock = gateway.node.graph.clock
         self._stale_after = stale_after
         self._events = 0
-        self._reports = gateway.node.create_publisher(Report, gateway.names.readings, _READINGS_QOS)
+        self._reports = gateway.reports
         self.refresh_time()
 
     def refresh_time(self) -> None:
@@ -61,7 +58,7 @@ class DeviceReporter:
         """Tell that a device is there, still there, or gone."""
         claim.refresh_at = self.now + REFRESH
         claim.is_confirmed = confirmed
-        self._gateway.sight(
+        self._gateway.publish_sighting(
             claim.sighting(kind, why, at=self.stamp, until=self._until, heard_at=self.now, confirmed=confirmed)
         )
 
