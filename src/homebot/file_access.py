@@ -1,4 +1,4 @@
-"""Who else may read or write a file: what others can change is refused, a secret that others can see is told of.
+"""Permissions of files: one that others can change is refused, a secret that others can read is reported.
 
 As ssh does it. A group counts as its user's own where it has the user's name and no other member. Where there are no
 such rights, as on Windows, nothing is refused.

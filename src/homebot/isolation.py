@@ -44,7 +44,7 @@ async def run_as(owner: str, function: Callable[[], Awaitable[None]]) -> None:
 
 
 def is_cancelled() -> bool:
-    """Whether the current task is ending, because a cancel scope around the caller is cancelled.
+    """Return whether the current task is ending, because a cancel scope around the caller is cancelled.
 
     A task of one of our task groups is ended in no other way, so that any other CancelledError in it is a stray one.
     """
@@ -52,14 +52,14 @@ def is_cancelled() -> bool:
 
 
 def is_end_of(task: asyncio.Task[object] | None, error: BaseException) -> bool:
-    """Whether *error* is meant for *task*, the one that ran the code which it came out of: it is being ended."""
+    """Return whether *error* is meant to end *task*, the one that ran the code which it came out of."""
     if isinstance(error, asyncio.CancelledError):
         return is_cancelled()
     return isinstance(error, GeneratorExit) and _is_thrown_away(task)
 
 
 def _is_thrown_away(task: asyncio.Task[object] | None) -> bool:
-    """Whether *task* is not what runs now, so that its coroutine is told from outside to close."""
+    """Return whether *task* is not the one that runs now, so that its coroutine is closed from outside."""
     try:
         return asyncio.current_task() is not task
     except RuntimeError:  # no event loop runs

@@ -97,11 +97,11 @@ class LoopWatch:
         self.blocked_after = BLOCKED_AFTER
 
     def seconds_since_block(self) -> float:
-        """How long ago the loop was blocked last."""
+        """Return the time since the loop was last blocked."""
         return time.monotonic() - self._last_at
 
     def seconds_since_exit(self) -> float:
-        """How long ago something called ``sys.exit()`` last."""
+        """Return the time since something last called ``sys.exit()``."""
         return time.monotonic() - self._exited_at
 
     def record_exit(self, error: SystemExit) -> None:

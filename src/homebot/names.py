@@ -99,7 +99,7 @@ def expand_name(name: str, node: str, namespace: str, kind: str = "topic name") 
 
 
 def is_hidden(name: str) -> bool:
-    """Whether tools leave *name* out unless asked: a token of it starts with an underscore."""
+    """Return whether tools leave *name* out unless asked: a token of it starts with an underscore."""
     return "/_" in name or name.startswith("_")
 
 

@@ -165,7 +165,7 @@ class QueuedText(io.TextIOBase):
         return True
 
     def isatty(self) -> bool:
-        """Whether a terminal shows it."""
+        """Return whether it goes to a terminal."""
         return self._stream.isatty()
 
     def fileno(self) -> int:
@@ -202,7 +202,7 @@ class CleanText(io.TextIOBase):
         return True
 
     def isatty(self) -> bool:
-        """Whether a terminal shows it."""
+        """Return whether it goes to a terminal."""
         return self.raw.isatty()
 
     def fileno(self) -> int:

@@ -119,7 +119,7 @@ class LightService(App):
         return level > 0 if isinstance(level, float) else None
 
     def _last_said(self, lamp: str, part: str, otherwise: PlainValue) -> PlainValue:
-        """Whether a lamp that announces itself is on, where it now tells its brightness.
+        """Return whether a lamp that announces itself is on, even where it now reports its brightness.
 
         Its words come before the directory has heard of them, and of those from before the last one alone.
         """

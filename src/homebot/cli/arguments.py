@@ -1,4 +1,4 @@
-"""What the commands' parsers have in common: how a noun and its verbs are added, and the types of arguments."""
+"""Common ground of the commands' parsers: adding a noun and its verbs, and the types of arguments."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _HOST = re.compile(r"[\w.-]+")
 
 
 class Commands(Protocol):
-    """Where a parser for one more command can be added; what ``ArgumentParser.add_subparsers`` returns."""
+    """The return type of ``ArgumentParser.add_subparsers``: takes a parser for one more command."""
 
     def add_parser(
         self,

@@ -1,4 +1,4 @@
-"""What the command line asks the directory."""
+"""Questions of the command line to the directory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the command line asks ``/rosapi`` about the graph."""
+"""Questions of the command line to ``/rosapi`` about the graph."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class GraphEntity(BaseModel):
 
     @property
     def is_hidden(self) -> bool:
-        """Whether it is shown only when asked for."""
+        """True if it is shown only on request."""
         return "/_" in self.name
 
 

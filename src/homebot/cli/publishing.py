@@ -1,4 +1,4 @@
-"""What the command line publishes through a gateway."""
+"""Publishing through a gateway, for the command line."""
 
 from __future__ import annotations
 

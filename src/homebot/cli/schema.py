@@ -1,4 +1,4 @@
-"""What the fields of a message are, as far as printing needs to know: which ones are bytes."""
+"""Fields of a message, as far as printing needs to know them: which ones are bytes."""
 
 from __future__ import annotations
 

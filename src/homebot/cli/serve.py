@@ -1,4 +1,4 @@
-"""How a command that serves goes on until Ctrl-C, SIGTERM or the end of its time, and then stops in order."""
+"""Serving until Ctrl-C, SIGTERM or the end of the given time, and then stopping in order."""
 
 from __future__ import annotations
 

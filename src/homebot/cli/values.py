@@ -1,4 +1,4 @@
-"""What devices say, in words for people."""
+"""Values of devices as text for people."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ class Client(Generic[RequestT, ResponseT]):
         return self.info.name
 
     def service_is_ready(self) -> bool:
-        """Whether the service has a server now."""
+        """Return whether the service has a server now."""
         return self._slot.server is not None
 
     async def wait_for_service(self, timeout: float | None = None) -> bool:  # noqa: ASYNC109  # rclpy's spelling
@@ -184,7 +184,7 @@ class Client(Generic[RequestT, ResponseT]):
             return ServiceTimeoutError(self.info.name, timeout)
 
     def _failure(self, server: Service[RequestT, ResponseT], error: BaseException) -> ServiceFailedError:
-        """What the caller is told of an *error* of the handler; one that is no answer is counted as a failure too."""
+        """Return what the caller gets for the handler's *error*; one that is no answer counts as a failure too."""
         crash = crash_of(server.info.node, error)
         if not isinstance(error, HomebotError):
             server.on_failure(crash)
@@ -233,7 +233,7 @@ async def _as_coroutine(result: object) -> object:
 
 
 def _is_cancelled() -> bool:
-    """Whether somebody cancelled this task, rather than something it waited for."""
+    """Return whether somebody cancelled this task, rather than something it waited for."""
     task = asyncio.current_task()
     return is_cancelled() or (task is not None and task.cancelling() > 0)
 

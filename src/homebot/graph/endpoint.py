@@ -1,4 +1,4 @@
-"""What the look-up directory tells of one end of a topic or service."""
+"""Description of one end of a topic or service, for the look-up directory."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["EndpointInfo", "EntityKind", "GraphChange"]
 
 
 class EntityKind(StrEnum):
-    """What there is on the graph."""
+    """The kinds of entities on the graph."""
 
     NODE = "node"
     PUBLISHER = "publisher"

@@ -15,7 +15,7 @@ TermT = TypeVar("TermT", bound=Hashable)
 
 @final
 class EndpointIndex:
-    """What each entity is shown as, in the order in which they were added.
+    """The descriptions of all entities, in the order in which they were added.
 
     A search costs what the rarest of its terms has, not what the graph has.
     """

@@ -1,4 +1,4 @@
-"""What the callbacks of nodes let through: each costs its one message, and is logged and counted here."""
+"""Exceptions that callbacks of nodes let through: each costs its one message, and is logged and counted here."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _OTHERS = "other callbacks"
 @final
 @dataclass(slots=True)
 class CallbackFailure:
-    """How often one callback failed.
+    """The number of times one callback failed, and the last error.
 
     Attributes:
         node: Full name of its node.

@@ -26,7 +26,7 @@ _FEW = 64
 
 
 class Queue(Protocol[T]):
-    """What a mailbox keeps its items in."""
+    """The storage of a mailbox."""
 
     def append(self, item: T, /) -> None:
         """Add *item* at the end."""
@@ -43,7 +43,7 @@ class BoundedQueue(Queue[T], Protocol):
     """A queue that keeps its own bounds."""
 
     def has_room_for(self, item: T, /) -> bool:
-        """Whether :meth:`append` would take *item* without dropping another."""
+        """Return whether :meth:`append` would take *item* without dropping another."""
         ...
 
 
@@ -140,7 +140,7 @@ class Mailbox(Generic[T]):
                 self.waiter = None
 
     def has_room_for(self, item: T) -> bool:
-        """Whether :meth:`put` would take *item* without dropping another; a closed mailbox has room for everything."""
+        """Return whether :meth:`put` would take *item* without dropping another; always so when closed."""
         if self._closed:
             return True
         return len(self.queue) < self.depth if self._keyed is None else self._keyed.has_room_for(item)
@@ -201,7 +201,7 @@ class Mailbox(Generic[T]):
 
 
 class _Losses:
-    """What was lost, apart from the mailbox: its queue counts here without holding it in a cycle."""
+    """The losses of a mailbox, apart from it: its queue counts here without holding it in a cycle."""
 
     __slots__ = ("count",)
 
@@ -247,7 +247,7 @@ class KeyedQueue(Generic[T]):
         self._next += 1
 
     def has_room_for(self, item: T) -> bool:
-        """Whether :meth:`append` would take *item* without dropping another."""
+        """Return whether :meth:`append` would take *item* without dropping another."""
         return len(self._numbers.get(self._key(item), ())) < self._depth and len(self._items) < MAX_KEYED_ITEMS
 
     def popleft(self) -> T:

@@ -56,7 +56,7 @@ ResponseT = TypeVar("ResponseT", bound=Message)
 
 
 class _Entity(Protocol):
-    """What a node makes and closes."""
+    """Anything that a node makes and closes."""
 
     @property
     def info(self) -> EndpointInfo: ...
@@ -289,7 +289,7 @@ class Node:
 
     @property
     def is_closed(self) -> bool:
-        """Whether the node left the graph."""
+        """True if the node left the graph."""
         return self._closed
 
     def close(self) -> None:

@@ -25,7 +25,7 @@ Kind: TypeAlias = Literal["new", "changed"]
 
 @dataclass(frozen=True, slots=True)
 class ParameterDescriptor:
-    """What a parameter may be.
+    """The constraints on a parameter.
 
     Attributes:
         description: For people.
@@ -100,7 +100,7 @@ class ParameterSet:
         return parameter
 
     def has(self, name: str) -> bool:
-        """Whether *name* is declared."""
+        """Return whether *name* is declared."""
         return name in self._declared
 
     def get(self, name: str) -> Parameter:

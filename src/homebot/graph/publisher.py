@@ -63,7 +63,7 @@ class Publisher(Generic[MessageT]):
 
     @property
     def is_full(self) -> bool:
-        """Whether a RELIABLE subscription has no room, so that :meth:`send` would wait; on a keyed topic never."""
+        """True if a RELIABLE subscription has no room, so that :meth:`send` would wait; never on a keyed topic."""
         return any(
             subscription.qos.reliability is ReliabilityPolicy.RELIABLE
             and len(subscription.mailbox.queue) >= subscription.mailbox.depth

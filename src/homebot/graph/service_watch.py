@@ -1,4 +1,4 @@
-"""Which services come onto the graph: how to notice that a node was restarted and has forgotten who it served."""
+"""Arrival of services on the graph: tells that a node was restarted and has forgotten whom it served."""
 
 from __future__ import annotations
 

@@ -93,7 +93,7 @@ class Subscription(Generic[MessageT]):
 
     @property
     def wants_all(self) -> bool:
-        """Whether each message counts, and not the newest alone, of all or of each key."""
+        """True if each message counts, and not only the newest, of all or of each key."""
         return self.qos.queue_depth > 1 and not self._is_keyed
 
     def take(self) -> MessageT | None:

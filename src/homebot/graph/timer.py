@@ -54,7 +54,7 @@ class Timer:
 
     @property
     def is_canceled(self) -> bool:
-        """Whether :meth:`cancel` was called."""
+        """True if :meth:`cancel` was called."""
         return self._cancelled
 
     def cancel(self) -> None:

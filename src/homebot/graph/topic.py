@@ -39,7 +39,7 @@ class Topic:
 
     @property
     def is_unused(self) -> bool:
-        """Whether nobody publishes or subscribes any more."""
+        """True if nobody publishes or subscribes any more."""
         return not self.publishers and not self.subscriptions
 
     def check_type(self, message_type: type[Message], node: str) -> None:

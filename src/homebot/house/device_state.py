@@ -1,4 +1,4 @@
-"""How a simulated device is, as far as it says: what a message of its whole state is made of."""
+"""State of a simulated device, as far as it reports it: the content of a message of its whole state."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["DeviceState", "state_of"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeviceState:
-    """What a device says of itself; what its kind does not have keeps its default.
+    """The reported state of a device; what its kind does not have keeps its default.
 
     Attributes:
         word: Its last word, for example ``on``, ``opening``, ``locked`` or ``21.5``.

@@ -1,4 +1,4 @@
-"""How a device puts its words on MQTT: a port of pure functions, one for each family of devices.
+"""Port of pure functions between a device and MQTT, one for each family of devices.
 
 A word is what a device of :mod:`homebot.house` says or is told, such as ``on`` or ``21.5``. What goes over the
 wire is the dialect's own. A device that another speaks for, as a bridge for its lamps, says everything itself here;
@@ -19,7 +19,7 @@ __all__ = ["Bridge", "Dialect", "OutgoingMessage", "SimulatedDeviceInfo"]
 
 @dataclass(frozen=True, slots=True)
 class SimulatedDeviceInfo:
-    """What a device knows of itself.
+    """The identity of a simulated device.
 
     Attributes:
         home: First level, or levels, of the topics.
@@ -63,7 +63,7 @@ class OutgoingMessage:
 
 @dataclass(frozen=True, slots=True)
 class Bridge:
-    """What one program says for all devices that are bound to it.
+    """The one program that speaks for all devices that are bound to it.
 
     Attributes:
         birth: On each new link.

@@ -1,4 +1,4 @@
-"""What happened in a house, in order."""
+"""Events of a house, in order."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class WorldLog:
 
     @property
     def dropped(self) -> int:
-        """How many events are no longer kept."""
+        """Number of events that are no longer kept."""
         return self.count - len(self._events)
 
     def add(self, event: Event) -> None:

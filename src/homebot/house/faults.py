@@ -1,4 +1,4 @@
-"""What goes wrong with devices: wrappers of any device, which are devices themselves, so faults combine.
+"""Faults of devices: wrappers of any device, which are devices themselves, so faults combine.
 
 A fault hears a command before the device does and what the device says before the world does. ``device`` is what it
 wraps, and :func:`unwrap` the device at the bottom, whose state is what really is.
@@ -54,27 +54,27 @@ class DeviceFault(SimulatedDevice):
 
     @property
     def has_power(self) -> bool:
-        """Whether the device has."""
+        """True if the device has power."""
         return self.device.has_power
 
     def state(self) -> str:
-        """What the device says."""
+        """Return the state that the device reports."""
         return self.device.state()
 
     def commands(self) -> tuple[str, ...]:
-        """What the device knows."""
+        """Return the commands that the device knows."""
         return self.device.commands()
 
     def knows(self, command: str) -> bool:
-        """Whether the device knows *command*."""
+        """Return whether the device knows *command*."""
         return self.device.knows(command)
 
     def watts(self) -> float:
-        """What the device draws."""
+        """Return the power that the device draws."""
         return self.device.watts()
 
     def restore(self) -> str:
-        """What would bring the device back."""
+        """Return the command that would bring the device back to its state."""
         return self.device.restore()
 
     def advance(self, now: float) -> tuple[str, ...]:
@@ -92,7 +92,7 @@ class DeviceFault(SimulatedDevice):
         return (*self.advance(now), *self._deliver_all(self.device.sense(value, now)))
 
     def next_event(self) -> float | None:
-        """When the device or the fault does something by itself."""
+        """Return when the device or the fault does something by itself."""
         own = self._held[0][0] if self._held else None
         inner = self.device.next_event()
         return inner if own is None else own if inner is None else min(own, inner)
@@ -114,11 +114,11 @@ class DeviceFault(SimulatedDevice):
         return tuple(word for report in reports for word in self._delivered(report))
 
     def _delivered(self, report: str) -> tuple[str, ...]:
-        """What the world hears of *report*."""
+        """Return the reports that reach the world for *report*."""
         return (report,)
 
     def _release(self, held: str) -> tuple[str, ...]:
-        """What comes of something held back."""
+        """Return the reports that come of one that was held back."""
         return (held,)
 
     def _hold(self, at: float, what: str) -> None:
@@ -281,7 +281,7 @@ class Unplugged(DeviceFault):
 
     @property
     def has_power(self) -> bool:
-        """Whether it has power at :attr:`now`."""
+        """True if it has power at :attr:`now`."""
         return not self.since <= self.now < self.until and self.device.has_power
 
     def watts(self) -> float:

@@ -1,4 +1,4 @@
-"""Where the people of a house are, and their ways through it."""
+"""People of a house: where they are, and their ways through it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Household", "MovementObserver"]
 
 
 class MovementObserver(Protocol):
-    """Who is told what people do."""
+    """A port to whatever is told about people's movements."""
 
     def passed(self, name: str, left: str, entered: str) -> None:
         """Somebody went through the door between two rooms; they are in *entered* now."""
@@ -32,7 +32,7 @@ class MovementObserver(Protocol):
 
 @dataclass(eq=False)
 class _Body:
-    """Where a person is; ``walk`` counts their ways, so that an older one ends where a newer begins."""
+    """A person's place; ``walk`` counts the walks, so that an older one ends where a newer begins."""
 
     person: Person
     room: str

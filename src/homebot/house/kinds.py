@@ -34,7 +34,7 @@ Celsius = Annotated[float, Field(ge=-60.0, le=60.0)]
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What a device finds when it is made.
+    """The surroundings that a device is made in.
 
     Attributes:
         name: Its own name.
@@ -50,7 +50,7 @@ class Surroundings:
 
 
 class KindSettings(BaseModel):
-    """What a kind of device can be told."""
+    """The settings of a kind of device."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -60,7 +60,7 @@ class KindSettings(BaseModel):
 
 
 class FaultSettings(BaseModel):
-    """What a fault can be told."""
+    """The settings of a fault."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

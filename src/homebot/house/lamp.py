@@ -56,7 +56,7 @@ class SimulatedLamp(SimulatedDevice):
         return ("on", "off", "0 to 1", f"{KELVIN[0]:g} K to {KELVIN[1]:g} K")
 
     def knows(self, command: str) -> bool:
-        """Whether it knows *command*."""
+        """Return whether it knows *command*."""
         if command.endswith(" K"):
             return number(command.removesuffix(" K"), *KELVIN) is not None
         return command in {"on", "off"} or number(command, 0.0, 1.0) is not None

@@ -45,7 +45,7 @@ class SimulatedDoorLock(SimulatedDevice):
         return "lock" if self.is_locked else "unlock"
 
     def next_event(self) -> float | None:
-        """When the bolt arrives."""
+        """Return when the bolt arrives."""
         return self._arrives_at
 
     def commands(self) -> tuple[str, ...]:

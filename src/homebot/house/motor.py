@@ -34,7 +34,7 @@ class WindowMotor(SimulatedDevice):
 
     @property
     def position(self) -> float:
-        """Where it is at :attr:`now`: 0 is closed, 1 is open."""
+        """Position at :attr:`now`: 0 is closed, 1 is open."""
         return self.position_at(self.now)
 
     def position_at(self, now: float) -> float:
@@ -59,7 +59,7 @@ class WindowMotor(SimulatedDevice):
         return {"open": "open", "closed": "close"}.get(_word(self.position), spoken(self.position))
 
     def next_event(self) -> float | None:
-        """When it arrives."""
+        """Return when it arrives."""
         return self._started_at + abs(self._target - self._start) * self.travel_time if self._moves else None
 
     def commands(self) -> tuple[str, ...]:
@@ -67,7 +67,7 @@ class WindowMotor(SimulatedDevice):
         return ("open", "close", "stop", "0 to 1")
 
     def knows(self, command: str) -> bool:
-        """Whether it knows *command*."""
+        """Return whether it knows *command*."""
         return command in {"open", "close", "stop"} or number(command, 0.0, 1.0) is not None
 
     def _take(self, command: str) -> tuple[str, ...]:

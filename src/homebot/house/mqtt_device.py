@@ -36,7 +36,7 @@ _log = get_logger()
 
 @dataclass(slots=True)
 class HouseCounters:
-    """What went between the devices of a house and the broker.
+    """Counters of the messages between the devices of a house and the broker.
 
     Attributes:
         published: Messages that the broker took.

@@ -14,7 +14,7 @@ __all__ = ["Habit", "Person", "Visit"]
 
 @dataclass(frozen=True, slots=True)
 class Habit:
-    """Where somebody sets out to at some time of the day.
+    """A habit: to set out for a room at some time of the day.
 
     Attributes:
         at: Seconds since midnight.

@@ -15,7 +15,7 @@ __all__ = ["Pose", "Robot"]
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where something stands and looks.
+    """A position and the direction of view.
 
     Attributes:
         x: Metres east.
@@ -63,7 +63,7 @@ class Robot(SimulatedDevice):
 
     @property
     def drives(self) -> bool:
-        """Whether it is on its way."""
+        """True while it is on its way."""
         return bool(self._ahead)
 
     def pose(self) -> Pose:
@@ -78,7 +78,7 @@ class Robot(SimulatedDevice):
         )
 
     def next_event(self) -> float | None:
-        """When it reaches the next room."""
+        """Return when it reaches the next room."""
         return self._left_at + self._leg() if self._ahead else None
 
     def commands(self) -> tuple[str, ...]:
@@ -86,7 +86,7 @@ class Robot(SimulatedDevice):
         return ("stop", *(f"go {room}" for room in self.rooms.rooms if self._way_to(room)))
 
     def knows(self, command: str) -> bool:
-        """Whether it knows *command*; a room that no doors lead to it does not."""
+        """Return whether it knows *command*; a room that no doors lead to it does not."""
         return command == "stop" or (command.startswith("go ") and bool(self._way_to(command.removeprefix("go "))))
 
     def _take(self, command: str) -> tuple[str, ...]:

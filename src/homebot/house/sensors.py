@@ -67,7 +67,7 @@ class MotionSensor(SimulatedDevice):
         return reports
 
     def next_event(self) -> float | None:
-        """When it is clear."""
+        """Return when it is clear."""
         return self._clear_at
 
     def _on_timer(self) -> tuple[str, ...]:

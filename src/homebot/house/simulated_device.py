@@ -1,4 +1,4 @@
-"""What a simulated device is: a state machine that is told the time, and says what it has to say."""
+"""State machine of a simulated device: takes the time and commands, and gives the reports that follow."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SimulatedDevice(ABC):
 
     @property
     def has_power(self) -> bool:
-        """Whether it has power at :attr:`now`; without it, it neither hears nor speaks."""
+        """True if it has power at :attr:`now`; without it, it neither receives nor sends."""
         return True
 
     @abstractmethod
@@ -79,7 +79,7 @@ class SimulatedDevice(ABC):
         return ()
 
     def knows(self, command: str) -> bool:
-        """Whether it knows *command*; what it does not know it ignores."""
+        """Return whether it knows *command*; what it does not know it ignores."""
         return command in self.commands()
 
     def watts(self) -> float:

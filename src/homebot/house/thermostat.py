@@ -70,7 +70,7 @@ class SimulatedThermostat(SimulatedDevice):
         return reports
 
     def next_event(self) -> float | None:
-        """When it looks at the thermometer."""
+        """Return when it looks at the thermometer."""
         return self._looks_at
 
     def commands(self) -> tuple[str, ...]:
@@ -78,7 +78,7 @@ class SimulatedThermostat(SimulatedDevice):
         return (f"{LEAST:g} to {MOST:g}",)
 
     def knows(self, command: str) -> bool:
-        """Whether it knows *command*."""
+        """Return whether it knows *command*."""
         return number(command, LEAST, MOST) is not None
 
     def _take(self, command: str) -> tuple[str, ...]:

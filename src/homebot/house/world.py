@@ -77,7 +77,7 @@ class ScheduledCommand:
 
 @dataclass(frozen=True, slots=True)
 class _Drive:
-    """Where a robot is, and whether it drives; the same for all that is no robot."""
+    """A robot's place, and whether it drives; the same for all that is no robot."""
 
     room: str = ""
     drives: bool = False
@@ -286,7 +286,7 @@ class World:
         self._queue.set(object(), (day + 1) * DAY, partial(self._begin_day, day + 1))
 
     def _on_door(self, one: str, other: str) -> list[_PlacedDevice]:
-        """What is on the door between two rooms; nothing where they are one."""
+        """Return the things on the door between two rooms; nothing where they are one."""
         near = (*self._things_in(one), *self._things_in(other)) if one != other else ()
         return [thing for thing in near if {thing.placed.room, thing.placed.door} == {one, other}]
 

@@ -1,4 +1,4 @@
-"""What a message type looks like to ROS: its fields, and the text of its ``.msg`` file."""
+"""Definition of a message type in ROS: its fields, and the text of its ``.msg`` file."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class FieldDefinition:
 
     @property
     def is_bytes(self) -> bool:
-        """Whether the Python value is ``bytes``, the one form of ``uint8[]``."""
+        """True if the Python value is ``bytes``, the one form of ``uint8[]``."""
         return self.is_array and self.ros_type == "uint8"
 
     @property

@@ -67,7 +67,7 @@ class Parameter(Message):
 
 
 class ParameterEvent(Message):
-    """What changed among the parameters of one node.
+    """The changes among the parameters of one node.
 
     Attributes:
         stamp: When.

@@ -25,7 +25,7 @@ class SetBoolRequest(Message):
 
 
 class SuccessResponse(Message):
-    """Whether it worked, as the answer to :class:`TriggerRequest`.
+    """The result of a :class:`TriggerRequest`.
 
     Attributes:
         success: True when it did.
@@ -39,7 +39,7 @@ class SuccessResponse(Message):
 
 
 class SetBoolResponse(SuccessResponse):
-    """Whether it worked, as the answer to :class:`SetBoolRequest`."""
+    """The result of a :class:`SetBoolRequest`."""
 
     ros_type: ClassVar[str] = "std_srvs/srv/SetBool_Response"
 

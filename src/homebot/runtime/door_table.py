@@ -11,7 +11,7 @@ __all__ = ["DoorTable"]
 
 
 class DoorTable(DoorSettings):
-    """What may stand in the table.
+    """The keys of the table ``[door]``.
 
     Attributes:
         token_file: File whose first line is the token, for nobody else to read.

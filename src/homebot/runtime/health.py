@@ -77,7 +77,7 @@ class RuntimeHealth:
             yield _failure(node.lstrip("/"), f"lost messages of {topic}", count, now, "its queue was full")
 
     def _losses(self) -> Iterator[tuple[str, str, int]]:
-        """What subscriptions lost that want more than the newest; those of the door are their clients' own business."""
+        """Return the losses of subscriptions that want more than the newest, without those of the door's clients."""
         for name in self._graph.get_node_names():
             node = self._graph.get_node(name)
             if node is not None and not name.endswith("/rosbridge_websocket"):

@@ -1,4 +1,4 @@
-"""Where a homebot keeps its index: one file for each home and network."""
+"""Path of the file in which a homebot keeps its index: one for each home and network."""
 
 from __future__ import annotations
 

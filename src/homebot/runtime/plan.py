@@ -1,4 +1,4 @@
-"""What a configuration asks for: classes found and tables checked, before anything is started."""
+"""Plan of a run: the classes and tables that a configuration asks for, checked before anything is started."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ _log = get_logger(node="/homebot")
 
 
 class Work(Protocol):
-    """What a component does until it is cancelled or done; it says when it is ready."""
+    """The work of a component until it is cancelled or done; it reports when it is ready."""
 
     def __call__(self, *, task_status: TaskStatus[None]) -> Awaitable[None]:
         """Work; an exception is a crash, returning is the end."""
@@ -47,7 +47,7 @@ class Work(Protocol):
 
 @dataclass(slots=True)
 class ComponentCrashes:
-    """How a component has crashed so far.
+    """The crashes of a component so far.
 
     Attributes:
         count: How often.
@@ -195,7 +195,7 @@ class Supervisor:
 
 
 class _Start(TaskStatus[None]):
-    """How the first start of a component went; a restarted one says "ready" again, which changes nothing."""
+    """The outcome of a component's first start; a restarted one reports "ready" again, which changes nothing."""
 
     def __init__(self) -> None:
         self.over = anyio.Event()

@@ -82,7 +82,7 @@ async def live(day: Day, house: VirtualHouse, *, root: str = ROOT) -> tuple[DayE
 
 @dataclass(eq=False)
 class _Wire:
-    """What a day does to a house. Each act says whether it found something to do."""
+    """The acts of a day on a house. Each returns whether it found something to do."""
 
     house: VirtualHouse
     root: str
@@ -147,7 +147,7 @@ _Step = tuple[float, DayEvent, Callable[[], Awaitable[bool]]]
 
 
 def _plan(day: Day, wire: _Wire) -> list[_Step]:
-    """What is to be done when; what lasts ends with the day at the latest."""
+    """List the acts with their times; one that lasts ends with the day at the latest."""
     steps: list[_Step] = []
     for happening in day.happenings:
         ends = min(happening.at + happening.lasts, day.end)

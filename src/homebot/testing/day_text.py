@@ -1,4 +1,4 @@
-"""How a day is written: its tables as TOML, its times as in a timetable."""
+"""Text form of a day: its tables as TOML, its times as in a timetable."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class HouseEvent:
 
     @property
     def text(self) -> str:
-        """What was said, as text: most events of a day are never read, so it is made for those that are."""
+        """Payload as text: most events of a day are never read, so it is made for those that are."""
         match self.said:
             case bytes():
                 return self.said.decode(errors="backslashreplace")

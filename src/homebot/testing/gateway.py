@@ -25,7 +25,7 @@ KEPT = 10
 
 
 class FakeGatewaySettings(BaseModel):
-    """How the fake behaves.
+    """The settings of the fake.
 
     Attributes:
         delivery: As for MQTT.

@@ -155,7 +155,7 @@ class TestHouse:
         self._heard[topic].append(payload)
 
     def _silence(self, topic: str, within: float) -> str:
-        """What came elsewhere: first what homebot told devices, and not that it is there itself."""
+        """Describe what came on other topics: first what homebot sent to devices, without its own status."""
         heard = [name for name, payloads in self._heard.items() if payloads and not name.endswith("/mqtt/status")]
         names = sorted(heard, key=lambda one: not one.endswith("/in"))
         elsewhere = {name: list(self._heard[name])[-_SHOWN:] for name in names[:_SHOWN]}

@@ -71,7 +71,7 @@ def _on_test_broker(name: str, table: Table, root: str, url: str) -> Table:
 
 
 def _is_here(url: object) -> bool:
-    """Whether *url* is a broker that a test may talk to; what is no text is refused later, by its key."""
+    """Return whether *url* is a broker that a test may talk to; what is no text is refused later, by its key."""
     return not isinstance(url, str) or (url != EMBEDDED and is_loopback(MqttOptions.from_url(url).host))
 
 

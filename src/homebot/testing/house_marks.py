@@ -1,4 +1,4 @@
-"""What the marks ``house`` and ``homebot`` of a test say; whatever is wrong is refused with the argument's name."""
+"""Arguments of the marks ``house`` and ``homebot``; whatever is wrong is refused with the argument's name."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _read(test: pytest.Item, name: str, known: frozenset[str]) -> tuple[list[str
 
 
 def _said(test: pytest.Item, name: str) -> dict[str, Any]:
-    """What all marks of this *name* say; those nearer to the test count more."""
+    """Collect the arguments of all marks of this *name*; those nearer to the test count more."""
     return {key: value for mark in reversed(list(test.iter_markers(name))) for key, value in mark.kwargs.items()}
 
 

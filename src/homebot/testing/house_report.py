@@ -1,4 +1,4 @@
-"""What is shown of a house when its test fails."""
+"""Report of a house when its test fails."""
 
 from __future__ import annotations
 

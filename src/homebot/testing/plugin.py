@@ -130,7 +130,7 @@ def _brokers(item: pytest.Item) -> Iterator[tuple[str, TestBroker | BlockingTest
 
 
 def _settings(item: pytest.Item) -> BrokerSettings:
-    """What the marks of a test ask for; the nearest counts most."""
+    """Collect the settings of a test's marks; the nearest counts most."""
     from homebot.errors import UsageError  # noqa: PLC0415 - as above
     from homebot.testing.mqtt import BrokerSettings  # noqa: PLC0415 - as above
 

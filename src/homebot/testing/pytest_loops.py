@@ -149,7 +149,7 @@ def close_virtual_loop(test: pytest.Item) -> None:
 
 
 class _VirtualRunner:
-    """What pytest-asyncio uses of an ``asyncio.Runner``; opens at first use, and again where a test is repeated."""
+    """The part of ``asyncio.Runner`` that pytest-asyncio uses; opens at first use, and again for a repeated test."""
 
     def __init__(self) -> None:
         self._runner: asyncio.Runner | None = None

@@ -77,7 +77,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
 
 
 def _place(task: asyncio.Task[object]) -> str:
-    """Where *task* waits: in the innermost of its coroutines that is not part of asyncio or anyio."""
+    """Describe where *task* waits: the innermost of its coroutines that is not part of asyncio or anyio."""
     waits: object = task.get_coro()
     frames: list[FrameType] = []
     while isinstance(waits, CoroutineType):

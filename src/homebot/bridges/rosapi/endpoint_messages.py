@@ -46,7 +46,7 @@ class EndpointDetails(Message):
 
 
 class FindEndpointsRequest(Message):
-    """Who uses what?
+    """A question for everybody that uses a topic or service.
 
     Attributes:
         kind: ``node``, ``publisher``, ``subscription``, ``service`` or ``client``; empty for all.

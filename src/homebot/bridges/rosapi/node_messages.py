@@ -41,7 +41,7 @@ class TimeOfBothKinds(Message):
 
 
 class NodesRequest(Message):
-    """Which nodes are there?"""
+    """A question for the names of all nodes."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/Nodes_Request"
 
@@ -55,7 +55,7 @@ class NodesResponse(Message):
 
 
 class NodeDetailsRequest(Message):
-    """What does a node do?"""
+    """A question for the topics and services of a node."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/NodeDetails_Request"
 
@@ -73,7 +73,7 @@ class NodeDetailsResponse(Message):
 
 
 class GetActionServersRequest(Message):
-    """Which actions are there?"""
+    """A question for the names of all actions."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/GetActionServers_Request"
 
@@ -87,7 +87,7 @@ class GetActionServersResponse(Message):
 
 
 class GetTimeRequest(Message):
-    """What time is it?"""
+    """A question for the time."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/GetTime_Request"
 
@@ -101,7 +101,7 @@ class GetTimeResponse(Message):
 
 
 class GetROSVersionRequest(Message):
-    """Which ROS is this?"""
+    """A question for the version of ROS."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/GetROSVersion_Request"
 

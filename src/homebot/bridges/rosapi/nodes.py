@@ -1,4 +1,4 @@
-"""What ``/rosapi`` tells of nodes, time and the system."""
+"""Services of ``/rosapi`` about nodes, time and the system."""
 
 from __future__ import annotations
 

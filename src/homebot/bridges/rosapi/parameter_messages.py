@@ -30,7 +30,7 @@ __all__ = [
 
 
 class GetParamRequest(Message):
-    """What is the value of the parameter ``/node:name``?"""
+    """A question for the value of the parameter ``/node:name``."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/GetParam_Request"
 
@@ -58,7 +58,7 @@ class SetParamRequest(Message):
 
 
 class SetParamResponse(Message):
-    """Whether it was taken, and why not."""
+    """The result of setting a parameter, with the reason of a refusal."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/SetParam_Response"
 
@@ -75,7 +75,7 @@ class DeleteParamRequest(Message):
 
 
 class DeleteParamResponse(Message):
-    """Whether it was deleted, and why not."""
+    """The result of deleting a parameter, with the reason of a refusal."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/DeleteParam_Response"
 
@@ -92,7 +92,7 @@ class HasParamRequest(Message):
 
 
 class HasParamResponse(Message):
-    """Whether there is."""
+    """The answer to :class:`HasParamRequest`."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/HasParam_Response"
 
@@ -100,7 +100,7 @@ class HasParamResponse(Message):
 
 
 class GetParamNamesRequest(Message):
-    """Which parameters are there?"""
+    """A question for the names of all parameters."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/GetParamNames_Request"
 

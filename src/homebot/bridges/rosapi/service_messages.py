@@ -37,7 +37,7 @@ __all__ = [
 
 
 class ServicesRequest(Message):
-    """Which services are there?"""
+    """A question for the names of all services."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/Services_Request"
 
@@ -51,7 +51,7 @@ class ServicesResponse(Message):
 
 
 class ServicesForTypeRequest(Message):
-    """Which services are of a type?"""
+    """A question for the services of a type."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/ServicesForType_Request"
 
@@ -83,7 +83,7 @@ class ServiceTypeResponse(Message):
 
 
 class ServiceRequestDetailsRequest(Message):
-    """What does the request of a service type look like?"""
+    """A question for the fields of a service type's request."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/ServiceRequestDetails_Request"
 
@@ -99,7 +99,7 @@ class ServiceRequestDetailsResponse(Message):
 
 
 class ServiceResponseDetailsRequest(Message):
-    """What does the response of a service type look like?"""
+    """A question for the fields of a service type's response."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/ServiceResponseDetails_Request"
 
@@ -115,7 +115,7 @@ class ServiceResponseDetailsResponse(Message):
 
 
 class ServiceNodeRequest(Message):
-    """Who serves a service?"""
+    """A question for the node that serves a service."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/ServiceNode_Request"
 
@@ -131,7 +131,7 @@ class ServiceNodeResponse(Message):
 
 
 class ServiceProvidersRequest(Message):
-    """Who serves services of a type?"""
+    """A question for the nodes that serve services of a type."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/ServiceProviders_Request"
 

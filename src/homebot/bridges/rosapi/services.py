@@ -1,4 +1,4 @@
-"""What ``/rosapi`` tells of services."""
+"""Services of ``/rosapi`` about services."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ __all__ = [
 
 
 class TypeDef(Message):
-    """What a message type looks like.
+    """The fields of a message type.
 
     Attributes:
         type: Its name, as ``package/Name``.
@@ -62,7 +62,7 @@ class TypeDef(Message):
 
 
 class TopicsRequest(Message):
-    """Which topics are there?"""
+    """A question for the names of all topics."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/Topics_Request"
 
@@ -77,7 +77,7 @@ class TopicsResponse(Message):
 
 
 class TopicsForTypeRequest(Message):
-    """Which topics carry a type?"""
+    """A question for the topics that carry a type."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/TopicsForType_Request"
 
@@ -93,7 +93,7 @@ class TopicsForTypeResponse(Message):
 
 
 class TopicTypeRequest(Message):
-    """What does a topic carry?"""
+    """A question for the type that a topic carries."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/TopicType_Request"
 
@@ -109,7 +109,7 @@ class TopicTypeResponse(Message):
 
 
 class TopicsAndRawTypesRequest(Message):
-    """Which topics are there, and what do their types look like?"""
+    """A question for all topics, with the definitions of their types."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/TopicsAndRawTypes_Request"
 
@@ -125,7 +125,7 @@ class TopicsAndRawTypesResponse(Message):
 
 
 class MessageDetailsRequest(Message):
-    """What does a message type look like?"""
+    """A question for the fields of a message type."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/MessageDetails_Request"
 
@@ -141,7 +141,7 @@ class MessageDetailsResponse(Message):
 
 
 class PublishersRequest(Message):
-    """Who publishes on a topic?"""
+    """A question for the nodes that publish on a topic."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/Publishers_Request"
 
@@ -157,7 +157,7 @@ class PublishersResponse(Message):
 
 
 class SubscribersRequest(Message):
-    """Who reads a topic?"""
+    """A question for the nodes that subscribe to a topic."""
 
     ros_type: ClassVar[str] = "rosapi_msgs/srv/Subscribers_Request"
 

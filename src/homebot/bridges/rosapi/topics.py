@@ -1,4 +1,4 @@
-"""What ``/rosapi`` tells of topics and message types."""
+"""Services of ``/rosapi`` about topics and message types."""
 
 from __future__ import annotations
 

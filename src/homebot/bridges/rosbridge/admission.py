@@ -1,4 +1,4 @@
-"""Who may connect: the rules on Host, Origin and token. No I/O.
+"""Rules for who may connect: on Host, Origin and token. No I/O.
 
 A web page anywhere can make a browser connect to a local port; the browser then tells the page's origin, and the name
 that the page used for us. A foreign origin, or a foreign name that was bent to our address (DNS rebinding), is refused.
@@ -17,7 +17,7 @@ __all__ = ["is_loopback", "refusal", "token_of"]
 
 
 def is_loopback(host: str) -> bool:
-    """Whether *host* is ``localhost`` or a loopback address; brackets around an IPv6 address are fine."""
+    """Return whether *host* is ``localhost`` or a loopback address; brackets around an IPv6 address are fine."""
     if host.lower() in {"localhost", "localhost."}:
         return True
     try:
@@ -50,7 +50,7 @@ def token_of(path: str, authorizations: Sequence[str]) -> str:
 
 
 def is_token(settings: DoorSettings, token: str) -> bool:
-    """Whether *token* opens the door; takes as long for a wrong one as for the right one."""
+    """Return whether *token* is the right one; takes as long for a wrong one."""
     if settings.token is None:
         return True
     return hmac.compare_digest(token.encode(errors="replace"), settings.token.get_secret_value().encode())

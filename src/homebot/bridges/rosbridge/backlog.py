@@ -1,4 +1,4 @@
-"""What waits for the clients of the door: bounded in messages for each topic, in bytes for each client and for all.
+"""Frames that wait for the clients of the door: bounded in messages per topic, in bytes per client and for all.
 
 A topic that has too much waiting loses its own oldest message first, on a keyed topic the oldest of the same key. Where
 a client has too much waiting, the topic that brings more gives up its own oldest message; where it has no other, the
@@ -29,7 +29,7 @@ _OBJECT = 64
 
 @final
 class DoorBacklog:
-    """What waits for all clients together.
+    """The bytes that wait for all clients together.
 
     Args:
         limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest.
@@ -71,7 +71,7 @@ class DoorBacklog:
 
 @final
 class Backlog:
-    """What waits for one client.
+    """The frames that wait for one client.
 
     Args:
         limit: Bytes that may wait; one message may, whatever its size.

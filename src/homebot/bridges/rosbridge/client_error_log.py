@@ -1,4 +1,4 @@
-"""What the door's log says of clients: in plain words, and not without end."""
+"""The door's log of what clients did wrong: in plain words, and not without end."""
 
 from __future__ import annotations
 

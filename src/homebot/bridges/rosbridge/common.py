@@ -1,4 +1,4 @@
-"""What all clients of a door share."""
+"""State that all clients of a door share."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["Common"]
 
 @dataclass(frozen=True, slots=True)
 class Common:
-    """What all clients of a door share.
+    """The state that all clients of a door share.
 
     Attributes:
         node: The node that acts in the clients' stead.

@@ -1,4 +1,4 @@
-"""What the door counted since it opened."""
+"""Counters of the door since it opened."""
 
 from __future__ import annotations
 

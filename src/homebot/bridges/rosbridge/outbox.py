@@ -31,7 +31,7 @@ class MessageSource(Protocol):
 
 @final
 class Outbox:
-    """What goes out to one client.
+    """The frames on their way to one client.
 
     Args:
         send: Takes text to the client, waiting until there is room for it; LinkError when the client is gone.
@@ -56,7 +56,7 @@ class Outbox:
 
     @property
     def has_room(self) -> bool:
-        """Whether the client may be given something more to answer."""
+        """True if the client may be given another request to answer."""
         return self._waiting < self._limit
 
     def answer(self, frame: JsonObject) -> None:

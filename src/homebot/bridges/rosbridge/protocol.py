@@ -81,7 +81,7 @@ class FrameError(PeerError):
 
 
 class Operation(BaseModel):
-    """What a client asks for.
+    """An operation that a client asks for.
 
     Attributes:
         op: The protocol's name of the operation.

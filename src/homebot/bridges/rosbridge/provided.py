@@ -24,7 +24,7 @@ __all__ = ["ProvidedServices"]
 
 
 class ProvidedServices:
-    """What one client provides; services are kept under the names that the client uses.
+    """The services that one client provides, under the names that the client uses.
 
     Args:
         node: The node that serves in the client's stead.

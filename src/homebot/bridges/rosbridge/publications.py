@@ -26,7 +26,7 @@ class _Publication:
 
 
 class Publications:
-    """What one client publishes; topics are kept under the names that the client uses.
+    """The topics that one client publishes, under the names that the client uses.
 
     Args:
         node: The node that publishes in the client's stead.
@@ -38,7 +38,7 @@ class Publications:
         self._ids = 0
 
     def __len__(self) -> int:
-        """How many topics and ids there are: each id of each topic counts."""
+        """Return the number of topics and ids: each id of each topic counts."""
         return len(self._topics) + self._ids
 
     def __contains__(self, topic: object) -> bool:

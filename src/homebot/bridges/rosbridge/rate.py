@@ -1,4 +1,4 @@
-"""How many frames a client may send: a token bucket. No I/O."""
+"""Limit on the frames that a client may send: a token bucket. No I/O."""
 
 from __future__ import annotations
 

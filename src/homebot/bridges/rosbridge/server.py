@@ -86,7 +86,7 @@ class Door:
 
     @property
     def client_count(self) -> int:
-        """How many clients are connected."""
+        """Number of connected clients."""
         return len(self._sessions)
 
     def health(self, _request: HealthRequest) -> HealthResponse:

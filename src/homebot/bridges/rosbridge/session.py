@@ -56,7 +56,7 @@ _ANSWERS = 1_048_576
 
 
 class ClientSession:
-    """What one client does through the door.
+    """All that one client does through the door.
 
     Args:
         common: What it shares with other clients.

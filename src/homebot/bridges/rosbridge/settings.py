@@ -1,4 +1,4 @@
-"""Where the door listens, whom it lets in, and how much one client may hold."""
+"""Settings of the door: its address, whom it lets in, and how much one client may hold."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ __all__ = ["Subscriptions"]
 
 
 class Subscriptions:
-    """What one client subscribed to; topics are kept under the names that the client uses.
+    """The topics that one client subscribed to, under the names that the client uses.
 
     A request for a topic whose type cannot be told yet is remembered and served once somebody uses the topic.
 
@@ -52,7 +52,7 @@ class Subscriptions:
         self._requests = 0
 
     def __len__(self) -> int:
-        """How many requests there are: each id of each topic counts."""
+        """Return the number of requests: each id of each topic counts."""
         return self._requests
 
     @property

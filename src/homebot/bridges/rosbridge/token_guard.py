@@ -1,4 +1,4 @@
-"""How long a token has to wait before it is looked at: a brake for guessing. No I/O.
+"""Brake for guessing: the time that a token has to wait before it is looked at. No I/O.
 
 The right token and wrong ones wait alike, else whoever guesses would only have to hang up early. An address may be
 wrong a few times for nothing. After that each of its tokens waits, longer with each wrong one, and only a few may wait
@@ -41,7 +41,7 @@ class TokenGuard:
         self._attempts: OrderedDict[str, _Attempts] = OrderedDict()
 
     def __len__(self) -> int:
-        """How many addresses are remembered."""
+        """Return the number of addresses that are remembered."""
         return len(self._attempts)
 
     def begin(self, address: str, now: float) -> float | None:

@@ -28,7 +28,7 @@ class Turns:
         self._is_scheduled = False
 
     def has_time(self) -> bool:
-        """Whether work may begin now; where not, :meth:`turn` or :meth:`defer` waits for it."""
+        """Return whether work may begin now; where not, :meth:`turn` or :meth:`defer` waits for it."""
         if self._line:
             return False
         if self._began is None:

@@ -1,4 +1,4 @@
-"""Which Python class a ROS type name means; ``std_msgs/String`` and ``std_msgs/msg/String`` are both welcome."""
+"""Python classes by ROS type name; ``std_msgs/String`` and ``std_msgs/msg/String`` are both accepted."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _LONGEST_TYPE = 100
 
 
 def same_type(first: str, second: str) -> bool:
-    """Whether two ROS type names mean one type, however they are spelled."""
+    """Return whether two ROS type names mean one type, however they are spelled."""
     return _parts(first) == _parts(second)
 
 

@@ -1,1 +1,1 @@
-"""What the commands do; each module is imported only when its command is chosen."""
+"""Bodies of the commands; each module is imported only when its command is chosen."""

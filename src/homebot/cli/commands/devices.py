@@ -80,7 +80,7 @@ async def _unknown_type(door: DoorClient, word: str) -> str:
 
 
 def _listens_on(device: Device) -> str:
-    """Where it can be told something; what it says elsewhere is its own, and no place to publish on.
+    """Return the address on which a device takes commands; empty where it takes none.
 
     Words have an address of their own, which says nothing to people.
     """

@@ -1,4 +1,4 @@
-"""What several dialects need to write and read payloads and to name devices."""
+"""Payloads and device names, as several dialects need them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What Zigbee2MQTT lists as the exposes of each kind of device."""
+"""Exposes that Zigbee2MQTT lists for each kind of device."""
 
 from __future__ import annotations
 

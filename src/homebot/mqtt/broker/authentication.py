@@ -1,4 +1,4 @@
-"""Who may log in."""
+"""Authentication of clients."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Authentication:
 
     @property
     def required(self) -> bool:
-        """Whether a password is asked for."""
+        """True if a password is required."""
         return bool(self._digests)
 
     def check(self, username: str | None, password: bytes | None) -> ReasonCode:
@@ -55,7 +55,7 @@ class Authentication:
 
 
 def is_loopback(host: str) -> bool:
-    """Whether *host* surely means this computer only; a name other than ``localhost`` does not."""
+    """Return whether *host* surely means this computer only; a name other than ``localhost`` does not."""
     if host == "localhost":
         return True
     try:

@@ -24,7 +24,7 @@ __all__ = ["Backpressure"]
 
 @final
 class Backpressure:
-    """What one publisher waits for, and what waits with it; fills the port ``HeldPublisher`` of the sessions.
+    """The waiting packets of one publisher and the session they wait for; fills the port ``HeldPublisher``.
 
     Args:
         hub: The broker.
@@ -54,7 +54,7 @@ class Backpressure:
 
     @property
     def active(self) -> bool:
-        """Whether packets must wait: for a slow session, or behind others that have waited."""
+        """True if packets must wait: for a slow session, or behind others that have waited."""
         return self._end is not None or bool(self.packets) or self.paused
 
     def wait_for(self, slow: Iterable[BrokerSession], *, endless: bool = False) -> None:

@@ -70,7 +70,7 @@ class ClientPackets:
 
     @property
     def reading(self) -> bool:
-        """Whether the client's socket is read."""
+        """True if the client's socket is read."""
         return self._holding.reading
 
     def take_all(self, reader: PacketReader) -> None:
@@ -154,7 +154,7 @@ class ClientPackets:
             handler(self, packet)
 
     def _wait_for_room(self, packet: Publish) -> bool:
-        """Whether *packet* has to wait because a queue is full."""
+        """Return whether *packet* has to wait because a queue is full."""
         full = self._inbound.must_wait_for(packet)
         if full:
             self._holding.keep_first(packet)
@@ -193,7 +193,7 @@ class ClientPackets:
         raise PacketError("there is no extended authentication", code=ReasonCode.BAD_AUTHENTICATION_METHOD)
 
     def _resume(self) -> None:
-        """What waits behind a packet that took long has its turn."""
+        """Handle the packets that waited behind one that took long."""
         if self._holding.paused and not self._filters.active:
             self._holding.paused = False
             self._go_on()

@@ -1,4 +1,4 @@
-"""How the log calls clients and what they send. No I/O."""
+"""Text for the log about clients and what they send. No I/O."""
 
 from __future__ import annotations
 

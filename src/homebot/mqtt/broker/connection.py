@@ -75,7 +75,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._tcp = sock
 
     def get_buffer(self, sizehint: int) -> memoryview:  # noqa: ARG002 - asyncio's signature
-        """Where the next bytes go: one place for all connections, since they are taken before anybody else reads."""
+        """Return the buffer for the next bytes: one for all connections, since it is emptied before the next read."""
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:

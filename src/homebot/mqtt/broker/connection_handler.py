@@ -10,11 +10,11 @@ __all__ = ["ConnectionHandler"]
 
 
 class ConnectionHandler(Protocol):
-    """What a carrier tells about one connection; :class:`Peer` fills it, and so does what is put around a peer."""
+    """A port for the events of one connection; :class:`Peer` fills it, and so does what is put around a peer."""
 
     @property
     def words(self) -> str:
-        """How the log calls the client."""
+        """Name of the client in the log."""
         ...
 
     def receive(self, data: bytes) -> None:

@@ -43,7 +43,7 @@ class BrokerTimers:
 
     @property
     def earliest(self) -> float | None:
-        """When the next deadline is due, on the clock's monotonic scale, or None."""
+        """Time of the next deadline, on the clock's monotonic scale, or None."""
         while self._heap and self._heap[0].action is None:
             heapq.heappop(self._heap)
         return self._heap[0].when if self._heap else None

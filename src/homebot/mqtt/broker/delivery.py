@@ -1,4 +1,4 @@
-"""What becomes of a message for one session."""
+"""Result of delivering a message to one session."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["REFUSED", "SLOW", "TAKEN", "DeliveryResult"]
 
 
 class DeliveryResult(IntEnum):
-    """What became of a message for one session: taken; taken, but slow down; not taken."""
+    """The result for a message and one session: taken; taken, but slow down; not taken."""
 
     TAKEN = 0
     SLOW = 1

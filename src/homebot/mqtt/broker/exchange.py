@@ -1,4 +1,4 @@
-"""Where messages meet subscriptions. No I/O."""
+"""Router of published messages to subscriptions. No I/O."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["MessageRouter", "Receipt"]
 
 
 class Receipt(NamedTuple):
-    """What became of a published message.
+    """The result of publishing a message.
 
     Attributes:
         reason: Success, 0x10 nobody subscribes, or 0x97 somebody could not be sent it or it was not retained.
@@ -184,7 +184,7 @@ def _deliver_to_all(
     large: bool,  # noqa: FBT001 - for every message, by position for speed
     slow: list[BrokerSession],
 ) -> bool:
-    """Whether one of *targets* did not take it; those that took it but want no more for now are added to *slow*.
+    """Deliver to *targets*; True if one refused it. Those that took it but want no more for now go to *slow*.
 
     Receivers with the same options share one parcel.
     """

@@ -47,7 +47,7 @@ class FilterRequests:
 
     @property
     def active(self) -> bool:
-        """Whether a packet is under way."""
+        """True if a packet is under way."""
         return self._current is not None
 
     def subscribe(self, packet: Subscribe) -> None:

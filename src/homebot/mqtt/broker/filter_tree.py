@@ -49,7 +49,7 @@ class FilterTree(Generic[Key, Value]):
         return is_new
 
     def get(self, levels: Sequence[str], key: Key) -> Value | None:
-        """What the filter has under *key*."""
+        """Return the value of the filter under *key*."""
         node = self._root
         for level in levels:
             child = None if node.children is None else node.children.get(level)

@@ -1,4 +1,4 @@
-"""What a broker on sockets does every few seconds."""
+"""Chores of a broker on sockets, every few seconds."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Housekeeping:
 
     @property
     def losses(self) -> str:
-        """What was lost in the last ten minutes, in words."""
+        """Losses of the last ten minutes, as text."""
         return self._losses.lately
 
     def start(self) -> None:

@@ -21,7 +21,7 @@ _SMALL: Final = 1024  # bytes; messages up to this are not counted, because ther
 
 @final
 class InFlight:
-    """What one client has not acknowledged.
+    """The messages that one client has not acknowledged.
 
     Args:
         window: As below, until the client connects.
@@ -48,7 +48,7 @@ class InFlight:
 
     @property
     def full(self) -> bool:
-        """Whether the client has to acknowledge something first."""
+        """True if the client has to acknowledge something first."""
         return len(self.parcels) >= self.window
 
     def send(self, outbound: Outbound, parcel: QueuedMessage) -> None:

@@ -1,4 +1,4 @@
-"""How much the broker keeps and how long it waits: every bound in one place, with what happens beyond it."""
+"""Limits on what the broker keeps and how long it waits: every bound in one place, with what happens beyond it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the broker answers to a CONNECT. No I/O."""
+"""Answer of the broker to a CONNECT. No I/O."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _DEFAULT_RECEIVE_MAXIMUM = 65_535
 
 @dataclass(frozen=True, slots=True)
 class ConnectRequest:
-    """What a client asked for, with the protocol's defaults filled in.
+    """A client's CONNECT, with the protocol's defaults filled in.
 
     Attributes:
         client_id: Its own, or the one assigned.
@@ -54,13 +54,13 @@ class ConnectRequest:
 
 
 def may_try_at(connect: Connect, hub: BrokerState, address: str) -> float:
-    """When the password of *connect* may be looked at, on the clock's monotonic scale; often that is over."""
+    """Return when the password of *connect* may be looked at, on the clock's monotonic scale; often that is past."""
     applicant = _applicant(connect, hub, address)
     return 0.0 if applicant is None else hub.throttle.until(applicant)
 
 
 def refusal(connect: Connect, hub: BrokerState, address: str) -> ReasonCode:
-    """Why *connect* is refused; success where it is not."""
+    """Return the reason why *connect* is refused; success where it is not."""
     if connect.properties.authentication_method is not None:
         return ReasonCode.BAD_AUTHENTICATION_METHOD
     if connect.properties.authentication_data is not None:
@@ -146,7 +146,7 @@ def _has_room(connect: Connect, hub: BrokerState) -> bool:
 
 
 def _applicant(connect: Connect, hub: BrokerState, address: str) -> Applicant | None:
-    """Who shows a password to a broker that asks for one."""
+    """Return the name and address that show a password to a broker that asks for one."""
     if connect.username is None or not hub.authentication.required:
         return None
     return Applicant(host_of(address), connect.username, connect.client_id)
@@ -166,7 +166,7 @@ def _note_wrong_password(applicant: Applicant, hub: BrokerState) -> None:
 
 
 def _can_be_welcomed(connect: Connect, hub: BrokerState) -> bool:
-    """Whether the client takes packets of the size of its CONNACK, without which it cannot know our limits."""
+    """Return whether the client takes packets of the size of its CONNACK, without which it cannot know our limits."""
     limit = connect.properties.maximum_packet_size
     if limit is None:
         return True

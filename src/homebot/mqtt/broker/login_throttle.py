@@ -18,7 +18,7 @@ _MOST_KNOWN: Final = 2000
 
 
 class Applicant(NamedTuple):
-    """Who wants to log in."""
+    """A client that wants to log in."""
 
     host: str
     username: str | None
@@ -52,7 +52,7 @@ class LoginThrottle:
         return len(self._guessers)
 
     def until(self, applicant: Applicant) -> float:
-        """When the attempt may be checked, on the clock's monotonic scale; may be over."""
+        """Return when the attempt may be checked, on the clock's monotonic scale; may be past."""
         guesser = self._guessers.get(applicant.host)
         return 0.0 if guesser is None or applicant in self._known else guesser.until
 

@@ -1,4 +1,4 @@
-"""What a broker lost, in words. No I/O."""
+"""Losses of a broker, as text. No I/O."""
 
 from __future__ import annotations
 
@@ -56,11 +56,11 @@ class LossReport:
 
     @property
     def lately(self) -> str:
-        """What was lost lately, in words; empty where nothing was."""
+        """Recent losses as text; empty where there are none."""
         return loss_words(self._counters, self._before[0])
 
     def take(self) -> str:
-        """What was lost since the last call, in words; empty where nothing was."""
+        """Return the losses since the last call as text; empty where there are none."""
         words = loss_words(self._counters, self._before[-1])
         self._before.append(_losses(self._counters))
         return words

@@ -133,7 +133,7 @@ class BrokerMessage:
         return replace(self.properties, subscription_identifiers=identifiers, message_expiry_interval=left)
 
     def expired(self, now: float) -> bool:
-        """Whether the message is worthless by *now*."""
+        """Return whether the message has expired by *now*."""
         return self.expires_at is not None and self.expires_at <= now
 
     def _keep(self, key: object, parts: tuple[bytes, bytes]) -> None:

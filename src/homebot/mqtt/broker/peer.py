@@ -65,7 +65,7 @@ class Peer:
 
     @property
     def client_id(self) -> str | None:
-        """Who it is, once logged in."""
+        """Client id, once logged in."""
         return self._log.client_id
 
     @property
@@ -75,7 +75,7 @@ class Peer:
 
     @property
     def words(self) -> str:
-        """How the log calls it."""
+        """Name of the client in the log."""
         return self._log.words
 
     @property

@@ -1,4 +1,4 @@
-"""What the log says of one connection. No I/O."""
+"""Log of one connection. No I/O."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class PeerLog:
 
     @property
     def words(self) -> str:
-        """How the log calls it."""
+        """Name of the client in the log."""
         return client_text(self.client_id, self._link.address)
 
     def failed(self, error: PacketError) -> None:

@@ -1,4 +1,4 @@
-"""Who may publish and subscribe what: a port that a fault injector or an access list can fill."""
+"""Port that decides who may publish and subscribe what; a fault injector or an access list can fill it."""
 
 from __future__ import annotations
 

@@ -76,22 +76,22 @@ class MessageQueue:
 
     @property
     def full(self) -> bool:
-        """Whether another message would be over the bound."""
+        """True if another message would be over the bound."""
         return len(self.parcels) >= self._max_messages or self.size >= self._max_bytes
 
     @property
     def high(self) -> bool:
-        """Whether three quarters of the bound are reached: time to slow down who fills it."""
+        """True if three quarters of the bound are reached: time to slow down who fills it."""
         return len(self.parcels) >= self._high_messages or self.size >= self._high_bytes
 
     @property
     def low(self) -> bool:
-        """Whether half of the bound is free again."""
+        """True if half of the bound is free again."""
         return 2 * len(self.parcels) <= self._max_messages and 2 * self.size <= self._max_bytes
 
     @property
     def holds_qos0(self) -> bool:
-        """Whether QoS 0 messages wait, which later ones must not overtake."""
+        """True if QoS 0 messages wait, which later ones must not overtake."""
         return self._qos0 > 0
 
     def offer(self, parcel: QueuedMessage) -> DeliveryResult:

@@ -1,4 +1,4 @@
-"""How much memory the messages take that wait for clients, over all of them. No I/O."""
+"""Memory of the messages that wait for clients, over all of them. No I/O."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class QueuePool:
 
     @property
     def is_overrun(self) -> bool:
-        """Whether it is more than the bound."""
+        """True if it is more than the bound."""
         return self.used > self._max_bytes
 
     def hold(self, message: BrokerMessage) -> None:

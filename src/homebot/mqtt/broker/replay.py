@@ -27,7 +27,7 @@ Owed = tuple[BrokerMessage, SessionSubscription]
 
 @final
 class Replay:
-    """What the filters of one SUBSCRIBE are owed: the messages that were retained when it was made and still are.
+    """The retained messages still owed to one SUBSCRIBE: those that were retained when it was made and still are.
 
     A message that replaced one meanwhile is left out, because it was forwarded when it came.
 
@@ -80,7 +80,7 @@ class Replay:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more is owed."""
+        """True if nothing more is owed."""
         if self._found or self._exact or not self.complete:
             return False
         return not self._wild or self._place >= self._until

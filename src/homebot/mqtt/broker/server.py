@@ -130,13 +130,13 @@ class Broker:
 
     @property
     def url(self) -> str:
-        """Where clients find it, such as ``mqtt://127.0.0.1:1883``."""
+        """Address for clients, such as ``mqtt://127.0.0.1:1883``."""
         host = f"[{self._host}]" if ":" in self._host else self._host
         return f"{'mqtt' if self._tls is None else 'mqtts'}://{host}:{self._port}"
 
     @property
     def running(self) -> bool:
-        """Whether it listens."""
+        """True while it listens."""
         return self._server is not None
 
     @property
@@ -150,7 +150,7 @@ class Broker:
 
     @property
     def losses(self) -> str:
-        """Which messages were lost in the last ten minutes, in words; empty where none was, or it does not run."""
+        """Messages that were lost in the last ten minutes, as text; empty where none was, or it does not run."""
         return "" if self._housekeeping is None else self._housekeeping.losses
 
     @property

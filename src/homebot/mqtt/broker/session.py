@@ -1,4 +1,4 @@
-"""What the broker keeps for one client id, and the delivery of messages to it. No I/O.
+"""Session of one client id: what the broker keeps for it, and the delivery of messages to it. No I/O.
 
 What is in flight is bounded, the other messages wait in the queue. When the client comes back to its session,
 everything in flight is sent again before the queue.
@@ -106,27 +106,27 @@ class BrokerSession:
 
     @property
     def settled(self) -> int:
-        """How many messages the client has acknowledged, or taken from the queue at QoS 0, ever."""
+        """Number of messages that the client has acknowledged, or taken from the queue at QoS 0, ever."""
         return self.in_flight.settled + self._settled
 
     @property
     def congested(self) -> bool:
-        """Whether the client is connected and too slow for what is sent to it."""
+        """True if the client is connected and too slow for what is sent to it."""
         return self.outbound is not None and self._queue.high
 
     @property
     def full(self) -> bool:
-        """Whether the client is connected and its queue takes no more."""
+        """True if the client is connected and its queue takes no more."""
         return self.outbound is not None and self._queue.full
 
     @property
     def backlogged(self) -> bool:
-        """Whether more than half of the queue is used."""
+        """True if more than half of the queue is used."""
         return not self._queue.low
 
     @property
     def delivery_priority(self) -> int:
-        """How little a shared message is welcome: 0 connected, 1 connected but slow, 2 without room, 3 away."""
+        """Rank for shared messages, lowest first: 0 connected, 1 connected but slow, 2 without room, 3 away."""
         if self.outbound is None:
             return 3
         if self._queue.full:
@@ -195,7 +195,7 @@ class BrokerSession:
         self._note_crowd()
 
     def has(self, subscription: SessionSubscription) -> bool:
-        """Whether *subscription* still stands."""
+        """Return whether *subscription* still stands."""
         return self.subscriptions.get(subscription.name) is subscription
 
     def resume(self, outbound: Outbound, receive_maximum: int) -> None:

@@ -158,7 +158,7 @@ def will_size(will: Will | None) -> int:
 
 
 class _Absence:
-    """What is to happen while a client is away."""
+    """Deadlines of a client that is away: the end of its session, and its will."""
 
     __slots__ = ("end", "will", "will_due")
 

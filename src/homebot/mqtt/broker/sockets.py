@@ -17,7 +17,7 @@ _PER_CLIENT = 2  # those not logged in must not keep the others out, nor be with
 
 
 class OpenSocket(Protocol):
-    """What a connection is to those who count it."""
+    """A connection as those see it who count it."""
 
     @property
     def address(self) -> str:

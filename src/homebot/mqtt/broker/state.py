@@ -42,7 +42,7 @@ _log = get_logger()
 
 @final
 class BrokerState:
-    """What all connections of one broker share.
+    """The state that all connections of one broker share.
 
     Args:
         clock: The time to go by.

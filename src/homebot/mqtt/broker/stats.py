@@ -1,4 +1,4 @@
-"""What the broker counts."""
+"""Counters of the broker."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who wants which topic: a tree of filters, and a cache of what it answered."""
+"""Subscriptions by topic: a tree of filters, and a cache of its answers."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Target(NamedTuple):
         return cls(session, highest, keeps_retain, tuple(identifiers), tuple(matched) if has_no_local else ())
 
     def without_local(self) -> Target | None:
-        """What is left of it for a message that the session's own client published."""
+        """Return what is left of it for a message that the session's own client published."""
         rest = [each for each in self.matched if not each.no_local]
         return Target.of(self.session, rest) if rest else None
 

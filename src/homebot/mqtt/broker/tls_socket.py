@@ -26,7 +26,7 @@ class TlsUser(Protocol):
         ...
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        """Where the next bytes go."""
+        """Return the buffer for the next bytes."""
         ...
 
     def buffer_updated(self, nbytes: int) -> None:
@@ -76,7 +76,7 @@ class TlsSocket(asyncio.BufferedProtocol):
         self._user.connection_made(self._facade)
 
     def get_buffer(self, sizehint: int) -> bytearray:  # noqa: ARG002 - asyncio's signature
-        """Where the next bytes go."""
+        """Return the buffer for the next bytes."""
         if not self._buffer:
             self._buffer = bytearray(_READ_AT_MOST)
         return self._buffer

@@ -15,7 +15,7 @@ class Transport(Protocol):
 
     @property
     def write_blocked(self) -> bool:
-        """Whether the far side takes bytes slower than they come: nothing more should be written that can wait."""
+        """True if the far side takes bytes slower than they come: nothing more should be written that can wait."""
         ...
 
     @property

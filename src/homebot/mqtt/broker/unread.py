@@ -46,7 +46,7 @@ class UnreadPackets:
 
 @final
 class UnreadMark:
-    """What one connection holds.
+    """The bytes that one connection holds unread.
 
     Args:
         packets: Where it counts.

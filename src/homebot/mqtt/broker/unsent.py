@@ -1,4 +1,4 @@
-"""How many bytes wait for the sockets of clients, over all of them."""
+"""Bytes that wait for the sockets of clients, over all of them."""
 
 from __future__ import annotations
 

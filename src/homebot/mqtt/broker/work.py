@@ -16,7 +16,7 @@ PERIOD: Final = 0.01  # half of the time is for the others
 
 @final
 class WorkBudget:
-    """How much may be done now of what can take long, for all clients of a broker together.
+    """The budget of work that can take long, for all clients of a broker together.
 
     Who finds nothing left asks for a later call; those who wait get their slices in turn.
 
@@ -42,7 +42,7 @@ class WorkBudget:
 
     @property
     def left(self) -> bool:
-        """Whether anything may be done now."""
+        """True if anything may be done now."""
         if self.units > 0:
             return True
         now = self._clock.monotonic()
@@ -53,7 +53,7 @@ class WorkBudget:
 
     @property
     def waiting(self) -> int:
-        """How many wait for a later slice."""
+        """Number of those that wait for a later slice."""
         return len(self._waiting)
 
     def spend(self, units: int) -> None:

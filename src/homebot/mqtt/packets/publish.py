@@ -165,7 +165,7 @@ def encode_publish_parts(
     *,
     dup: bool = False,
 ) -> tuple[bytes, bytes]:
-    """What stands before and behind the packet id, so that receivers with other ids can share both.
+    """Encode the bytes before and behind the packet id, so that receivers with other ids can share both.
 
     At QoS 1 and 2 room for the packet id is counted. Arguments as the attributes of :class:`Publish`.
 

@@ -20,7 +20,7 @@ class ProtocolVersion(IntEnum):
 
 @unique
 class ReasonCode(IntEnum):
-    """What became of a request. Below 0x80 it worked. Source: MQTT 5.0, section 2.4.
+    """The result of a request. Below 0x80 it worked. Source: MQTT 5.0, section 2.4.
 
     In SUBACK 0x00 to 0x02 are the granted QoS. MQTT 3 has other numbers in CONNACK; the codec translates, so
     the rest of the program knows only these.
@@ -72,7 +72,7 @@ class ReasonCode(IntEnum):
 
     @property
     def failed(self) -> bool:
-        """Whether the code says no."""
+        """True if the code is a refusal or an error."""
         return self >= 0x80
 
     @property

@@ -1,4 +1,4 @@
-"""What the fixture ``mqtt_broker_thread`` gives to a test."""
+"""Value of the fixture ``mqtt_broker_thread``."""
 
 from __future__ import annotations
 

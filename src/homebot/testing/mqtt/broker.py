@@ -1,4 +1,4 @@
-"""What the fixtures ``mqtt_broker`` and ``mqtt_broker_session`` give to a test.
+"""Value of the fixtures ``mqtt_broker`` and ``mqtt_broker_session``.
 
 The broker lives on a thread and loop of its own, so it serves whatever loop, or none, a test has, and a test that
 blocks its loop does not silence it.

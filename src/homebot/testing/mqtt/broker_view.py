@@ -1,4 +1,4 @@
-"""What a test sees of its broker without waiting."""
+"""View of a broker for a test, without waiting."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class BrokerView:
 
     @property
     def settings(self) -> BrokerSettings:
-        """What the test asked for."""
+        """Settings that the test asked for."""
         return self._core.settings
 
     @property
@@ -61,7 +61,7 @@ class BrokerView:
 
     @property
     def protocol_errors(self) -> tuple[ProtocolViolation, ...]:
-        """What clients did that MQTT does not allow, in its order; the first 20, those that a fault led to left out."""
+        """Violations of MQTT by clients, in their order; the first 20, those that a fault led to left out."""
         return self._core.breaches.kept
 
     def forget_protocol_errors(self) -> None:

@@ -64,7 +64,7 @@ class _Rules:
 
 @final
 class Faults(_Rules):
-    """What can go wrong. Rules hold until lifted, or to the end of their ``with``; the others happen at once."""
+    """The faults that a test can cause. Rules hold until lifted or their ``with`` ends; the others act at once."""
 
     async def drop_connection(self, client: str) -> None:
         """Close the client's connection without a DISCONNECT; its will is published.

@@ -1,4 +1,4 @@
-"""What a test can let go wrong between a broker and its clients.
+"""Faults between a broker and its clients.
 
 A fault begins with the call that makes it, and ends with :meth:`Fault.lift` or at the end of its ``with`` block.
 Rules may be made and lifted in any thread; they hold for the next packet.

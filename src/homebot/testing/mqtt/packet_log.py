@@ -56,7 +56,7 @@ class PacketLog:
 
     @property
     def records(self) -> tuple[PacketRecord, ...]:
-        """What is kept, the oldest first."""
+        """Packets that are kept, the oldest first."""
         return tuple(self._records.copy())
 
     def add(self, direction: Literal["in", "out", "note"], client: str, what: Packet | str) -> None:

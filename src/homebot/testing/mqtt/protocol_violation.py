@@ -1,4 +1,4 @@
-"""What clients did that MQTT does not allow."""
+"""Violations of MQTT by clients."""
 
 from __future__ import annotations
 

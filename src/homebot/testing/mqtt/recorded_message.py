@@ -75,7 +75,7 @@ def encode_payload(payload: Payload) -> bytes:
 
 
 def payload_matches(wanted: Wanted, message: RecordedMessage) -> bool:
-    """Whether *message* carries what is wanted."""
+    """Return whether *message* carries the wanted payload."""
     if wanted is None:
         return True
     if callable(wanted):

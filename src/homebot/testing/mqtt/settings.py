@@ -1,4 +1,4 @@
-"""What a test may ask of its broker."""
+"""Settings of a test's broker."""
 
 from __future__ import annotations
 

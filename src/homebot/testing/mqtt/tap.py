@@ -18,7 +18,7 @@ _ACKS = (PacketType.PUBACK, PacketType.PUBREC, PacketType.PUBCOMP)
 
 @dataclass(frozen=True, slots=True)
 class TapDuties:
-    """What every tap of one broker shares.
+    """The state that every tap of one broker shares.
 
     Attributes:
         rules: The faults in force.
@@ -54,12 +54,12 @@ class Tap:
 
     @property
     def client_id(self) -> str | None:
-        """Who it is, once logged in."""
+        """Client id, once logged in."""
         return self._peer.client_id
 
     @property
     def words(self) -> str:
-        """How the log calls the client."""
+        """Name of the client in the log."""
         return self._peer.words
 
     @property
@@ -69,7 +69,7 @@ class Tap:
 
     @property
     def write_blocked(self) -> bool:
-        """Whether nothing more should be written that can wait."""
+        """True if nothing more should be written that can wait."""
         return self._stalled or self._link.write_blocked
 
     def receive(self, data: bytes) -> None:
