@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import heapq
 from bisect import bisect_left, bisect_right
 from typing import Final, final
 
 from homebot.mqtt.broker.message import BrokerMessage
+from homebot.timer_queue import TimerQueue
 
 __all__ = ["RetainedMessages"]
 
@@ -27,7 +27,7 @@ class RetainedMessages:
         self._log: list[BrokerMessage | None] = []  # in the order they came; None where one was removed
         self._orders: list[int] = []  # of the log
         self._removed = 0
-        self._expiring: list[tuple[float, int, str]] = []  # a heap; also of messages that are gone
+        self._expiring: TimerQueue[str, None] = TimerQueue()  # topics of messages that expire
         self._max_messages = max_messages
         self._max_bytes = max_bytes
         self.size = 0
@@ -82,10 +82,7 @@ class RetainedMessages:
         self._orders.append(self.last)
         self.size += message.size
         if message.expires_at is not None:
-            if len(self._expiring) > _SWEEP + 2 * len(self._messages):
-                self._expiring = [each for each in self._expiring if self._is_kept(each)]
-                heapq.heapify(self._expiring)
-            heapq.heappush(self._expiring, (message.expires_at, message.order, message.topic))
+            self._expiring.set(message.topic, message.expires_at, None)
 
     def _has_room(self, message: BrokerMessage) -> bool:
         old = self._messages.get(message.topic)
@@ -94,19 +91,15 @@ class RetainedMessages:
         return count <= self._max_messages and size <= self._max_bytes
 
     def _remove_expired(self, now: float) -> None:
-        while self._expiring and self._expiring[0][0] <= now:
-            entry = heapq.heappop(self._expiring)
-            if self._is_kept(entry):
-                self._remove(entry[2])
-
-    def _is_kept(self, entry: tuple[float, int, str]) -> bool:
-        message = self._messages.get(entry[2])
-        return message is not None and message.order == entry[1]
+        while (due := self._expiring.pop(now)) is not None:
+            self._remove(due[0])
 
     def _remove(self, topic: str) -> None:
         message = self._messages.pop(topic, None)
         if message is None:
             return
+        if message.expires_at is not None:
+            self._expiring.discard(topic)
         self.size -= message.size
         self._log[bisect_left(self._orders, message.order)] = None
         self._removed += 1
