@@ -10,8 +10,8 @@ import aiomqtt
 import paho.mqtt.client as paho
 from paho.mqtt.enums import CallbackAPIVersion
 
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.options import MqttOptions
 
 __all__ = ["ANSWER", "CLIENTS", "PAYLOAD", "TOPIC", "TestSteps"]

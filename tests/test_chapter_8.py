@@ -17,8 +17,8 @@ from homebot.apps.light_service import LightService
 from homebot.config import parse_config
 from homebot.devices import GET_INDEX_DATA, GetIndexData, RawMessage, SubscribeToTopic
 from homebot.graph import Node, Subscription
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions

@@ -31,9 +31,9 @@ from homebot.house.mqtt_device import QUEUED
 from homebot.house.rooms import Room, Rooms
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.world import Placed, ScheduledCommand
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker, BrokerPolicy
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions

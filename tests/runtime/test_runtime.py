@@ -20,7 +20,7 @@ from homebot.errors import ConfigError
 from homebot.graph import Node
 from homebot.house import thesis_world
 from homebot.messages import Log
-from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions

@@ -13,7 +13,7 @@ import pytest
 from tests.system.attack_probe import Attacked, attacked, open_files, until
 from websockets.sync.client import connect
 
-from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 

@@ -20,8 +20,8 @@ from homebot.devices import Devices
 from homebot.devices.handles import DoorLock, Light
 from homebot.errors import RefusedError
 from homebot.graph import Node
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime

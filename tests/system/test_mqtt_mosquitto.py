@@ -17,8 +17,8 @@ import anyio
 import pytest
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttClient, MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions, MqttProtocol

@@ -25,8 +25,8 @@ from homebot.house.mqtt_device import HouseCounters, MqttDevice
 from homebot.house.world import Placed, World
 from homebot.isolation import run_as
 from homebot.log import LogLimit
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttClient
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.topics import validate_filter

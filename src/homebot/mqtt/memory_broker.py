@@ -21,8 +21,8 @@ from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.limits import checked_keep_alive
 from homebot.mqtt.broker.policy import policy_of
 from homebot.mqtt.broker.state_timer import HubTimer
-from homebot.mqtt.memory_client import MemoryClient
-from homebot.mqtt.memory_link import LinkUser, MemoryLink, MemorySocket
+from homebot.mqtt.client.memory_transport import LinkUser, MemoryLink, MemorySocket
+from homebot.mqtt.client.native import MemoryClient
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import ReasonCode
 

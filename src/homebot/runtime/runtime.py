@@ -32,7 +32,7 @@ from homebot.graph import Graph, Node, RosoutFeed
 from homebot.isolation import run_as
 from homebot.logger import get_logger, observed_lines
 from homebot.loop_watch import LoopWatch
-from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.plugins import plugin_names
 from homebot.runtime.embedded_broker import embedded_broker

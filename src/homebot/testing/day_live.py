@@ -11,7 +11,7 @@ from functools import partial
 
 from homebot.errors import LinkError, UsageError
 from homebot.house.world import World
-from homebot.mqtt.memory_link import MemoryLink
+from homebot.mqtt.client.memory_transport import MemoryLink
 from homebot.testing.day import Day
 from homebot.testing.day_event import DayEvent
 from homebot.testing.day_text import write_time

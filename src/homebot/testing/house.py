@@ -13,9 +13,9 @@ import anyio
 
 from homebot.config import Config, parse_config
 from homebot.errors import ClosedError, InvalidNameError, UsageError
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttClient, MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.topics import validate_topic

@@ -20,9 +20,9 @@ from homebot.errors import LinkError, RefusedError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription, qos_profile_latched
 from homebot.messages import Time
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.names import escape_token

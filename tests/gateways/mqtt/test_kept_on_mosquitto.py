@@ -11,7 +11,7 @@ from homebot.devices import Sighting
 from homebot.devices.report import Report
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
-from homebot.mqtt.aiomqtt_client import AiomqttClient
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 

@@ -9,8 +9,8 @@ import aiomqtt
 import anyio
 import pytest
 
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import BrokerLimits
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import (
     Connack,

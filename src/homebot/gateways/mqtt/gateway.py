@@ -38,8 +38,8 @@ from homebot.gateways.raw_delivery import RawDelivery
 from homebot.graph import EntityKind, Node
 from homebot.isolation import run_as
 from homebot.messages import Time
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttClient, MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions

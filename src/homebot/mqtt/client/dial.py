@@ -10,8 +10,8 @@ from typing import Final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
+from homebot.mqtt.client.socket_error import socket_error
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.socket_error import socket_error
 
 __all__ = ["dial"]
 

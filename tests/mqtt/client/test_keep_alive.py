@@ -9,12 +9,12 @@ import pytest
 from anyio.abc import SocketAttribute, SocketStream
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.mqtt.test_aiomqtt_client import Peer, broker, make
+from tests.mqtt.client.test_aiomqtt_adapter import Peer, broker, make
 
 from homebot.errors import LinkError
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
-from homebot.mqtt.keep_alive import KeepAlive, LifeSign
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
+from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 

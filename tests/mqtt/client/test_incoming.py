@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.errors import WireError
-from homebot.mqtt.incoming import Frame, FrameReader, PublishReader
+from homebot.mqtt.client.incoming import Frame, FrameReader, PublishReader
 from homebot.mqtt.message import MessageProperties, MqttMessage
 
 PLAIN = bytes.fromhex("30 05 00 03") + b"a/b"

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import final
 
 import anyio
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.client import MqttClient, MqttSubscription
-from homebot.mqtt.subscription_batches import batches
 
-__all__ = ["SubscriptionSet"]
+__all__ = ["SubscriptionSet", "batches"]
+
+MOST = 100
+MOST_CHARACTERS = 16_384
 
 _ROUND = 0.01
 _BURST = 20
@@ -130,3 +132,25 @@ class SubscriptionSet:
             before = now
             await anyio.sleep(_ROUND)
         self._bursts_end = False
+
+
+def batches(subscriptions: Iterable[MqttSubscription]) -> Iterator[tuple[MqttSubscription, ...]]:
+    """Yield *subscriptions* in their order, those together that one request may make.
+
+    A filter with a wildcard stands alone, because a broker sends all the messages that it keeps for it at once, and
+    so does one of QoS 1 or 2. Of the others, with at most one kept message each, up to 100 are one batch.
+    """
+    batch: list[MqttSubscription] = []
+    size = 0
+    for one in subscriptions:
+        is_single = one.qos > 0 or "+" in one.filter or "#" in one.filter
+        size += len(one.filter)
+        if batch and (is_single or len(batch) >= MOST or size > MOST_CHARACTERS):
+            yield tuple(batch)
+            batch, size = [], len(one.filter)
+        if is_single:
+            yield (one,)
+        else:
+            batch.append(one)
+    if batch:
+        yield tuple(batch)

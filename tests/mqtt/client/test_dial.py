@@ -12,12 +12,12 @@ import pytest
 import trustme
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.dial import dial
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
+from homebot.mqtt.client.dial import dial
+from homebot.mqtt.client.tls import make_tls_context
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.tls import make_tls_context
 
 
 @pytest.fixture(scope="session")

@@ -38,10 +38,16 @@ from paho.mqtt.reasoncodes import ReasonCode as PahoReason
 from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
 from homebot.logger import get_logger
-from homebot.mqtt.client import MqttCounters, MqttSubscription, PublishResult, SessionGrant
-from homebot.mqtt.dial import dial
-from homebot.mqtt.incoming import Frame, FrameReader
-from homebot.mqtt.keep_alive import KeepAlive, LifeSign
+from homebot.mqtt.client.dial import dial
+from homebot.mqtt.client.incoming import Frame, FrameReader
+from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
+from homebot.mqtt.client.port import MqttCounters, MqttSubscription, PublishResult, SessionGrant
+from homebot.mqtt.client.read_ahead import ReadAhead
+from homebot.mqtt.client.receiver import Receiver
+from homebot.mqtt.client.refusals import check_granted, disconnect_error, login_error, reason_text
+from homebot.mqtt.client.session_end import end_session
+from homebot.mqtt.client.socket_error import socket_error
+from homebot.mqtt.client.tls import make_tls_context
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.primitives import Cursor
@@ -49,12 +55,6 @@ from homebot.mqtt.packets.properties import PacketType, decode_properties
 from homebot.mqtt.packets.publish import Publish, encode_publish
 from homebot.mqtt.packets.reason import ProtocolVersion, ReasonCode
 from homebot.mqtt.packets.subscribe import FilterRequest, Subscribe, encode_subscribe
-from homebot.mqtt.read_ahead import ReadAhead
-from homebot.mqtt.receiver import Receiver
-from homebot.mqtt.refusals import check_granted, disconnect_error, login_error, reason_text
-from homebot.mqtt.session_end import end_session
-from homebot.mqtt.socket_error import socket_error
-from homebot.mqtt.tls import make_tls_context
 from homebot.mqtt.topics import validate_filter, validate_topic
 
 __all__ = ["AiomqttClient"]

@@ -14,8 +14,8 @@ import pytest
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.client import MqttClient, MqttSubscription
+from homebot.mqtt.client.requests import Requests
 from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.mqtt.memory_requests import Requests
 from homebot.mqtt.message import MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.packets import (

@@ -17,8 +17,8 @@ from anyio.abc import SocketAttribute, SocketStream
 from structlog.testing import capture_logs
 
 from homebot.errors import LinkError, RefusedError, UsageError
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.message import MessageProperties
 from homebot.mqtt.options import MqttOptions, MqttProtocol, MqttWill
 from homebot.mqtt.packets import (

@@ -13,9 +13,9 @@ import anyio
 import pytest
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.aiomqtt_client import AiomqttClient
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttClient, MqttSubscription
+from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MessageProperties, MqttMessage

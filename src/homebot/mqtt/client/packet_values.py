@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.mqtt.client import MqttSubscription, SessionGrant
+from homebot.mqtt.client.port import MqttSubscription, SessionGrant
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.options import MqttWill as WillMessage

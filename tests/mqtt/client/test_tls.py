@@ -14,8 +14,8 @@ from cryptography.hazmat.primitives.serialization import (
 )
 
 from homebot.errors import UsageError
+from homebot.mqtt.client.tls import make_tls_context
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.tls import make_tls_context
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.log import LogLimit
 from homebot.logger import get_logger
-from homebot.mqtt.client import MqttCounters, SessionGrant
-from homebot.mqtt.delivery import DeliveryLedger
-from homebot.mqtt.inbox import Inbox
-from homebot.mqtt.incoming import Frame, PublishReader
+from homebot.mqtt.client.delivery import DeliveryLedger
+from homebot.mqtt.client.inbox import Inbox
+from homebot.mqtt.client.incoming import Frame, PublishReader
+from homebot.mqtt.client.port import MqttCounters, SessionGrant
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 

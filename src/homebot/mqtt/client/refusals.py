@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.client import SessionGrant
+from homebot.mqtt.client.port import SessionGrant
 from homebot.mqtt.packets.reason import ReasonCode
 
 __all__ = ["check_granted", "disconnect_error", "login_error", "reason_text"]

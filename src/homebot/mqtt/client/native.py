@@ -1,6 +1,6 @@
 """The MQTT client port over a link in memory: real packets, no socket, no thread.
 
-It answers as :class:`homebot.mqtt.aiomqtt_client.AiomqttClient` does; one contract test runs against both.
+It answers as :class:`homebot.mqtt.client.aiomqtt_adapter.AiomqttClient` does; one contract test runs against both.
 """
 
 from __future__ import annotations
@@ -12,11 +12,13 @@ from typing import Protocol, final
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import LinkError, RefusedError, UsageError
-from homebot.mqtt.client import MqttCounters, MqttSubscription, PublishResult, SessionGrant
-from homebot.mqtt.client_protocol import ClientProtocol
-from homebot.mqtt.memory_link import LinkUser, MemorySocket
-from homebot.mqtt.memory_packets import filter_request, publish_properties
-from homebot.mqtt.memory_requests import Requests
+from homebot.mqtt.client.memory_transport import LinkUser, MemorySocket
+from homebot.mqtt.client.packet_values import filter_request, publish_properties
+from homebot.mqtt.client.port import MqttCounters, MqttSubscription, PublishResult, SessionGrant
+from homebot.mqtt.client.protocol import ClientProtocol
+from homebot.mqtt.client.receiver import Receiver
+from homebot.mqtt.client.refusals import check_granted, reason_text
+from homebot.mqtt.client.requests import Requests
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
@@ -35,8 +37,6 @@ from homebot.mqtt.packets import (
     encode,
 )
 from homebot.mqtt.packets.properties import encode_properties
-from homebot.mqtt.receiver import Receiver
-from homebot.mqtt.refusals import check_granted, reason_text
 from homebot.mqtt.topics import validate_filter, validate_topic
 
 __all__ = ["Dial", "MemoryClient"]

@@ -7,9 +7,9 @@ from structlog.testing import capture_logs
 
 from homebot.clock import ManualClock
 from homebot.mqtt.client import SessionGrant
-from homebot.mqtt.incoming import Frame
+from homebot.mqtt.client.incoming import Frame
+from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.receiver import Receiver
 
 BAD = Frame(0x32, b"\x00\x02\xc3\x28\x00\x07")
 

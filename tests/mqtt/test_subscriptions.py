@@ -2,7 +2,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.subscription_batches import MOST, MOST_CHARACTERS, batches
+from homebot.mqtt.subscriptions import MOST, MOST_CHARACTERS, batches
 
 
 def test_plain_topics_are_asked_for_together_and_the_others_alone() -> None:

@@ -8,13 +8,15 @@ from typing import Final, final
 import anyio
 
 from homebot.errors import LinkError, RefusedError, WireError
-from homebot.mqtt.client import SessionGrant
-from homebot.mqtt.incoming import Frame, FrameReader
-from homebot.mqtt.keep_alive import KeepAlive, LifeSign
-from homebot.mqtt.memory_link import MemorySocket
-from homebot.mqtt.memory_packets import connect_packet, disconnect_packet, session_of
-from homebot.mqtt.memory_requests import Answer, Requests
-from homebot.mqtt.memory_window import SendWindow
+from homebot.mqtt.client.incoming import Frame, FrameReader
+from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
+from homebot.mqtt.client.memory_transport import MemorySocket
+from homebot.mqtt.client.packet_values import connect_packet, disconnect_packet, session_of
+from homebot.mqtt.client.port import SessionGrant
+from homebot.mqtt.client.receiver import Receiver
+from homebot.mqtt.client.refusals import disconnect_error, login_error
+from homebot.mqtt.client.requests import Answer, Requests
+from homebot.mqtt.client.send_window import SendWindow
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import (
     Connack,
@@ -33,8 +35,6 @@ from homebot.mqtt.packets import (
     decode,
     encode,
 )
-from homebot.mqtt.receiver import Receiver
-from homebot.mqtt.refusals import disconnect_error, login_error
 
 __all__ = ["ClientProtocol"]
 
@@ -46,7 +46,7 @@ _PUBREL: Final = PacketType.PUBREL
 
 @final
 class ClientProtocol:
-    """Fills :class:`homebot.mqtt.memory_link.LinkUser`.
+    """Fills :class:`homebot.mqtt.client.memory_transport.LinkUser`.
 
     Args:
         options: Login and limits.
