@@ -107,7 +107,7 @@ def homebot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
     ("case", "topic", "payload"),
     [
         ("short", LIST, lambda number: b"{broken %d" % number),
-        ("long", LIST, lambda number: b"[" + b"%d," % number * 20_000),
+        ("long", LIST, lambda number: b"[" + b"%d," % (number % 1000) * 60_000),
         ("changing", "homeassistant/light/stranger{}/config", lambda number: b"{broken %d" % number),
     ],
     ids=["short garbage on the bridge's topic", "long garbage on the bridge's topic", "changing topics"],
