@@ -16,9 +16,9 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, excess_of
-from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.mqtt.filter_tree import FilterIndex
 
 REAL = Path(__file__).parents[2] / "conventions" / "zigbee2mqtt" / "both_announcements.jsonl"
 ORIGIN = {"name": "Zigbee2MQTT", "sw": "2.1.1", "url": "https://www.zigbee2mqtt.io"}
@@ -47,7 +47,7 @@ def described(key: str, *options: str, parts: int = 1) -> DeviceAnnounced:
 
 def empty() -> AnnouncementRegistry:
     return AnnouncementRegistry(
-        "mqtt", (), StateTopics(()), ReaderTree(), RegistryLimits(excess=MOST, excess_each=MOST_EACH)
+        "mqtt", (), StateTopics(()), FilterIndex(), RegistryLimits(excess=MOST, excess_each=MOST_EACH)
     )
 
 

@@ -13,9 +13,9 @@ from homebot.conventions.description import Availability, DescribedPart, DeviceA
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.mqtt.filter_tree import FilterIndex
 from homebot.mqtt.topics import topic_matches
 
 KEYS = ("one", "two", "three")
@@ -57,7 +57,7 @@ def described(key: str, *filters: tuple[str, ...], online: tuple[str, ...] = ())
 
 def empty(bounds: RegistryLimits = RegistryLimits()) -> tuple[AnnouncementRegistry, StateTopics]:  # noqa: B008 - a frozen value
     topics = StateTopics(())
-    return AnnouncementRegistry("mqtt", (), topics, ReaderTree(), bounds), topics
+    return AnnouncementRegistry("mqtt", (), topics, FilterIndex(), bounds), topics
 
 
 FILTER_SETS = st.lists(st.sampled_from(FILTERS), max_size=3).map(tuple)

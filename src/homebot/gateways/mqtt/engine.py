@@ -31,7 +31,6 @@ from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.mqtt.channels import Channels
 from homebot.gateways.mqtt.commands import CommandServer
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.filter_tree import ReaderTree
 from homebot.gateways.mqtt.intake import AnnouncementHandler
 from homebot.gateways.mqtt.last_messages import CachedMessage, LastMessageCache
 from homebot.gateways.mqtt.offers import Offers
@@ -49,6 +48,7 @@ from homebot.gateways.mqtt.text_states import TextStateReader
 from homebot.gateways.raw_delivery import RawDelivery
 from homebot.isolation import run_as
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.filter_tree import FilterIndex
 from homebot.mqtt.message import MqttMessage
 
 __all__ = ["AnnouncedDevices"]
@@ -353,8 +353,8 @@ def _new(after: tuple[T, ...], before: tuple[T, ...]) -> tuple[T, ...]:
     return tuple(one for one in after if id(one) not in known)
 
 
-def _tree(filters: tuple[str, ...]) -> ReaderTree[str]:
-    tree: ReaderTree[str] = ReaderTree()
+def _tree(filters: tuple[str, ...]) -> FilterIndex[str]:
+    tree: FilterIndex[str] = FilterIndex()
     for one in filters:
         tree.add(one, one)
     return tree

@@ -11,9 +11,9 @@ from homebot.conventions.description import DeviceAnnounced
 from homebot.errors import WireError
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, Excess, excess_of
-from homebot.gateways.mqtt.filter_tree import ReaderTree, has_wildcard
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
 from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 
 __all__ = ["AnnouncementRegistry", "RegistryChange", "RegistryLimits", "TopicReaders"]
 
@@ -98,7 +98,7 @@ class AnnouncementRegistry:
         gateway: str,
         conventions: tuple[Convention, ...],
         topics: StateTopics,
-        others: ReaderTree[str],
+        others: FilterIndex[str],
         bounds: RegistryLimits = _BOUNDS,
     ) -> None:
         self._gateway = gateway
@@ -109,11 +109,11 @@ class AnnouncementRegistry:
         self._parts = 0
         self._excess = Excess(bounds.excess, bounds.excess_each)
         self._memory = MemoryAccount(bounds.memory)
-        self._announcements: ReaderTree[Convention] = ReaderTree()
+        self._announcements: FilterIndex[Convention] = FilterIndex()
         for convention in conventions:
             for topic_filter in convention.filters():
                 self._announcements.add(topic_filter, convention)
-        self._readers: ReaderTree[AnnouncedPart | AvailabilityReader] = ReaderTree()
+        self._readers: FilterIndex[AnnouncedPart | AvailabilityReader] = FilterIndex()
         self._reader_counts: dict[str, int] = {}
         self._routes: dict[str, TopicReaders | None] = {}
 

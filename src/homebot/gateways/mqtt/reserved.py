@@ -12,7 +12,7 @@ from homebot.conventions.convention import Convention, ReservingConvention, Topi
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.devices.part import Part
 from homebot.errors import WireError
-from homebot.gateways.mqtt.filter_tree import ReaderTree
+from homebot.mqtt.filter_tree import FilterIndex
 
 __all__ = ["ReservedTopics"]
 
@@ -38,7 +38,7 @@ class ReservedTopics:
 
     def __init__(self, conventions: Iterable[Convention], layouts: Iterable[TopicLayout]) -> None:
         self._layouts = tuple(layouts)
-        self._rules: ReaderTree[_Rule] = ReaderTree()
+        self._rules: FilterIndex[_Rule] = FilterIndex()
         for one in conventions:
             narrow = _Rule(f"it is for announcements to {one.name}")
             wide = replace(narrow, free_for=one.name)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import islice
 
 from homebot.errors import InvalidNameError, WireError
-from homebot.gateways.mqtt.filter_tree import ReaderTree, has_wildcard
+from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 from homebot.mqtt.topics import validate_filter
 
 __all__ = ["StateTopics"]
@@ -29,7 +29,7 @@ class StateTopics:
     def __init__(self, announcements: Iterable[str], others: Iterable[str] = (), max_topics: int = MAX_TOPICS) -> None:
         self._announcements = frozenset(announcements)
         self._others = frozenset(others)
-        self._covering: ReaderTree[str] = ReaderTree()
+        self._covering: FilterIndex[str] = FilterIndex()
         for one in (*self._announcements, *self._others):
             self._covering.add(one, one)
         self._max_topics = max_topics

@@ -7,11 +7,11 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Final, final
 
-from homebot.mqtt.broker.filter_tree import FilterTree
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import RetainedMessages
 from homebot.mqtt.broker.subscription import SessionSubscription
 from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.filter_tree import FilterTree
 
 __all__ = ["Owed", "Replay"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple, final
 
-from homebot.mqtt.broker.filter_tree import FilterTree
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.subscription import SessionSubscription
 from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.filter_tree import FilterTree
 
 __all__ = ["Recipients", "ShareGroup", "SubscriptionTree", "Target"]
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Generic, TypeVar, final
 
-__all__ = ["FilterTree"]
+__all__ = ["FilterIndex", "FilterTree", "has_wildcard"]
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 
 
-class _SubscriptionNode(Generic[Key, Value]):
+class _FilterNode(Generic[Key, Value]):
     __slots__ = ("children", "values")
 
     def __init__(self) -> None:
-        self.children: dict[str, _SubscriptionNode[Key, Value]] | None = None
+        self.children: dict[str, _FilterNode[Key, Value]] | None = None
         self.values: dict[Key, Value] | None = None
 
 
@@ -28,7 +28,7 @@ class FilterTree(Generic[Key, Value]):
     """
 
     def __init__(self) -> None:
-        self._root: _SubscriptionNode[Key, Value] = _SubscriptionNode()
+        self._root: _FilterNode[Key, Value] = _FilterNode()
         self.nodes = 0
 
     def add(self, levels: Sequence[str], key: Key, value: Value) -> bool:
@@ -39,7 +39,7 @@ class FilterTree(Generic[Key, Value]):
                 node.children = {}
             child = node.children.get(level)
             if child is None:
-                child = node.children[level] = _SubscriptionNode()
+                child = node.children[level] = _FilterNode()
                 self.nodes += 1
             node = child
         if node.values is None:
@@ -59,11 +59,16 @@ class FilterTree(Generic[Key, Value]):
         return None if node.values is None else node.values.get(key)
 
     def remove(self, levels: Sequence[str], key: Key) -> None:
-        """Remove a value that was added."""
+        """Remove a value that was added; what was not is passed over."""
         path = [self._root]
         for level in levels:
-            path.append((path[-1].children or {})[level])
-        values = path[-1].values or {}
+            child = (path[-1].children or {}).get(level)
+            if child is None:
+                return
+            path.append(child)
+        values = path[-1].values
+        if values is None or key not in values:
+            return
         del values[key]
         if not values:
             path[-1].values = None
@@ -83,7 +88,7 @@ class FilterTree(Generic[Key, Value]):
         nodes = [self._root]
         wild = not topic[0].startswith("$")
         for level in topic:
-            following: list[_SubscriptionNode[Key, Value]] = []
+            following: list[_FilterNode[Key, Value]] = []
             for node in nodes:
                 children = node.children
                 if children is None:
@@ -107,6 +112,47 @@ class FilterTree(Generic[Key, Value]):
         return found, visited
 
 
-def _take(node: _SubscriptionNode[Key, Value], found: list[dict[Key, Value]]) -> None:
+def _take(node: _FilterNode[Key, Value], found: list[dict[Key, Value]]) -> None:
     if node.values is not None:
         found.append(node.values)
+
+
+def has_wildcard(topic_filter: str) -> bool:
+    """Return whether a valid filter may match more than one topic."""
+    return "+" in topic_filter or "#" in topic_filter
+
+
+@final
+class FilterIndex(Generic[Key]):
+    """Items by valid topic filters. A topic finds each of its items once, those of exact filters first.
+
+    Source: MQTT Version 5.0, section 4.7.
+    """
+
+    def __init__(self) -> None:
+        self._exact: dict[str, dict[Key, None]] = {}
+        self._wild: FilterTree[Key, None] = FilterTree()
+
+    def add(self, topic_filter: str, item: Key) -> None:
+        """Have *item* found by every topic that *topic_filter* matches; twice is once."""
+        if has_wildcard(topic_filter):
+            self._wild.add(topic_filter.split("/"), item, None)
+        else:
+            self._exact.setdefault(topic_filter, {})[item] = None
+
+    def remove(self, topic_filter: str, item: Key) -> None:
+        """Take back what was added; what was not is passed over."""
+        if has_wildcard(topic_filter):
+            self._wild.remove(topic_filter.split("/"), item)
+        elif items := self._exact.get(topic_filter):
+            items.pop(item, None)
+            if not items:
+                del self._exact[topic_filter]
+
+    def match(self, topic: str) -> tuple[Key, ...]:
+        """Return the items of every filter that matches *topic*, each once."""
+        found = dict(self._exact.get(topic, ()))
+        if self._wild.nodes:
+            for items in self._wild.matching(topic.split("/"))[0]:
+                found.update(items)
+        return tuple(found)

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.gateways.mqtt.filter_tree import ReaderTree
+from homebot.mqtt.filter_tree import FilterIndex
 from homebot.mqtt.topics import topic_matches
 
 LEVELS = st.sampled_from(["a", "b", "", "$x"])
@@ -19,7 +19,7 @@ FILTERS = st.builds(
 def test_a_topic_finds_exactly_what_matches_and_was_not_removed(
     filters: list[str], topic: str, removed: set[int]
 ) -> None:
-    tree: ReaderTree[int] = ReaderTree()
+    tree: FilterIndex[int] = FilterIndex()
     for number, one in enumerate(filters):
         tree.add(one, number)
     for number in removed:
@@ -32,7 +32,7 @@ def test_a_topic_finds_exactly_what_matches_and_was_not_removed(
 
 
 def test_removing_what_is_not_there_changes_nothing() -> None:
-    tree: ReaderTree[str] = ReaderTree()
+    tree: FilterIndex[str] = FilterIndex()
     tree.add("a/+", "x")
     tree.remove("a/#", "x")
     tree.remove("b", "x")
