@@ -19,6 +19,7 @@ from homebot.config import parse_config
 from homebot.devices import Devices, RawMessage
 from homebot.devices.handles import Light
 from homebot.graph import Node
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 from homebot.testing import VirtualTimeLoop
@@ -91,7 +92,9 @@ async def _house() -> AsyncIterator[House]:
     config = parse_config({"gateways": {"mqtt": {"root": HOME}}}, "benchmark")
     async with (
         MemoryBroker(clock=clock, random=random) as broker,
-        Runtime(config, with_door=False, clock=clock, broker=broker, random=random) as runtime,
+        Runtime(
+            config, with_door=False, clock=clock, services=[HostedBroker.in_memory(broker)], random=random
+        ) as runtime,
         Node(runtime.graph, "app") as node,
     ):
         house = House(Wire(broker), Devices(node))

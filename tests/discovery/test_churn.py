@@ -21,9 +21,11 @@ import pytest
 from homebot.clock import LoopClock
 from homebot.devices import Device
 from homebot.discovery import Directory, DirectorySettings
+from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 
@@ -353,7 +355,7 @@ async def _churn(seed: int) -> AsyncIterator[Churn]:
         anyio.create_task_group() as tasks,
     ):
         settings = MqttGatewaySettings(url=broker.url, stale_after=STALE_AFTER, conventions=CONVENTIONS)
-        gateway = MqttGateway(gateway_node, settings, make_client=broker.make_client, random=dice)
+        gateway = MqttGateway(gateway_node, settings, GatewayContext.of(HostedBroker.in_memory(broker), random=dice))
         directory = Directory(directory_node, DirectorySettings(forget_after=FORGET_AFTER))
         await tasks.start(directory.serve)
         await tasks.start(gateway.serve)

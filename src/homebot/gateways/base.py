@@ -52,6 +52,7 @@ from pydantic import BaseModel
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.gateway_state import ONLY_OBSERVES
 from homebot.devices.report import Report
+from homebot.gateways.context import GatewayContext, HostService
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, qos_profile_latched
 
 __all__ = ["Gateway"]
@@ -65,10 +66,12 @@ class Gateway(ABC):
     Args:
         node: The node it is: ``/gateway/<name>``.
         settings: Its table of the configuration, checked; an instance of :attr:`Settings`.
+        context: What its host gives it; by default nothing.
 
     Attributes:
         Settings: The model of its table.
         node: That node.
+        context: What its host gives it.
         names: Its names on the graph.
         reports: The publisher of its devices' reports.
         acts: Whether it sends commands to devices; a gateway that only observes refuses them all.
@@ -79,8 +82,14 @@ class Gateway(ABC):
     acts: bool = True
     observes_because: str = ONLY_OBSERVES
 
-    def __init__(self, node: Node, settings: BaseModel) -> None:  # noqa: ARG002 - every gateway is given them
+    def __init__(
+        self,
+        node: Node,
+        settings: BaseModel,  # noqa: ARG002 - every gateway is given them
+        context: GatewayContext | None = None,
+    ) -> None:
         self.node = node
+        self.context = context or GatewayContext()
         self.names = GatewayNames(node.name)
         self._sightings = node.create_publisher(Sighting, self.names.received_topics, _NEWEST_OF_EACH)
         self.reports = node.create_publisher(Report, self.names.readings, _NEWEST_OF_EACH)
@@ -96,6 +105,26 @@ class Gateway(ABC):
         Raises:
             UsageError: The gateway could not work with them; names the key where there is one.
         """
+
+    @classmethod
+    def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:  # noqa: ARG003 - most need none
+        """Return the services that it needs in this process; they run before it is made, and until it has stopped."""
+        return ()
+
+    @classmethod
+    def resolve(cls, settings: BaseModel, context: GatewayContext) -> BaseModel:  # noqa: ARG003 - most change nothing
+        """Return *settings* with what only the *context* knows; called once, also where the gateway is restarted."""
+        return settings
+
+    @classmethod
+    def home(cls, settings: BaseModel) -> str:  # noqa: ARG003 - most protocols carry one home
+        """Return the name of the home in a protocol that carries several; empty for all of them."""
+        return ""
+
+    @classmethod
+    def network(cls, settings: BaseModel) -> str:  # noqa: ARG003 - most have one network
+        """Return what tells its network from others; the devices of each are remembered apart. Empty for its name."""
+        return ""
 
     @abstractmethod
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from random import Random
+from typing import ClassVar
 
 import anyio
 from anyio.abc import TaskStatus
@@ -28,6 +29,7 @@ from homebot.log import LogLimit
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.topics import validate_filter
 
@@ -64,6 +66,8 @@ class SimulatedHouse:
         dialects: How devices speak, by the names that the world's devices have for it.
 
     Attributes:
+        Host: The class of the service that can host one.
+        WITHOUT_HOST: The reason why no gateway of a configuration does, as text.
         world: The same.
         counters: What went over the wire.
 
@@ -71,6 +75,11 @@ class SimulatedHouse:
         UsageError: The heartbeat is not above 0, a device's name cannot be one on MQTT, there is no such dialect, or
             it has no such kind of device.
     """
+
+    Host: ClassVar[type[HostedBroker]] = HostedBroker
+    WITHOUT_HOST: ClassVar[str] = (
+        "none is on homebot's own broker (an mqtt gateway without url), where a simulated house could live"
+    )
 
     def __init__(
         self,
@@ -104,6 +113,13 @@ class SimulatedHouse:
             name: self._presence(plates[name], dialects[placed.dialect]) for name, placed in world.devices.items()
         }
         self._bridges = self._bound(world, plates)
+
+    @classmethod
+    def hosted_by(
+        cls, host: HostedBroker, home: str, world: World, clock: Clock, *, random: Random | None = None
+    ) -> SimulatedHouse:
+        """Return a house whose devices connect to a broker in this process; the arguments are those of the class."""
+        return cls(host.url, home, world, clock, make_client=host.make_client or AiomqttClient, random=random)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Let the house live until cancelled."""

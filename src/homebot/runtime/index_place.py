@@ -6,8 +6,6 @@ from pathlib import Path
 
 from homebot.config import Config
 from homebot.discovery.store import index_path
-from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
-from homebot.mqtt.options import MqttOptions
 from homebot.runtime.plan import make_plan
 
 __all__ = ["index_place"]
@@ -24,11 +22,5 @@ def index_place(config: Config) -> Path:
     """
     plan = make_plan(config)
     for gateway in plan.gateways:
-        settings = gateway.settings
-        if not isinstance(settings, MqttGatewaySettings):
-            return index_path(plan.home, gateway.name)
-        if settings.url == EMBEDDED:
-            return index_path(plan.home, EMBEDDED)
-        options = MqttOptions.from_url(settings.url)
-        return index_path(plan.home, f"{options.host.lower()}:{options.port}")
+        return index_path(plan.home, gateway.kind.network(gateway.settings) or gateway.name)
     return index_path(plan.home, "none")

@@ -5,14 +5,14 @@ The order is: broker (where it is ours), gateways, directory, apps, door, simula
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from random import Random
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, TypeVar
 
 import anyio
 from anyio.abc import TaskStatus
@@ -24,18 +24,13 @@ from homebot.clock import Clock, LoopClock
 from homebot.config import Config
 from homebot.devices.health import GetHealth
 from homebot.discovery import Directory
-from homebot.errors import ConfigError
-from homebot.gateways import Gateway
-from homebot.gateways.mqtt import MqttGateway
-from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
+from homebot.errors import ConfigError, UsageError
+from homebot.gateways import Gateway, GatewayContext, HostService
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.isolation import run_as
 from homebot.logger import get_logger, observed_lines
 from homebot.loop_watch import LoopWatch
-from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
-from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.plugins import plugin_names
-from homebot.runtime.embedded_broker import embedded_broker
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import APPS as APP_PLUGINS
 from homebot.runtime.plan import PlannedComponent, make_plan
@@ -52,9 +47,7 @@ STOPPING = "runtime.stopping"
 
 THESIS_HOME = "home425"
 
-NO_BROKER_FOR_HOUSE = (
-    "none is on homebot's own broker (an mqtt gateway without url), where a simulated house could live"
-)
+ServiceT = TypeVar("ServiceT")
 
 _log = get_logger(node="/homebot")
 
@@ -67,10 +60,9 @@ class Runtime:
     Args:
         config: What to run.
         house: A simulated house whose devices connect to the embedded broker; its state is that of last midnight, UTC.
-        with_door: Whether to listen for rosbridge clients, such as the command line; without it, and with *broker*, no
-            socket is opened.
+        with_door: Whether to listen for rosbridge clients, such as the command line.
         clock: The clock; by default that of the running loop.
-        broker: A broker in memory in place of the embedded one. All MQTT goes through it; the caller runs it.
+        services: Running services for gateways, such as a broker in memory, in place of those it would start itself.
         random: The source of random numbers; a seeded one makes every run the same.
         loop_watch: Watches for code that blocks the event loop; health reports show what it found.
         lost_lines: Returns the number of log lines lost so far.
@@ -79,11 +71,10 @@ class Runtime:
     Attributes:
         graph: The graph on which everything meets.
         supervisor: Restarts components that crash, and counts that.
-        broker_url: Address of the embedded broker, or None when there is none.
         door: The server for rosbridge clients; None before it listens.
 
     Raises:
-        ConfigError: A class cannot be found, a table is wrong, or there is a *house* but no embedded broker.
+        ConfigError: A class cannot be found, a table is wrong, or there is no gateway that a *house* could use.
     """
 
     def __init__(
@@ -93,19 +84,21 @@ class Runtime:
         house: World | None = None,
         with_door: bool = True,
         clock: Clock | None = None,
-        broker: MemoryBroker | None = None,
+        services: Iterable[object] = (),
         random: Random | None = None,
         index_file: Path | None = None,
         loop_watch: LoopWatch | None = None,
         lost_lines: Callable[[], int] = lambda: 0,
     ) -> None:
         self._plan = make_plan(config)
-        if house is not None and not any(_wants_broker(gateway) for gateway in self._plan.gateways):
-            raise ConfigError(config.source, "gateways", NO_BROKER_FOR_HOUSE)
+        self._needed = tuple(
+            one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
+        )
+        if house is not None:
+            _check_hosts_house(self._needed, config.source)
         self._simulated = house
         self._with_door = with_door
-        self._broker = broker
-        self._random = random
+        self._context = GatewayContext.of(*services, random=random)
         self._index_file = index_file
         self._loop_watch = loop_watch
         self._lost_lines = lost_lines
@@ -113,7 +106,6 @@ class Runtime:
         self._stack = AsyncExitStack()
         self.graph = Graph(self._clock)
         self.supervisor = Supervisor(self._clock)
-        self.broker_url: str | None = None
         self.door: Door | None = None
         self._start_is_cut = False
 
@@ -136,6 +128,10 @@ class Runtime:
         _log.info(STOPPING, message="stopping")
         await self._stop(error)
 
+    def service(self, kind: type[ServiceT]) -> ServiceT | None:
+        """Return the service of the class *kind* that runs for the gateways; None where there is none."""
+        return self._context.service(kind)
+
     def cut_start_short(self) -> None:
         """Abort a start that is under way: entering returns at once, and nothing more is started."""
         self._start_is_cut = True
@@ -156,7 +152,8 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         RuntimeHealth(main, self.supervisor, self._loop_watch, self._lost_lines)
-        gateways = await self._with_broker(stack)
+        await self._start_services(stack)
+        gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
         for name, work in self._components(gateways):
             if self._start_is_cut:
                 return
@@ -173,8 +170,9 @@ class Runtime:
         yield "rosapi", self._rosapi
         if self._with_door:
             yield "door", self._open_door
-        if self._simulated is not None and self.broker_url is not None:
-            yield "house", self._house(self._simulated, self.broker_url, _root(gateways))
+        if self._simulated is not None:
+            homes = (gateway.kind.home(gateway.settings) for gateway in gateways)
+            yield "house", self._house(self._simulated, next(filter(None, homes), THESIS_HOME))
 
     def _greeting(self) -> str:
         if self.door is None:
@@ -190,41 +188,24 @@ class Runtime:
             return f"no app runs; name one with --app NAME or a table [apps.NAME] (installed: {installed})"
         return f"the app {names[0]} runs" if len(names) == 1 else f"the apps {', '.join(names)} run"
 
-    async def _with_broker(self, stack: AsyncExitStack) -> tuple[PlannedComponent[Gateway], ...]:
-        """Start the embedded broker if a gateway wants it; return the gateways with its address filled in."""
-        gateways = tuple(self._named(gateway) for gateway in self._plan.gateways)
-        if not any(_wants_broker(gateway) for gateway in gateways):
-            return gateways
-        if self._broker is not None:
-            url = self._broker.url
-        else:
-            url = (await stack.enter_async_context(embedded_broker(self.graph, self._clock))).url
-        self.broker_url = url
-        return tuple(_on_broker(gateway, url) for gateway in gateways)
+    async def _start_services(self, stack: AsyncExitStack) -> None:
+        """Start what gateways need in this process, each once, unless it was given."""
+        running = dict(self._context.services)
+        for service in self._needed:
+            if service.kind not in running:
+                running[service.kind] = await stack.enter_async_context(service.start(self.graph, self._clock))
+        self._context = replace(self._context, services=running)
 
-    def _named(self, gateway: PlannedComponent[Gateway]) -> PlannedComponent[Gateway]:
-        """Take also the name of an MQTT client from the given source of chance."""
-        settings = gateway.settings
-        if self._random is None or not isinstance(settings, MqttGatewaySettings):
-            return gateway
-        name = f"homebot-{self._random.getrandbits(32):08x}"
-        return replace(gateway, settings=settings.with_client_id(name))
+    def _resolved(self, gateway: PlannedComponent[Gateway]) -> PlannedComponent[Gateway]:
+        return replace(gateway, settings=gateway.kind.resolve(gateway.settings, self._context))
 
     def _gateway(self, component: PlannedComponent[Gateway]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
             async with Node(self.graph, component.name, namespace="/gateway") as node:
-                gateway = self._make_gateway(component, node)
+                gateway = component.kind(node, component.settings, self._context)
                 await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
 
         return work
-
-    def _make_gateway(self, component: PlannedComponent[Gateway], node: Node) -> Gateway:
-        kind, settings = component.kind, component.settings
-        if self._broker is None or not issubclass(kind, MqttGateway) or not isinstance(settings, MqttGatewaySettings):
-            return kind(node, settings)
-        return kind(
-            node, settings, make_client=self._broker.make_client, random=self._random, computer=self._broker.host
-        )
 
     def _app(self, component: PlannedComponent[App]) -> Work:
         async def work(*, task_status: TaskStatus[None]) -> None:
@@ -251,30 +232,21 @@ class Runtime:
             node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
-    def _house(self, world: World, url: str, home: str) -> Work:
+    def _house(self, world: World, home: str) -> Work:
         from homebot.house import SimulatedHouse  # noqa: PLC0415 - who has a real house starts sooner without it
 
         async def work(*, task_status: TaskStatus[None]) -> None:
-            make_client = AiomqttClient if self._broker is None else self._broker.make_client
-            house = SimulatedHouse(url, home, world, self._clock, make_client=make_client, random=self._random)
+            host = self.service(SimulatedHouse.Host)
+            if host is None:
+                raise UsageError(SimulatedHouse.WITHOUT_HOST)
+            house = SimulatedHouse.hosted_by(host, home, world, self._clock, random=self._context.random)
             await house.serve(task_status=task_status)
 
         return work
 
 
-def _wants_broker(gateway: PlannedComponent[Gateway]) -> bool:
-    return isinstance(gateway.settings, MqttGatewaySettings) and gateway.settings.url == EMBEDDED
+def _check_hosts_house(needed: Iterable[HostService[object]], source: str) -> None:
+    from homebot.house import SimulatedHouse  # noqa: PLC0415 - as above
 
-
-def _on_broker(gateway: PlannedComponent[Gateway], url: str) -> PlannedComponent[Gateway]:
-    """On the embedded broker only our own devices listen, so acting is the default."""
-    settings = gateway.settings
-    if not _wants_broker(gateway) or not isinstance(settings, MqttGatewaySettings):
-        return gateway
-    act = True if settings.act is None else settings.act
-    return replace(gateway, settings=settings.model_copy(update={"url": url, "act": act}))
-
-
-def _root(gateways: tuple[PlannedComponent[Gateway], ...]) -> str:
-    roots = [one.settings.root for one in gateways if isinstance(one.settings, MqttGatewaySettings)]
-    return next((root for root in roots if root), THESIS_HOME)
+    if all(service.kind is not SimulatedHouse.Host for service in needed):
+        raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)

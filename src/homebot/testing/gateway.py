@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict
 from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.errors import HomebotError
-from homebot.gateways import Gateway
+from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.mqtt.channels import begin_of, missed
 from homebot.gateways.mqtt.reporter import stamps
 from homebot.gateways.raw_delivery import RawDelivery
@@ -49,9 +49,11 @@ class FakeGateway(Gateway):
 
     Settings: ClassVar[type[BaseModel]] = FakeGatewaySettings
 
-    def __init__(self, node: Node, settings: FakeGatewaySettings | None = None) -> None:
+    def __init__(
+        self, node: Node, settings: FakeGatewaySettings | None = None, context: GatewayContext | None = None
+    ) -> None:
         self._settings = settings or FakeGatewaySettings()
-        super().__init__(node, self._settings)
+        super().__init__(node, self._settings, context)
         self.told: list[tuple[str, str]] = []
         self._listeners = RawDelivery(node, self.names, inboxes=self._settings.delivery == "inbox")
         self._kept: defaultdict[str, deque[tuple[float, RawMessage]]] = defaultdict(lambda: deque(maxlen=KEPT))

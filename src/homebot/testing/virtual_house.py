@@ -17,6 +17,7 @@ from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
@@ -152,7 +153,9 @@ async def virtual_house_of(
         limits = _limits(len(lived_in.devices))
         broker = await stack.enter_async_context(MemoryBroker(clock=clock, random=random, limits=limits))
         config = house_config(apps, root, EMBEDDED)
-        runtime = Runtime(config, with_door=False, clock=clock, broker=broker, random=random)
+        runtime = Runtime(
+            config, with_door=False, clock=clock, services=[HostedBroker.in_memory(broker)], random=random
+        )
         await stack.enter_async_context(runtime)
         options = MqttOptions.from_url(broker.url, client_id="test", keep_alive=_KEEP_ALIVE)
         field = MqttConnection(options, broker.make_client, status_topic=None, clock=clock, random=random)

@@ -33,11 +33,13 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.report import Report
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, WireError
+from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
 from homebot.messages.message import Message
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
@@ -265,8 +267,10 @@ async def _house(
         gateway = MqttGateway(
             node,
             MqttGatewaySettings.model_validate({"url": broker.url, **table}),
-            make_client=broker.make_client,
-            random=Random(1),  # noqa: S311 - the same run each time
+            GatewayContext.of(
+                HostedBroker.in_memory(broker),
+                random=Random(1),  # noqa: S311 - the same run each time
+            ),
         )
         house = House(
             broker,

@@ -12,10 +12,12 @@ import pytest
 
 from homebot.devices import GatewayState, RawCommand
 from homebot.devices.health import GetHealth, HealthRequest
+from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 
@@ -77,9 +79,10 @@ class House:
                 gateway = MqttGateway(
                     node,
                     MqttGatewaySettings.model_validate(table),
-                    make_client=self.broker.make_client,
-                    random=Random(seed),  # noqa: S311 - the same run each time
-                    computer=computer,
+                    GatewayContext.of(
+                        HostedBroker(self.broker.url, self.broker.make_client, computer),
+                        random=Random(seed),  # noqa: S311 - the same run each time
+                    ),
                 )
                 async with anyio.create_task_group() as tasks:
                     await tasks.start(gateway.serve)

@@ -14,10 +14,12 @@ from homebot.devices import Devices, RawMessage
 from homebot.devices.handles import FollowHandles, Handle
 from homebot.devices.report import Report
 from homebot.discovery import Directory, DirectorySettings
+from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 
@@ -238,7 +240,9 @@ async def home(before: Before | None = None, **discovery: object) -> AsyncIterat
         if before is not None:
             await before(wire)
         gateway = MqttGateway(
-            gateway_node, MqttGatewaySettings(url=broker.url, root="home425"), make_client=broker.make_client
+            gateway_node,
+            MqttGatewaySettings(url=broker.url, root="home425"),
+            GatewayContext.of(HostedBroker.in_memory(broker)),
         )
         directory = Directory(directory_node, DirectorySettings.model_validate(discovery))
         await tasks.start(directory.serve)

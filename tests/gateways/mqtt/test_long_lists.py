@@ -23,9 +23,11 @@ from homebot.conventions.payload import parse_json, parse_list
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.discovery import Directory, DirectorySettings
 from homebot.errors import WireError
+from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 
@@ -128,7 +130,9 @@ async def test_others_get_their_turns_while_a_large_bridge_is_taken() -> None:
         anyio.create_task_group() as tasks,
     ):
         await wire.wait_connected()
-        gateway = MqttGateway(gateway_node, MqttGatewaySettings(url=broker.url), make_client=broker.make_client)
+        gateway = MqttGateway(
+            gateway_node, MqttGatewaySettings(url=broker.url), GatewayContext.of(HostedBroker.in_memory(broker))
+        )
         directory = Directory(directory_node, DirectorySettings())
         await tasks.start(directory.serve)
         await tasks.start(gateway.serve)

@@ -13,9 +13,11 @@ import pytest
 from homebot.devices import Device, Devices
 from homebot.devices.handles import Light, Switch
 from homebot.discovery import Directory, DirectorySettings
+from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 
@@ -60,7 +62,9 @@ async def home() -> AsyncIterator[Home]:
         anyio.create_task_group() as tasks,
     ):
         await wire.wait_connected()
-        gateway = MqttGateway(gateway_node, MqttGatewaySettings(url=broker.url), make_client=broker.make_client)
+        gateway = MqttGateway(
+            gateway_node, MqttGatewaySettings(url=broker.url), GatewayContext.of(HostedBroker.in_memory(broker))
+        )
         await tasks.start(Directory(directory_node, DirectorySettings()).serve)
         await tasks.start(gateway.serve)
         yield Home(wire, Devices(app))

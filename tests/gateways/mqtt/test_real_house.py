@@ -12,9 +12,11 @@ import pytest
 from homebot.conventions.description import DeviceAnnounced
 from homebot.devices import Device
 from homebot.discovery import Directory, DirectorySettings
+from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.plugins import load_plugin
@@ -60,7 +62,7 @@ async def test_a_house_of_real_products_is_known(convention: str) -> None:
     ):
         await wire.wait_connected()
         settings = MqttGatewaySettings(url=broker.url, conventions=(CONVENTIONS[convention],))
-        gateway = MqttGateway(gateway_node, settings, make_client=broker.make_client)
+        gateway = MqttGateway(gateway_node, settings, GatewayContext.of(HostedBroker.in_memory(broker)))
         directory = Directory(directory_node, DirectorySettings())
         await tasks.start(directory.serve)
         await tasks.start(gateway.serve)

@@ -19,7 +19,7 @@ from homebot.devices.report import Reading, Report
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, UsageError
-from homebot.gateways import Gateway
+from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.raw_delivery import RawDelivery
 from homebot.graph import Node
 from homebot.messages import Time
@@ -48,8 +48,8 @@ class FolderGateway(Gateway):
 
     Settings: ClassVar[type[BaseModel]] = FolderSettings
 
-    def __init__(self, node: Node, settings: FolderSettings) -> None:
-        super().__init__(node, settings)
+    def __init__(self, node: Node, settings: FolderSettings, context: GatewayContext | None = None) -> None:
+        super().__init__(node, settings, context)
         self._folder = anyio.Path(settings.folder)
         self._lamps: dict[str, bytes] = {}
         self._listeners = RawDelivery(node, self.names, inboxes=True)

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import platform
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import partial
-from random import Random
 from typing import ClassVar, Literal
 
 import anyio
@@ -25,9 +24,11 @@ from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicRe
 from homebot.devices.text.encode import read_text_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.base import Gateway
+from homebot.gateways.context import GatewayContext, HostService
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.channels import Channel, Channels, begin_of
 from homebot.gateways.mqtt.counters import GatewayCounters
+from homebot.gateways.mqtt.embedded_broker import EMBEDDED_BROKER
 from homebot.gateways.mqtt.engine import AnnouncedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.loaded_conventions import find_conventions
@@ -38,9 +39,10 @@ from homebot.gateways.raw_delivery import RawDelivery
 from homebot.graph import EntityKind, Node
 from homebot.isolation import run_as
 from homebot.messages import Time
-from homebot.mqtt.client import MqttClient, MqttSubscription
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.topics import topic_matches, validate_topic
@@ -70,9 +72,7 @@ class MqttGateway(Gateway):
     Args:
         node: Its node.
         settings: Its table.
-        make_client: Makes the client of its connection.
-        random: Source of the reconnects' jitter; a seeded one makes every run the same.
-        computer: What this computer is called in the topic of its status; by default as the system says.
+        context: What its host gives it; a :class:`homebot.mqtt.hosted_broker.HostedBroker` in memory makes the client.
 
     Attributes:
         counters: What it did.
@@ -84,10 +84,7 @@ class MqttGateway(Gateway):
         self,
         node: Node,
         settings: MqttGatewaySettings,
-        *,
-        make_client: Callable[[MqttOptions], MqttClient] = AiomqttClient,
-        random: Random | None = None,
-        computer: str = "",
+        context: GatewayContext | None = None,
     ) -> None:
         """Make the gateway; nothing is connected before :meth:`serve`.
 
@@ -95,7 +92,10 @@ class MqttGateway(Gateway):
             UsageError: The settings cannot be used, for example because a password file is missing.
             PluginError: A convention cannot be loaded.
         """
-        super().__init__(node, settings)
+        super().__init__(node, settings, context)
+        random, hosted = self.context.random, self.context.service(HostedBroker)
+        make_client = (hosted and hosted.make_client) or AiomqttClient
+        computer = (hosted and hosted.computer) or platform.node()
         self.acts = bool(settings.act)
         self.counters = GatewayCounters()
         self._settings = settings
@@ -106,13 +106,11 @@ class MqttGateway(Gateway):
         self._channels = Channels(self._layouts)
         self._listeners = RawDelivery(node, self.names, inboxes=settings.delivery == "inbox")
         # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
-        status_topic = f"homebot/{_topic_level(computer or platform.node())}/{node.name}/status"
+        status_topic = f"homebot/{_topic_level(computer)}/{node.name}/status"
         self._connection = MqttConnection(
             settings.options(), make_client, status_topic=status_topic, clock=self._clock, random=random
         )
-        self._lease = ActingLease(
-            self, self._connection, settings.root, f"{node.name} on {computer or platform.node()}", random
-        )
+        self._lease = ActingLease(self, self._connection, settings.root, f"{node.name} on {computer}", random)
         self._described = AnnouncedDevices(
             self,
             understood.conventions,
@@ -145,6 +143,40 @@ class MqttGateway(Gateway):
             settings.check_files()
             if settings.url != EMBEDDED:
                 settings.options()
+
+    @classmethod
+    def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:
+        """Return the embedded broker where no address is given."""
+        return (EMBEDDED_BROKER,) if isinstance(settings, MqttGatewaySettings) and settings.url == EMBEDDED else ()
+
+    @classmethod
+    def resolve(cls, settings: BaseModel, context: GatewayContext) -> BaseModel:
+        """Take the address of the embedded broker, and a client id from the given source of random numbers.
+
+        On the embedded broker only our own devices listen, so acting is the default.
+        """
+        if not isinstance(settings, MqttGatewaySettings):
+            return settings
+        if context.random is not None:
+            settings = settings.with_client_id(f"homebot-{context.random.getrandbits(32):08x}")
+        hosted = context.service(HostedBroker)
+        if hosted is None or settings.url != EMBEDDED:
+            return settings
+        act = True if settings.act is None else settings.act
+        return settings.model_copy(update={"url": hosted.url, "act": act})
+
+    @classmethod
+    def home(cls, settings: BaseModel) -> str:
+        """Return the first level of its topics; empty for every home on the broker."""
+        return settings.root if isinstance(settings, MqttGatewaySettings) else ""
+
+    @classmethod
+    def network(cls, settings: BaseModel) -> str:
+        """Return the broker's host and port, without any credentials; ``embedded`` for homebot's own broker."""
+        if not isinstance(settings, MqttGatewaySettings) or settings.url == EMBEDDED:
+            return EMBEDDED
+        options = MqttOptions.from_url(settings.url)
+        return f"{options.host.lower()}:{options.port}"
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the link and handle what comes until cancelled; ready when the first try to connect has ended."""

@@ -9,8 +9,8 @@ from structlog.testing import capture_logs
 
 from homebot.clock import LoopClock
 from homebot.devices.health import GetHealth, HealthRequest
+from homebot.gateways.mqtt.embedded_broker import FIRST_PORT, NEIGHBOURS, embedded_broker
 from homebot.graph import Graph, Node
-from homebot.runtime.embedded_broker import FIRST_PORT, NEIGHBOURS, embedded_broker
 
 
 async def test_where_all_usual_ports_are_taken_any_free_one_does() -> None:

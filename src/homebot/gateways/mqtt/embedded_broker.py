@@ -11,11 +11,13 @@ from functools import partial
 from homebot.clock import Clock
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.errors import LinkError
+from homebot.gateways.context import HostService
 from homebot.graph import Graph, Node
 from homebot.logger import get_logger
 from homebot.mqtt.broker import Broker, PortTakenError
+from homebot.mqtt.hosted_broker import HostedBroker
 
-__all__ = ["embedded_broker"]
+__all__ = ["EMBEDDED_BROKER", "embedded_broker"]
 
 STARTED = "runtime.broker_started"
 
@@ -24,6 +26,16 @@ NEIGHBOURS = 20
 ANY_PORT = 0
 
 _log = get_logger(node="/homebot")
+
+
+@asynccontextmanager
+async def _hosted(graph: Graph, clock: Clock) -> AsyncIterator[HostedBroker]:
+    async with embedded_broker(graph, clock) as broker:
+        yield HostedBroker(broker.url)
+
+
+EMBEDDED_BROKER = HostService(HostedBroker, _hosted)
+"""The service of the host that gateways without an address need."""
 
 
 @asynccontextmanager

@@ -1,0 +1,53 @@
+"""What the program that runs a gateway gives it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass, field
+from random import Random
+from typing import Generic, Self, TypeVar
+
+from homebot.clock import Clock
+from homebot.graph import Graph
+
+__all__ = ["GatewayContext", "HostService"]
+
+ServiceT = TypeVar("ServiceT")
+ServiceT_co = TypeVar("ServiceT_co", covariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class HostService(Generic[ServiceT_co]):
+    """A service that gateways need in this process, such as the embedded broker: it runs once for all of them.
+
+    Attributes:
+        kind: The class of the running service, by which it is found in a :class:`GatewayContext`.
+        start: Starts it; entering returns when it runs, leaving stops it.
+    """
+
+    kind: type[ServiceT_co]
+    start: Callable[[Graph, Clock], AbstractAsyncContextManager[ServiceT_co]]
+
+
+@dataclass(frozen=True, slots=True)
+class GatewayContext:
+    """What a gateway is given beside its node and its settings; its clock is that of the node's graph.
+
+    Attributes:
+        random: The source of random numbers; None for one of the gateway's own. A seeded one makes every run the same.
+        services: The running host services by their class.
+    """
+
+    random: Random | None = None
+    services: Mapping[type[object], object] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, *services: object, random: Random | None = None) -> Self:
+        """Return a context with these running *services*."""
+        return cls(random, {type(service): service for service in services})
+
+    def service(self, kind: type[ServiceT]) -> ServiceT | None:
+        """Return the running host service of the class *kind*; None where there is none."""
+        found = self.services.get(kind)
+        return found if isinstance(found, kind) else None
