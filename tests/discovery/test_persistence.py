@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import gc
 import sqlite3
+import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from itertools import pairwise
 from pathlib import Path
 
 import anyio
+import anyio.lowlevel
 import pytest
 from structlog.testing import capture_logs
 
@@ -16,6 +20,8 @@ from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import DISCOVERY_HEALTH
 from homebot.devices.part import Part
 from homebot.discovery import Directory, DirectorySettings, persistence
+from homebot.discovery.index import DeviceIndex
+from homebot.discovery.persistence import IndexPersistence
 from homebot.graph import Graph, Node
 from homebot.testing import FakeGateway
 
@@ -168,3 +174,34 @@ async def test_what_could_not_be_written_is_written_when_it_can_be(
     ]
     async with directory_with(path) as directory:
         assert [one.id for one in directory.index.devices()] == ["lamp"]
+
+
+async def test_others_get_their_turns_while_devices_with_many_parts_are_written(
+    path: Path, announce: Announce, part: MakePart, request: pytest.FixtureRequest
+) -> None:
+    """In CPU time of this thread; nobody waits longer than 50 ms, whatever the devices of one transaction have."""
+    parts = [part("light", "on_off", "brightness", id=f"part-{number}") for number in range(100)]
+    turns: list[float] = []
+
+    async def take_turns() -> None:
+        while True:
+            turns.append(time.thread_time())
+            await anyio.lowlevel.checkpoint()
+
+    request.addfinalizer(gc.enable)
+    gc.disable()  # what all tests of this process hold would be looked through
+    async with Node(Graph(), "discovery") as node, anyio.create_task_group() as others:
+        index = DeviceIndex(forget_after=60)
+        file = IndexPersistence(node, index, path)
+        await file.load()
+        for number in range(100):
+            index.observe(announce(f"d{number}", *parts, ids=(f"id:device-{number}",)))
+        others.start_soon(take_turns)
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(file.run)
+            await anyio.sleep(0.01)
+            tasks.cancel_scope.cancel()  # it writes at its end
+        others.cancel_scope.cancel()
+    assert max(after - before for before, after in pairwise(turns)) < 0.05
+    async with directory_with(path) as directory:
+        assert [len(one.parts) for one in directory.index.devices()] == [100] * 100

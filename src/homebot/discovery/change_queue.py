@@ -81,13 +81,22 @@ class ChangeQueue:
         self._pending = [] if at_most is None else self._pending[at_most:]
         return tuple(change for one in taken for change in self._changes(one))
 
-    def take_states(self, counts: Callable[[Entry, MergedParts, State], bool]) -> tuple[StateChange, ...]:
+    @property
+    def has_states(self) -> bool:
+        """Whether changes of states wait to be taken."""
+        return bool(self._states)
+
+    def take_states(
+        self, counts: Callable[[Entry, MergedParts, State], bool], at_most: int | None = None
+    ) -> tuple[StateChange, ...]:
         """Return the changes of states, oldest first, and forget them.
 
         Args:
             counts: Tells whether what the parts of a device told still counts.
+            at_most: How many to look at; None for all.
         """
-        taken, self._states = self._states, []
+        taken = self._states if at_most is None else self._states[:at_most]
+        self._states = [] if at_most is None else self._states[at_most:]
         return tuple(self._state_change(entry, state) for entry, parts, state in taken if counts(entry, parts, state))
 
     def _changes(self, one: _PendingChange) -> Iterator[DeviceChange]:

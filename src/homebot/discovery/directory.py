@@ -33,6 +33,7 @@ from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
 from homebot.isolation import run_as
 from homebot.log import LogLimit
+from homebot.time_slice import SLICE
 from homebot.units import Seconds
 
 __all__ = ["Directory", "DirectorySettings"]
@@ -53,14 +54,11 @@ FOREIGN = "discovery.foreign_sighting"
 BURST = 50
 """Lines of each kind of change in ten seconds; a flood of devices is counted rather than told."""
 
-_SLICE = 0.005
-"""Seconds of work after which other tasks get their turn: to take in a device may take milliseconds."""
-
 _FEW = 10
 """Changes told, and devices made findable, between two looks at the time."""
 
-_TURN = 100
-"""Changes made in one go before other tasks get their turn."""
+_STATES_PER_CHANGE = 10
+"""States that are told of in the time of one change, about."""
 
 _SOURCES_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _STATES_QOS = QoSProfile(depth=1)
@@ -185,7 +183,7 @@ class Directory:
             began = clock.monotonic()
             take(message)
             spent += clock.monotonic() - began
-            if spent < _SLICE:
+            if spent < SLICE:
                 return None
             spent = 0.0
             return anyio.lowlevel.checkpoint()
@@ -248,25 +246,23 @@ class Directory:
             self._earlier_deadline = anyio.Event()
             with anyio.move_on_after(max(0.0, self._wakes_at - self._clock.monotonic())):
                 await self._earlier_deadline.wait()
-            while self.index.expire(self._clock.monotonic(), at_most=_TURN):
-                self._flush_changes()
+            while self.index.expire(self._clock.monotonic(), at_most=_FEW):
+                while self._tell(_FEW):
+                    await anyio.lowlevel.checkpoint()
                 await anyio.lowlevel.checkpoint()
 
-    def _flush_changes(self) -> None:
-        while self._tell(_TURN):
-            pass
-
     def _tell(self, at_most: int) -> bool:
-        """Tell of so many changes, and of all new states after the last one; return whether there were changes."""
+        """Tell of so many changes and, after the last one, of new states; return whether more may wait."""
         changes = self.index.take_changes(at_most)
         for change in changes:
             self._services.remember(change)
             self._changes.publish(change)
             self._log(change)
-        if len(changes) < at_most:
-            for state in self.index.take_states():
-                self._states.publish(state)
-        return bool(changes)
+        if len(changes) >= at_most:
+            return True
+        for state in self.index.take_states(at_most * _STATES_PER_CHANGE):
+            self._states.publish(state)
+        return self.index.has_states
 
     def _log(self, change: DeviceChange) -> None:
         event, words = _WORDS[change.kind]

@@ -226,12 +226,20 @@ class DeviceIndex:
         """
         return self._changes.take(at_most)
 
-    def take_states(self) -> tuple[StateChange, ...]:
+    @property
+    def has_states(self) -> bool:
+        """Whether changes of states wait to be taken."""
+        return self._changes.has_states
+
+    def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
         """Return the changes of states, oldest first, and forget them; to be called after :meth:`take_changes`.
 
         Those of parts and capabilities that went meanwhile are left out.
+
+        Args:
+            at_most: How many to look at; None for all.
         """
-        return self._changes.take_states(self._is_current)
+        return self._changes.take_states(self._is_current, at_most)
 
     def devices(self, service_type: str = "") -> tuple[Device, ...]:
         """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""

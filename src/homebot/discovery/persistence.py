@@ -10,7 +10,6 @@ from itertools import islice
 from pathlib import Path
 
 import anyio
-import anyio.lowlevel
 from anyio import to_thread
 
 from homebot.discovery.entry import Entry
@@ -21,6 +20,7 @@ from homebot.discovery.store import IndexFile, Records
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
+from homebot.time_slice import TimeSlice
 
 __all__ = ["IndexPersistence"]
 
@@ -37,9 +37,8 @@ SAVE_EVERY = 2.0
 RETRY_AFTER = 5.0
 """Seconds until a file that could not be written is tried again."""
 
-_TURN = 100
 _BATCH = 200
-"""Devices written in one go: to make their records takes about 10 ms, in which nobody else has a turn."""
+"""Devices written in one transaction."""
 
 _LAST_CHANCE = 5.0
 
@@ -83,10 +82,11 @@ class IndexPersistence:
         for stone in known.tombstones:
             self._index.tombstones.put(stone)
         now, wall = self._clock.monotonic(), self._clock.now()
-        for number, entry in enumerate(known.entries, 1):
+        work = TimeSlice(self._clock)
+        for entry in known.entries:
             self._index.restore(entry, now, wall)
-            if number % _TURN == 0:
-                await anyio.lowlevel.checkpoint()
+            if work.is_over:
+                await work.pause()
         self._index.unsaved.clear()
         if known.rejected:
             self._node.log.warning(BAD_RECORD, message=f"{known.rejected} devices of {self.file} were not understood")
@@ -136,12 +136,7 @@ class IndexPersistence:
                 return
 
     async def _write(self, file: IndexFile, batch: tuple[str, ...]) -> bool:
-        devices = [row for one in batch if (row := self._row(one)) is not None]
-        stones = [stone for one in batch if (stone := self._index.tombstones.get(one)) is not None]
-        records = Records(
-            tuple(devices),
-            tuple((stone.id, tombstone_record(stone)) for stone in stones),
-        )
+        records = await self._records(batch)
         if self.state != "ok" and not await self._open(file):
             return False
         try:
@@ -156,6 +151,20 @@ class IndexPersistence:
             self.state = "ok"
             self._node.log.info(WRITTEN_AGAIN, message=f"{self.file} is written again", file=self.file)
         return True
+
+    async def _records(self, batch: tuple[str, ...]) -> Records:
+        """Make the records; what changes while others have their turn is unsaved again, and in the next batch."""
+        devices: list[tuple[str, str]] = []
+        stones: list[tuple[str, str]] = []
+        work = TimeSlice(self._clock)
+        for device_id in batch:
+            if (row := self._row(device_id)) is not None:
+                devices.append(row)
+            if (stone := self._index.tombstones.get(device_id)) is not None:
+                stones.append((stone.id, tombstone_record(stone)))
+            if work.is_over:
+                await work.pause()
+        return Records(tuple(devices), tuple(stones))
 
     def _row(self, device_id: str) -> tuple[str, str] | None:
         entry = self._index.entry(device_id)

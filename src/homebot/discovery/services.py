@@ -61,7 +61,7 @@ class DirectoryServices:
         index: What it knows.
         keeper: Who keeps the index file.
         tell: Tells so many of what happened and was not told yet, so that an answer holds nothing that is told after
-            it; says whether there was any.
+            it; says whether there may be more.
     """
 
     def __init__(self, node: Node, index: DeviceIndex, keeper: IndexPersistence, tell: Callable[[int], bool]) -> None:
@@ -151,8 +151,8 @@ class DirectoryServices:
     async def _catch_up(self) -> None:
         """Tell what waits, and make it findable, in small steps; what came after the last one is little."""
         for _ in range(_MOST_TURNS):
-            is_told, is_unsorted = self._tell_some(_FEW), self._index.sort(_FEW)
-            if not is_told and not is_unsorted:
+            has_more, is_unsorted = self._tell_some(_FEW), self._index.sort(_FEW)
+            if not has_more and not is_unsorted:
                 return
             await anyio.lowlevel.checkpoint()
         self._tell()

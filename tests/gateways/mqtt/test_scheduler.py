@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from functools import partial
 
 import anyio
+import anyio.lowlevel
 import pytest
 
-from homebot.clock import LoopClock
+from homebot.clock import LoopClock, ManualClock
 from homebot.gateways.mqtt.scheduler import Scheduler
 
 pytestmark = pytest.mark.virtual_time
@@ -60,3 +62,27 @@ async def test_there_is_room_for_so_many_only_but_always_for_a_new_time(
         assert scheduler.plan("d", 1.0, note("d"))
         await anyio.sleep(5.0)
     assert called == ["b at 1", "c at 1", "a at 2", "d at 2.5"]
+
+
+async def test_others_get_their_turn_after_a_few_milliseconds_of_work_however_much_is_due() -> None:
+    clock = ManualClock()
+    scheduler = Scheduler(clock)
+    costs = [0.003] * 20 + [0.0001] * 280
+    done: list[float] = []
+
+    def work(cost: float) -> None:
+        clock.advance(cost)
+        done.append(cost)
+
+    for number, cost in enumerate(costs):
+        scheduler.plan(number, 0.0, partial(work, cost))
+    waits: list[float] = []
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(scheduler.run)
+        while len(done) < len(costs) and len(waits) < 1000:
+            began = clock.monotonic()
+            await anyio.lowlevel.checkpoint()
+            waits.append(clock.monotonic() - began)
+        tasks.cancel_scope.cancel()
+    assert done == costs
+    assert max(waits) < 0.009

@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 from typing import TypeGuard
 
-import anyio.lowlevel
-
 from homebot.clock import Clock
 from homebot.conventions.convention import Convention, SlicedConvention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
@@ -22,6 +20,7 @@ from homebot.gateways.mqtt.reporter import DeviceReporter
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.scheduler import Scheduler
 from homebot.mqtt.message import MqttMessage
+from homebot.time_slice import TimeSlice
 
 __all__ = ["AnnouncementHandler"]
 
@@ -36,9 +35,6 @@ GRACE = 10.0
 Zigbee2MQTT renames a device by taking it back and announcing it two seconds later.
 """
 
-
-SLICE = 0.005
-"""Seconds that one message is worked on before others get their turn."""
 
 MOST_HEARD = 100_000
 """Steps of one message: a convention that never ends must not hold the gateway."""
@@ -132,13 +128,12 @@ class AnnouncementHandler:
     async def _take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         for convention in conventions:
             steps = _steps(convention, message)
-            slice_ends, told = self._clock.monotonic() + SLICE, 0
+            work, told = TimeSlice(self._clock), 0
             while told <= MOST_HEARD and self._step(steps, convention, message):
                 told += 1
-                if self._clock.monotonic() >= slice_ends:
+                if work.is_over:
                     # Out of the reach of the faults of conventions: a cancellation here is meant for the gateway.
-                    await anyio.lowlevel.checkpoint()
-                    slice_ends = self._clock.monotonic() + SLICE
+                    await work.pause()
             if told > MOST_HEARD:
                 self._counters.announcements_rejected += 1
                 self._accuse(message, f"{convention.name} heard more than {MOST_HEARD:,} things in one message")

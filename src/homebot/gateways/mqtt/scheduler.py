@@ -6,15 +6,12 @@ import math
 from collections.abc import Callable, Hashable
 
 import anyio
-import anyio.lowlevel
 
 from homebot.clock import Clock
+from homebot.time_slice import TimeSlice
 from homebot.timer_queue import TimerQueue
 
 __all__ = ["Scheduler"]
-
-_TURN = 100
-"""Callbacks that are called before others get their turn."""
 
 
 class Scheduler:
@@ -54,10 +51,9 @@ class Scheduler:
             self._wakes_at = math.inf if next_at is None else next_at
             with anyio.move_on_after(max(0.0, self._wakes_at - self._clock.monotonic())):
                 await self._earlier.wait()
-            called = 0
+            work = TimeSlice(self._clock)
             while (due := self._queue.pop(self._clock.monotonic())) is not None:
                 _, callback = due
                 callback()
-                called += 1
-                if called % _TURN == 0:
-                    await anyio.lowlevel.checkpoint()
+                if work.is_over:
+                    await work.pause()
