@@ -1,4 +1,4 @@
-"""What a message of a device tells, and the JSON, texts and numbers to read it from. Pure; nothing here raises."""
+"""What a message of a device tells, and the JSON and texts to read it from. Pure; nothing here raises."""
 
 from __future__ import annotations
 
@@ -12,16 +12,15 @@ from homebot.conventions.payload import MAX_STATE_BYTES, parse_json
 from homebot.devices.text.vocabulary import says_unknown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
+from homebot.numbers import to_number
 
 __all__ = [
     "NO_READINGS",
     "JsonMessage",
     "Readings",
-    "finite_number",
     "is_unknown",
     "read_number",
     "to_json",
-    "to_number",
     "to_text",
 ]
 
@@ -54,13 +53,6 @@ def to_json(payload: bytes) -> object:
         return None
 
 
-def finite_number(value: object) -> float | None:
-    """Return *value* where it is a number of a size that devices have, one of 64 bits; a bool is none."""
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and -_HUGE < value < _HUGE:
-        return float(value)
-    return None
-
-
 def is_unknown(value: object) -> bool:
     """Tell whether *value*, in the place of a number, says that the device does not know it.
 
@@ -84,19 +76,3 @@ def read_number(capability: str, value: object, told: Callable[[float], float | 
         return {capability: None} if is_unknown(value) else NO_READINGS
     outside = told(number)
     return NO_READINGS if outside is None else {capability: outside}
-
-
-def to_number(value: object) -> float | None:
-    """Return the number that *value* is as :func:`finite_number` has it, or that a text spells plainly."""
-    if not isinstance(value, str):
-        return finite_number(value)
-    if len(value) > _LONGEST_NUMBER or not value.isascii() or "_" in value:
-        return None
-    try:
-        return finite_number(float(value))
-    except ValueError:
-        return None
-
-
-_HUGE = 2.0**64
-_LONGEST_NUMBER = 40

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import ClassVar
+
+from homebot.numbers import to_number
 
 __all__ = ["SimulatedDevice", "number", "spoken"]
 
@@ -102,11 +103,8 @@ class SimulatedDevice(ABC):
 
 def number(text: str, low: float, high: float) -> float | None:
     """Return the number that *text* spells, or None when it spells none from *low* to *high*."""
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) and low <= value <= high else None
+    value = to_number(text)
+    return value if value is not None and low <= value <= high else None
 
 
 def spoken(value: float, digits: int = 3) -> str:

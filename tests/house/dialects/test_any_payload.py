@@ -12,8 +12,9 @@ from homebot.house.device_state import state_of
 from homebot.house.devices import CoverMotor, SimulatedDevice, SimulatedLamp, SimulatedThermostat
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
-from homebot.house.dialects.wire import as_number, as_object, cover_order, hardware_address, lamp_order, node_name
+from homebot.house.dialects.wire import as_object, cover_order, hardware_address, lamp_order, node_name
 from homebot.mqtt.topics import validate_topic
+from homebot.numbers import to_number
 
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
@@ -63,7 +64,7 @@ def test_what_is_no_object_is_an_empty_one(payload: bytes, found: dict[str, obje
     [(1, 1.0), ("2.5", 2.5), (True, None), ("inf", None), (10**400, None), ("x", None), (None, None), ([1], None)],
 )
 def test_only_finite_numbers_are_numbers(value: object, found: float | None) -> None:
-    assert as_number(value) == found
+    assert to_number(value) == found
 
 
 def test_a_message_to_a_lamp_may_hold_several_commands() -> None:

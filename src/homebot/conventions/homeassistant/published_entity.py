@@ -9,6 +9,7 @@ from typing import TypeAlias
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
+from homebot.numbers import to_number
 
 __all__ = [
     "Available",
@@ -174,11 +175,8 @@ def read_number(name: str, bounds: tuple[float, ...]) -> CommandReader:
     least, most = bounds or _WIDE
 
     def read(text: str) -> Values:
-        try:
-            number = float(text)
-        except ValueError:
-            return {}
-        return {name: number} if least <= number <= most else {}
+        number = to_number(text)
+        return {name: number} if number is not None and least <= number <= most else {}
 
     return read
 

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from homebot.conventions.decode import NO_READINGS, Readings, is_unknown
 from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
+from homebot.numbers import to_number
 
 __all__ = ["fields_of", "number_of", "numbers_of", "read_number", "whole_of"]
 
 
 def number_of(value: object) -> float | None:
-    """Return the number that a text or a JSON value is; None where it is none, or one without end."""
-    if isinstance(value, str) and len(value) > _MAX_DIGITS:
-        return None
-    try:
-        number = float(value) if isinstance(value, (str, int, float)) else math.nan
-    except (ValueError, OverflowError):
-        return None
-    return number if math.isfinite(number) else None
+    """Return the number that a text or a JSON value is; None where it is none. As in Python, true is 1."""
+    return float(value) if isinstance(value, bool) else to_number(value)
 
 
 def read_number(

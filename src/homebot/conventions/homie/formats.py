@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from homebot.conventions.decode import to_number
 from homebot.conventions.payload import shown
 from homebot.errors import WireError
+from homebot.numbers import to_number
 
 __all__ = ["COLOR_FORMS", "DATATYPES", "MAX_OPTIONS", "Range", "parse_options", "parse_range"]
 

@@ -12,7 +12,7 @@ import math
 import re
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.decode import is_unknown, to_number, to_text
+from homebot.conventions.decode import is_unknown, to_text
 from homebot.conventions.description import Publication
 from homebot.conventions.homie.formats import COLOR_FORMS
 from homebot.conventions.homie.model import HomieProperty
@@ -20,6 +20,7 @@ from homebot.conventions.light_color import from_hue_saturation, to_hue_saturati
 from homebot.conventions.payload import clean_text, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
+from homebot.numbers import to_number
 
 __all__ = ["is_unknown_number", "publication", "read_color", "read_plain", "spell_color", "spell_plain"]
 

@@ -9,12 +9,13 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, Readings, to_number, to_text
+from homebot.conventions.decode import NO_READINGS, Readings, to_text
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import BytesPart, PartBuilder
 from homebot.conventions.shelly.gen1_topics import Gen1Place
 from homebot.conventions.table_codec import raw_bytes
 from homebot.devices.value import PlainValue
+from homebot.numbers import to_number
 
 __all__ = ["SWITCHED", "build_relay", "build_roller"]
 

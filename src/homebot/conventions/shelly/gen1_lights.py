@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_bool, require_color, require_number
-from homebot.conventions.decode import NO_READINGS, Readings, to_json, to_number, to_text
+from homebot.conventions.decode import NO_READINGS, Readings, to_json, to_text
 from homebot.conventions.description import Publication
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import BytesPart, PartBuilder
@@ -18,6 +18,7 @@ from homebot.conventions.shelly.gen1_controls import SWITCHED
 from homebot.conventions.shelly.gen1_topics import Gen1Place
 from homebot.conventions.table_codec import raw_bytes
 from homebot.devices.value import PlainValue
+from homebot.numbers import to_number
 
 __all__ = ["build_light"]
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from homebot.conventions.command_values import require_number
-from homebot.conventions.decode import NO_READINGS, Readings, to_json, to_number
+from homebot.conventions.decode import NO_READINGS, Readings, to_json
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import BytesPart, PartBuilder
 from homebot.conventions.shelly.gen1_topics import Gen1Place
 from homebot.conventions.table_codec import raw_bytes
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
+from homebot.numbers import to_number
 
 __all__ = ["build_motion", "build_valve"]
 

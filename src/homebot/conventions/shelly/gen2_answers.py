@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import re
 
-from homebot.conventions.decode import to_number
 from homebot.conventions.payload import clean_text
 from homebot.conventions.shelly.gen2_component import Fields
+from homebot.numbers import to_number
 
 __all__ = ["fields_in", "is_prefix", "kind_of", "mac_in", "sleeps", "tells_change", "text_of"]
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from homebot.conventions.decode import NO_READINGS, Readings, to_number
+from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, measured
 from homebot.conventions.shelly.gen2_sensors import PRESSES
 from homebot.conventions.units import SENSOR_TYPES
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.numbers import to_number
 
 __all__ = ["build_bluetooth_device", "build_bluetooth_sensor"]
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, Readings, to_number
+from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
 from homebot.devices.value import PlainValue
+from homebot.numbers import to_number
 
 __all__ = ["build_cover", "build_radiator_valve", "build_switch", "build_thermostat"]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from homebot.conventions.decode import to_number
 from homebot.conventions.description import Availability, DeviceAnnounced
 from homebot.conventions.payload import clean_text
 from homebot.conventions.shelly.gen2_answers import fields_in, mac_in, sleeps, text_of
@@ -14,6 +13,7 @@ from homebot.conventions.shelly.gen2_parts import MAX_COMPONENTS, build_parts
 from homebot.conventions.shelly.online import OnlineTopic
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
+from homebot.numbers import to_number
 
 __all__ = ["Gen2Device", "looks"]
 

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from homebot.conventions.command_values import require_bool, require_color, require_number
-from homebot.conventions.decode import Readings, to_number
+from homebot.conventions.decode import Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
 from homebot.devices.value import PlainValue
+from homebot.numbers import to_number
 
 __all__ = ["LIGHTS", "build_light"]
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from functools import partial
 
-from homebot.conventions.decode import NO_READINGS, Readings, to_number
+from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, measured
+from homebot.numbers import to_number
 
 __all__ = ["build_meters", "build_own_temperature"]
 

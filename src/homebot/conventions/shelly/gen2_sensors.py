@@ -10,11 +10,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from homebot.conventions.decode import NO_READINGS, Readings, to_number
+from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, Told, flag, measured
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
+from homebot.numbers import to_number
 
 __all__ = [
     "PRESSES",

@@ -11,7 +11,7 @@ from __future__ import annotations
 import colorsys
 from dataclasses import dataclass
 
-from homebot.conventions.decode import finite_number
+from homebot.numbers import finite_number
 
 __all__ = ["Change", "Shown", "speed"]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, finite_number
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.light_color import kelvin_mired, mired_bounds
 from homebot.conventions.part_builder import JsonPart
@@ -17,6 +17,7 @@ from homebot.conventions.tasmota.config import LIGHT, TasmotaConfig
 from homebot.conventions.tasmota.device_topics import TasmotaTopics
 from homebot.conventions.tasmota.fade_speed import Change, Shown, speed
 from homebot.devices.value import PlainValue
+from homebot.numbers import finite_number
 
 __all__ = ["offer_light"]
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, finite_number, is_unknown
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, is_unknown
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import PartBuilder
 from homebot.conventions.payload import clean_text
@@ -18,6 +18,7 @@ from homebot.conventions.table_codec import json_object
 from homebot.conventions.tasmota.device_topics import TasmotaTopics, told_of_sensors
 from homebot.conventions.tasmota.sensor_tables import quantity_of
 from homebot.conventions.units import Quantity
+from homebot.numbers import finite_number
 
 __all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "read_leaves"]
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, finite_number
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.tasmota.config import SHUTTER, Tilt
 from homebot.conventions.tasmota.device_topics import TasmotaTopics, told_of_sensors
 from homebot.devices.value import PlainValue
+from homebot.numbers import finite_number
 
 __all__ = ["count_shutters", "offer_shutter"]
 

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, finite_number
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import hear
 from homebot.devices.value import PlainValue
+from homebot.numbers import finite_number
 
 __all__ = ["FEATURES_OF_COVER", "build_cover"]
 

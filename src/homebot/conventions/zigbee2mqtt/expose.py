@@ -11,9 +11,9 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import TypeAlias
 
-from homebot.conventions.decode import finite_number
 from homebot.conventions.payload import clean_text
 from homebot.devices.part import Category
+from homebot.numbers import finite_number
 
 __all__ = ["SPECIFIC_TYPES", "Expose", "Scalar", "read_exposes"]
 

@@ -10,13 +10,13 @@ from collections.abc import Sequence
 from functools import partial
 
 from homebot.conventions.command_values import require_number
-from homebot.conventions.decode import finite_number
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import hear, offer_enum, offer_flag
 from homebot.devices.value import PlainValue
+from homebot.numbers import finite_number
 
 __all__ = ["FEATURES_OF_FAN", "build_fan"]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, finite_number, is_unknown
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, is_unknown
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import clean_text
@@ -15,6 +15,7 @@ from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics, who
 from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
+from homebot.numbers import finite_number
 
 __all__ = [
     "MAX_VALUE",

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 
 from homebot.conventions.command_values import require_bool
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, finite_number
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.part_builder import JsonPart, PartBuilder
 from homebot.conventions.payload import clean_text, shown
@@ -30,6 +30,7 @@ from homebot.conventions.zigbee2mqtt.sensor_tables import CONDITIONS, TRUE_IS_CL
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
+from homebot.numbers import finite_number
 
 __all__ = ["build_generic"]
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, finite_number
+from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.light_color import (
     CHANNELS,
@@ -25,6 +25,7 @@ from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
 from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
 from homebot.conventions.zigbee2mqtt.features import flag_of, text_of
 from homebot.devices.value import PlainValue
+from homebot.numbers import finite_number
 
 __all__ = ["FEATURES_OF_LIGHT", "build_light"]
 

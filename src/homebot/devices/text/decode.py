@@ -17,10 +17,10 @@ from homebot.devices.text.vocabulary import (
     SPEED_WORDS,
     bounds_of,
     percent,
-    plain_number,
     says_unknown,
 )
 from homebot.devices.value import PlainValue
+from homebot.numbers import to_number
 
 __all__ = ["Decoded", "TextDecoder", "decode_text", "decoder_for"]
 
@@ -61,13 +61,13 @@ class TextDecoder:
         found = self._words.get(said)
         if found is not None:
             return found
-        number = plain_number(said)
+        number = to_number(said)
         if number is not None:
             for name, low, high in self._numbers:
                 if low <= number <= high:
                     return self._told(name, percent(number) if name in FRACTION_CAPABILITIES else number)
         elif self._kelvin is not None and said.endswith(b" K"):
-            number = plain_number(said[:-2])
+            number = to_number(said[:-2])
             if number is not None and self._kelvin[0] <= number <= self._kelvin[1]:
                 return self._told("color_temperature", number)
         if self._text:

@@ -19,10 +19,10 @@ from homebot.devices.text.vocabulary import (
     SPEED_WORDS,
     bounds_of,
     percent,
-    plain_number,
 )
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
+from homebot.numbers import to_number
 
 __all__ = [
     "accepts_text",
@@ -116,9 +116,9 @@ def decode_command(said: str, part: Part) -> tuple[str, PlainValue]:
             return name, value
     if said == "off" and (speed := next((name for name in SPEED_WORDS if name in settable), None)) is not None:
         return speed, 0.0
-    if said.endswith(" K") and "color_temperature" in settable and (kelvin := plain_number(said[:-2])) is not None:
+    if said.endswith(" K") and "color_temperature" in settable and (kelvin := to_number(said[:-2])) is not None:
         return "color_temperature", kelvin
-    if (number := plain_number(said)) is not None and (meant := _told_number(number, settable)) is not None:
+    if (number := to_number(said)) is not None and (meant := _told_number(number, settable)) is not None:
         return meant
     for name, capability in settable.items():
         if said in capability.options or name == "text":

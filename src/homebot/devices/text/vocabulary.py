@@ -17,7 +17,6 @@ __all__ = [
     "SPEED_WORDS",
     "bounds_of",
     "percent",
-    "plain_number",
     "says_unknown",
 ]
 
@@ -44,15 +43,6 @@ def bounds_of(capability: Capability) -> tuple[float, float]:
     known = CAPABILITIES.get(capability.name)
     bounds = capability.bounds or (known.bounds if known else ())
     return (bounds[0], bounds[-1]) if bounds else (-math.inf, math.inf)
-
-
-def plain_number(text: str | bytes) -> float | None:
-    """Return the finite number that *text* spells, or None."""
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 def says_unknown(text: str | bytes) -> bool:

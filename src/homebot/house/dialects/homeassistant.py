@@ -16,7 +16,6 @@ from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.homeassistant_components import COMPONENTS
 from homebot.house.dialects.wire import (
     as_json,
-    as_number,
     as_object,
     as_text,
     cover_order,
@@ -25,6 +24,7 @@ from homebot.house.dialects.wire import (
     node_name,
 )
 from homebot.house.simulated_device import spoken
+from homebot.numbers import to_number
 
 __all__ = ["HomeAssistantDialect"]
 
@@ -77,7 +77,7 @@ class HomeAssistantDialect:
             return _lamp_told(payload)
         if device.kind == "lock":
             return (text.lower(),) if text in {"LOCK", "UNLOCK"} else ()
-        value = as_number(text)
+        value = to_number(text)
         if level == "set_position":
             return () if value is None else (spoken(value / 100),)
         if level == "set_temperature":
@@ -139,8 +139,8 @@ def _mac(device: SimulatedDeviceInfo) -> str:
 
 def _lamp_told(payload: bytes) -> tuple[str, ...]:
     wanted = as_object(payload)
-    brightness = as_number(wanted.get("brightness"))
-    mireds = as_number(wanted.get("color_temp"))
+    brightness = to_number(wanted.get("brightness"))
+    mireds = to_number(wanted.get("color_temp"))
     return lamp_order(
         is_on={"ON": True, "OFF": False}.get(str(wanted.get("state"))),
         brightness=None if brightness is None else brightness / LEVELS,

@@ -14,8 +14,9 @@ from collections.abc import Sequence
 from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.homie_nodes import NODES
-from homebot.house.dialects.wire import as_json, as_number, as_text, hardware_address, lamp_order
+from homebot.house.dialects.wire import as_json, as_text, hardware_address, lamp_order
 from homebot.house.simulated_device import spoken
+from homebot.numbers import to_number
 
 __all__ = ["HomieDialect"]
 
@@ -68,7 +69,7 @@ class HomieDialect:
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what the value of a property means."""
         property_id, text = topic.split("/")[-2], as_text(payload)
-        wanted = as_number(text)
+        wanted = to_number(text)
         if property_id == "action":
             return _action(device.kind, text)
         if property_id == "state":

@@ -16,7 +16,6 @@ from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
-    as_number,
     as_object,
     as_text,
     cover_order,
@@ -24,6 +23,7 @@ from homebot.house.dialects.wire import (
     lamp_order,
 )
 from homebot.house.simulated_device import spoken
+from homebot.numbers import to_number
 
 __all__ = ["ShellyDialect"]
 
@@ -88,17 +88,17 @@ class ShellyDialect:
         text = as_text(payload)
         if channel == "light/0/set":
             wanted = as_object(payload)
-            brightness = as_number(wanted.get("brightness"))
+            brightness = to_number(wanted.get("brightness"))
             return lamp_order(
                 is_on={"on": True, "off": False}.get(str(wanted.get("turn"))),
                 brightness=None if brightness is None else brightness / 100,
-                kelvin=as_number(wanted.get("temp")),
+                kelvin=to_number(wanted.get("temp")),
             )
         if channel == "light/0/command":
             return lamp_order(is_on={"on": True, "off": False}.get(text))
         if channel == "roller/0/command":
             return cover_order(text)
-        position = as_number(text)
+        position = to_number(text)
         return () if position is None else (spoken(position / 100),)
 
     def replies(

@@ -12,8 +12,9 @@ from collections.abc import Mapping, Sequence
 
 from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
-from homebot.house.dialects.wire import as_json, as_number, as_object, cover_order, hardware_address, lamp_order
+from homebot.house.dialects.wire import as_json, as_object, cover_order, hardware_address, lamp_order
 from homebot.house.simulated_device import spoken
+from homebot.numbers import to_number
 
 __all__ = ["ShellyRpcDialect"]
 
@@ -62,12 +63,12 @@ class ShellyRpcDialect:
         if component != COMPONENTS[device.kind].removesuffix(":0"):
             return ()
         if component == "light":
-            brightness, is_on = as_number(wanted.get("brightness")), wanted.get("on")
+            brightness, is_on = to_number(wanted.get("brightness")), wanted.get("on")
             share = None if brightness is None else brightness / 100
             return (
                 lamp_order(is_on=is_on if isinstance(is_on, bool) else None, brightness=share) if verb == "set" else ()
             )
-        position = as_number(wanted.get("pos"))
+        position = to_number(wanted.get("pos"))
         if verb == "gotoposition":
             return () if position is None else (spoken(position / 100),)
         return cover_order(verb)

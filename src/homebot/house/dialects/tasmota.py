@@ -14,7 +14,6 @@ from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
-    as_number,
     as_text,
     cover_order,
     hardware_address,
@@ -22,6 +21,7 @@ from homebot.house.dialects.wire import (
     node_name,
 )
 from homebot.house.simulated_device import spoken
+from homebot.numbers import to_number
 
 __all__ = ["TasmotaDialect"]
 
@@ -163,7 +163,7 @@ def _shutter(motor: DeviceState) -> dict[str, object]:
 
 def _told(kind: str, name: str, value: str) -> tuple[str, ...]:
     name = name.rstrip("0123456789")
-    wanted = as_number(value)
+    wanted = to_number(value)
     if kind == "lamp" and name == "power":
         return lamp_order(is_on={"on": True, "1": True, "off": False, "0": False}.get(value.lower()))
     if wanted is None:

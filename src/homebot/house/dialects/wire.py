@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import re
 from collections.abc import Mapping
 
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.simulated_device import spoken
 
-__all__ = ["as_json", "as_number", "as_object", "as_text", "cover_order", "hardware_address", "lamp_order", "node_name"]
+__all__ = ["as_json", "as_object", "as_text", "cover_order", "hardware_address", "lamp_order", "node_name"]
 
 LONGEST = 10_000
 """Bytes of a command; none of a device is as long."""
@@ -39,17 +38,6 @@ def as_object(payload: bytes) -> Mapping[str, object]:
 def as_text(payload: bytes) -> str:
     """Return the text in *payload*, without blanks around it; what is no UTF-8 becomes U+FFFD."""
     return payload[:LONGEST].decode(errors="replace").strip()
-
-
-def as_number(value: object) -> float | None:
-    """Return the number that *value* is or spells; None where it is or spells none."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        return None
-    try:
-        found = float(value)
-    except (ValueError, OverflowError):
-        return None
-    return found if math.isfinite(found) else None
 
 
 def lamp_order(

@@ -15,7 +15,6 @@ from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
-    as_number,
     as_object,
     as_text,
     cover_order,
@@ -24,6 +23,7 @@ from homebot.house.dialects.wire import (
 )
 from homebot.house.dialects.zigbee2mqtt_exposes import EXPOSES
 from homebot.house.simulated_device import spoken
+from homebot.numbers import to_number
 
 __all__ = ["Zigbee2MqttDialect"]
 
@@ -175,16 +175,16 @@ _STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = MappingProxy
 def _told(kind: str, wanted: Mapping[str, object]) -> tuple[str, ...]:
     state = str(wanted.get("state", ""))
     if kind == "lamp":
-        brightness, mireds = as_number(wanted.get("brightness")), as_number(wanted.get("color_temp"))
+        brightness, mireds = to_number(wanted.get("brightness")), to_number(wanted.get("color_temp"))
         return lamp_order(
             is_on={"on": True, "off": False}.get(state.lower()),
             brightness=None if brightness is None else brightness / LEVELS,
             kelvin=MIRED / mireds if mireds else None,
         )
     if kind in {"window", "cover"}:
-        position = as_number(wanted.get("position"))
+        position = to_number(wanted.get("position"))
         return cover_order(state) if position is None else (spoken(position / 100),)
     if kind == "lock":
         return (state.lower(),) if state in {"LOCK", "UNLOCK"} else ()
-    target = as_number(wanted.get("occupied_heating_setpoint")) if kind == "thermostat" else None
+    target = to_number(wanted.get("occupied_heating_setpoint")) if kind == "thermostat" else None
     return () if target is None else (spoken(target),)

@@ -7,12 +7,13 @@ import json
 import math
 import re
 
-from homebot.conventions.decode import is_unknown, to_number
+from homebot.conventions.decode import is_unknown
 from homebot.conventions.payload import MAX_STATE_BYTES, clean_text, parse_json, shown
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
+from homebot.numbers import to_number
 from homebot.wot import PLAIN_WORDS, Affordance, canonical, on_the_wire
 
 __all__ = ["is_spoken", "meant_value", "spelt_value"]

@@ -1,0 +1,34 @@
+"""Numbers in what outsiders say: one rule for all of them. Pure; nothing here raises."""
+
+from __future__ import annotations
+
+from typing import Final
+
+__all__ = ["finite_number", "to_number"]
+
+_HUGE: Final = 2.0**64
+_LONGEST: Final = 40
+
+
+def finite_number(value: object) -> float | None:
+    """Return *value* where it is a number of a size that devices have, one of 64 bits; a bool is none."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and -_HUGE < value < _HUGE:
+        return float(value)
+    return None
+
+
+def to_number(value: object) -> float | None:
+    """Return the number that *value* is as :func:`finite_number` has it, or that a text or its bytes spell.
+
+    Plain spelling is meant: ASCII of at most 40 characters, no ``1_000``, no ``nan`` or ``inf``.
+    """
+    if isinstance(value, bytes):
+        value = value[: _LONGEST + 1].decode("latin-1")
+    if not isinstance(value, str):
+        return finite_number(value)
+    if len(value) > _LONGEST or not value.isascii() or "_" in value:
+        return None
+    try:
+        return finite_number(float(value))
+    except ValueError:
+        return None
