@@ -61,7 +61,7 @@ def test_a_mistake_is_told_with_file_key_and_reason(write: Path, text: str, key:
 def test_what_is_no_toml_is_told_with_its_line(write: Path) -> None:
     """The parser knows where."""
     write.write_text("[home\n")
-    with pytest.raises(ConfigError, match=r"is no TOML.*line 1"):
+    with pytest.raises(ConfigError, match=r"is invalid TOML.*line 1"):
         load_config(write)
 
 

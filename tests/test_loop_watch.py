@@ -94,7 +94,7 @@ def test_a_task_that_exits_ends_alone_and_is_told() -> None:
     assert result == "still here"
     assert watch.exits == 2
     assert "a task called sys.exit(3) in " in lines[0]["message"]
-    assert "homebot goes on" in lines[0]["message"]
+    assert "homebot continues" in lines[0]["message"]
 
 
 def test_the_exit_of_what_the_loop_runs_for_is_the_end() -> None:

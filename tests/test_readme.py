@@ -164,5 +164,5 @@ def test_the_configuration_shown_passes_its_check(tmp_path: Path) -> None:
     password.write_text("secret\n")
     (tmp_path / "homebot.toml").write_text(found[1].replace("/etc/homebot/password", str(password)))
     done = run("homebot config check --config homebot.toml", cwd=tmp_path)
-    assert done.stdout.startswith("homebot.toml is fine: home villa")
+    assert done.stdout.startswith("homebot.toml is valid: home villa")
     assert done.returncode == 0

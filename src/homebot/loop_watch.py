@@ -111,7 +111,9 @@ class LoopWatch:
         trace = traceback.extract_tb(error.__traceback__)
         where = f" in {trace[-1].filename}:{trace[-1].lineno} ({trace[-1].name})" if trace else ""
         self.exited = f"sys.exit({error.code!r}){where}"
-        _log.error(EXITED, message=f"a task called {self.exited}; it has ended, and homebot goes on", exc_info=error)
+        _log.error(
+            EXITED, message=f"a task called {self.exited}; the task has ended, and homebot continues", exc_info=error
+        )
 
     def __enter__(self) -> Self:
         self._loop_thread = threading.get_ident()
@@ -168,7 +170,7 @@ class LoopWatch:
         self._note(now, seconds)
         _log.error(
             BLOCKED,
-            message=f"the event loop has been blocked for {seconds:.1f} s by {self.last}: nothing else can go on; "
+            message=f"the event loop has been blocked for {seconds:.1f} s by {self.last}: nothing else can run; "
             "let it await, or run it in a thread",
             blocks=self.blocks,
             stack=[_place(one) for one in stack[:_MOST_FRAMES]],
@@ -181,7 +183,7 @@ class LoopWatch:
     def _tell_free(self, seconds: float) -> None:
         _log.warning(
             FREE_AGAIN,
-            message=f"the event loop goes on; it was blocked for {seconds:.1f} s by {self.last}",
+            message=f"the event loop runs again; it was blocked for {seconds:.1f} s by {self.last}",
             seconds=round(seconds, 3),
         )
 

@@ -54,13 +54,13 @@ def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
         tables = tomllib.loads(text)
         _check(tables, source, "", any_text=any_text)
     except tomllib.TOMLDecodeError as exc:
-        raise ConfigError(source, "", f"is no TOML: {exc}") from exc
+        raise ConfigError(source, "", f"is invalid TOML: {exc}") from exc
     except RecursionError as exc:
         raise ConfigError(source, "", "is nested too deep") from exc
     except ConfigError:
         raise
     except ValueError as exc:  # a number of some thousand digits
-        raise ConfigError(source, "", f"is no TOML: {str(exc).partition(';')[0]}") from exc
+        raise ConfigError(source, "", f"is invalid TOML: {str(exc).partition(';')[0]}") from exc
     return tables
 
 

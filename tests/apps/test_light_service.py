@@ -82,7 +82,7 @@ async def test_off_is_noted_once_until_the_lamp_was_on_again() -> None:
                 await gateway.says("lights/a", word)
                 await settle()
     said = [line["message"] for line in lines if line["event"].startswith("light_service")]
-    assert said == ["lights/a is off", "lights/a is on: told it off", "lights/a is off"]
+    assert said == ["lights/a is off", "lights/a is on: turned it off", "lights/a is off"]
 
 
 async def test_what_is_no_lamp_is_left_alone() -> None:

@@ -116,4 +116,4 @@ async def test_the_gangs_that_a_word_does_not_reach_are_named(homebot: Any) -> N
             ("zigbee2mqtt/wall", {"state_left": "ON", "state_right": "ON"}),
         )
         assert await devices.told() == [("zigbee2mqtt/wall/set", '{"state_left":"OFF"}')]
-    assert "told it off, but not right" in str(homebot.log)
+    assert "turned it off, but not right" in str(homebot.log)

@@ -138,14 +138,16 @@ def run() -> Iterator[Run]:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_in_order_even_with_a_client_connected(run: Run, number: signal.Signals) -> None:
     broker = run()
-    assert broker.greeting["message"] == f"MQTT broker on mqtt://127.0.0.1:{broker.port}; Ctrl-C stops it"
+    assert (
+        broker.greeting["message"] == f"MQTT broker listening on mqtt://127.0.0.1:{broker.port}; press Ctrl-C to stop"
+    )
     with socket.create_connection(("127.0.0.1", broker.port)) as client:
         client.sendall(encode(Connect("a", ProtocolVersion.V5), ProtocolVersion.V5))
         assert client.recv(4096)
         broker.process.send_signal(number)
         (goodbye,) = broker.end()
     assert broker.process.returncode == 0
-    assert goodbye["message"] == "the broker stopped; it had taken 0 messages from 1 connections and sent 0"
+    assert goodbye["message"] == "the broker stopped; received 0 messages on 1 connections, sent 0"
 
 
 def test_keep_alive_and_refused_filters_are_those_of_the_options_until_its_time_is_over(run: Run) -> None:

@@ -111,9 +111,9 @@ def test_services_are_listed_and_called(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "service", "call", "--json", "switch", "std_srvs/SetBool", '{"data": false}') == 1
     out, err = capsys.readouterr()
     assert json.loads(out) == {"success": False, "message": "done"}
-    assert err == "homebot: switch answered that it did not work: done\n"
+    assert err == "homebot: switch reported a failure: done\n"
     assert run(homebot, "service", "call", "/rosapi/get_param", "{name: '/talker:volume'}") == 1
-    assert "/rosapi/get_param answered that it did not work: " in capsys.readouterr().err
+    assert "/rosapi/get_param reported a failure: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,7 @@ def test_nodes_are_listed_and_told_about(homebot: Any, capsys: Text) -> None:
 def test_devices_are_a_table_for_people(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "devices") == 0
     head, row = capsys.readouterr().out.splitlines()
-    assert head.split() == ["DEVICE", "TYPE", "GATEWAY", "LISTENS", "ON", "STATE", "LAST", "SEEN"]
+    assert head.split() == ["DEVICE", "TYPE", "GATEWAY", "COMMAND", "TOPIC", "AVAILABILITY", "LAST", "SEEN"]
     assert row.split()[:5] == ["lights/lamp", "lights", "mqtt", "home/lights/lamp/in", "fresh"]
     assert row.endswith("d ago")
     assert run(homebot, "devices", "--type", "locks") == 0
@@ -158,7 +158,9 @@ def test_a_type_that_is_none_is_a_wrong_command_line(homebot: Any, capsys: Text)
     assert run(homebot, "devices", "--type", "lihgts") == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert err.startswith("homebot: 'lihgts' is no type, and no device calls itself so; did you mean lights")
+    assert err.startswith(
+        "homebot: 'lihgts' is not a device type, and no device was announced as one; did you mean lights"
+    )
 
 
 def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
@@ -201,7 +203,7 @@ def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
 
 def test_nobody_there_is_one_clear_sentence(capsys: Text) -> None:
     assert main(["topic", "list", "--door", "127.0.0.1:1"]) == 1
-    assert capsys.readouterr().err == "homebot: no homebot answers on 127.0.0.1:1; start one with `homebot run`\n"
+    assert capsys.readouterr().err == "homebot: no homebot is running on 127.0.0.1:1; start one with `homebot run`\n"
 
 
 def test_a_locked_door_wants_its_token(
@@ -276,7 +278,7 @@ def test_echo_waits_for_a_topic_that_does_not_exist_yet(homebot: Any) -> None:
     with _process(homebot, "topic", "echo", "--once", "--timeout", "10", "/later") as process:
         assert process.stderr is not None
         assert "there is no topic /later" in process.stderr.readline()
-        assert process.stderr.readline() == "homebot: waiting for it; Ctrl-C ends this\n"
+        assert process.stderr.readline() == "homebot: waiting for it; press Ctrl-C to stop\n"
         homebot.do(speak)
         out, _ = process.communicate(timeout=10)
     assert out == "data: now\n---\n"

@@ -32,10 +32,10 @@ token_file = "token"
 """
 
 GOLDEN = """\
-homebot.toml is fine: home villa
-  gateways: mqtt, garage
-  apps:     light_service
-  door:     0.0.0.0:9191 (asks for a token)
+homebot.toml is valid: home villa
+  gateways:  mqtt, garage
+  apps:      light_service
+  rosbridge: 0.0.0.0:9191 (token required)
 """
 
 
@@ -62,7 +62,7 @@ def test_an_empty_file_is_a_home_with_nothing_in_it(capsys: Text) -> None:
     Path("empty.toml").write_text("")
     assert main(["config", "check", "--config", "empty.toml"]) == 0
     assert capsys.readouterr().out == (
-        "empty.toml is fine: home home\n  gateways: none\n  apps:     none\n  door:     127.0.0.1:9090\n"
+        "empty.toml is valid: home home\n  gateways:  none\n  apps:      none\n  rosbridge: 127.0.0.1:9090\n"
     )
 
 
@@ -73,7 +73,7 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
     monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", "hunter2")
     assert main(["config", "check"]) == 0
     out = capsys.readouterr().out
-    assert "asks for a token" in out
+    assert "token required" in out
     assert "hunter2" not in out
 
 
@@ -105,7 +105,7 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
             "gateways.mqtt: ca_file: none.pem cannot be read: No such file or directory",
         ),
         ('[gateways.mqtt]\nurl = "mqtt://b"\nca_file = "token"\n', "gateways.mqtt: MQTT options: CA file and client"),
-        ("[apps.discovery]\n", "apps.discovery: is the name of a node of homebot's own; call the app something else"),
+        ("[apps.discovery]\n", "apps.discovery: is the name of one of homebot's own nodes; give the app another name"),
         ('[apps.mine]\nclass = "homebot.apps:App"\n', "apps.mine.class: homebot.apps:App lacks run()"),
         ('[apps.mine]\nclass = "my_odd_app:Odd"\n', "apps.mine.class: my_odd_app:Odd.Settings is not a pydantic model"),
         ("[apps.light_service]\ncolour = 1\n", "apps.light_service.colour: is unknown; known are none"),
@@ -199,7 +199,7 @@ def test_code_that_others_can_change_is_refused(
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("[door]\nport = " + "9" * 5000 + "\n", "is no TOML: Exceeds the limit"),
+        ("[door]\nport = " + "9" * 5000 + "\n", "is invalid TOML: Exceeds the limit"),
         ("[door]\nport = " + "9" * 50 + "\n", "door.port: is a number of more than 64 bits"),
         ('[home]\nname = "a\\u0000b"\n', "home.name: holds the character U+0000, which no text may"),
         ('[door]\ntoken_file = "a\\u0000b"\n', "door.token_file: holds the character U+0000"),

@@ -38,7 +38,7 @@ async def test_another_kind_of_server_is_named() -> None:
     async with listener, anyio.create_task_group() as tasks:
         tasks.start_soon(listener.serve, greet)
         port = listener.listeners[0].extra(SocketAttribute.local_port)  # noqa: S610  # anyio's, not Django's
-        with pytest.raises(LinkError, match=f"what answers on 127.0.0.1:{port} is no homebot"):
+        with pytest.raises(LinkError, match=f"the server on 127.0.0.1:{port} is not a homebot"):
             async with open_door("127.0.0.1", port):
                 pytest.fail("opened")
         tasks.cancel_scope.cancel()
@@ -47,8 +47,8 @@ async def test_another_kind_of_server_is_named() -> None:
 @pytest.mark.parametrize(
     ("reply", "error", "problem"),
     [
-        ("nonsense", WireError, "not JSON: 'nonsense'"),
-        ("[1]", WireError, "no rosbridge frame"),
+        ("nonsense", WireError, "invalid JSON: 'nonsense'"),
+        ("[1]", WireError, "other than a rosbridge frame"),
         ('{"op":"service_response","id":"call:1","result":false,"values":"no luck"}', PeerError, "/x failed: no luck"),
         (
             '{"op":"status","level":"error","id":"publishing on /t","msg":"bad"}',

@@ -92,7 +92,7 @@ def test_a_house_on_a_broker_of_your_own_is_refused(capsys: pytest.CaptureFixtur
     """It is not known who listens there."""
     Path("villa.toml").write_text("rooms.hall = {}\n")
     assert main(["run", "--house", "villa.toml", "--mqtt", "mqtt://127.0.0.1:1"]) == 1
-    assert "gateways: none is on homebot's own broker" in capsys.readouterr().err
+    assert "gateways: none uses the embedded broker" in capsys.readouterr().err
 
 
 def test_apps_replace_the_default_and_keep_the_house() -> None:

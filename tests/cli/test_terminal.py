@@ -104,9 +104,9 @@ def test_columns_for_which_there_is_no_room_are_named(monkeypatch: pytest.Monkey
             rows,
             narrow,
             less,
-            "columns left out,",
-            "as the terminal is",
-            "narrow: SAYS,",
+            "columns hidden, as",
+            "the terminal is",
+            "too narrow: SAYS,",
             "GATEWAY",
         ]
 
@@ -166,7 +166,7 @@ def test_progress_is_shown_and_taken_away(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_a_command_on_a_real_terminal_is_as_wide_as_that(homebot: Homebot) -> None:
     reads, writes = pty.openpty()
-    fcntl.ioctl(writes, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 40, 0, 0))
+    fcntl.ioctl(writes, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 48, 0, 0))
     environment = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
     command = [sys.executable, "-m", "homebot", "--door", homebot.door, "devices"]
     done = subprocess.run(command, stdout=writes, stderr=writes, env=environment, timeout=20, check=True)
@@ -175,9 +175,9 @@ def test_a_command_on_a_real_terminal_is_as_wide_as_that(homebot: Homebot) -> No
     os.close(reads)
     lines = re.sub(r"\x1b\[[\d;]*m", "", text).splitlines()
     assert done.returncode == 0
-    assert lines[0].split() == ["DEVICE", "TYPE", "STATE", "LAST", "SEEN"]
-    assert lines[-2].rstrip() == "columns left out, as the terminal is"
-    assert max(map(len, lines)) <= 40
+    assert lines[0].split() == ["DEVICE", "TYPE", "AVAILABILITY", "LAST", "SEEN"]
+    assert lines[-2].rstrip() == "columns hidden, as the terminal is too narrow:"
+    assert max(map(len, lines)) <= 48
 
 
 def test_a_command_whose_output_is_piped_does_not_load_rich(homebot: Homebot) -> None:

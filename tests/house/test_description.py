@@ -130,7 +130,7 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
         ),
         (f"{LAMP}[[errands]]\nat = '07:00'\ndevice = 'lamb'\ncommand = 'on'\n", "errands.0.device", "no device 'lamb'"),
         (f"{HALL}[garden]\n", "garden", "is unknown; known are house, rooms, devices, people, errands"),
-        ("rooms", "", "is no TOML"),
+        ("rooms", "", "is invalid TOML"),
     ],
 )
 def test_what_is_wrong_is_told_with_file_key_and_reason(tmp_path: Path, text: str, key: str, reason: str) -> None:
@@ -151,7 +151,7 @@ def test_a_file_that_is_nested_too_deep_is_told_so(tmp_path: Path, text: str) ->
     """Whoever notices first."""
     file = tmp_path / "house.toml"
     file.write_text(text)
-    with pytest.raises(ConfigError, match=r"nested too deep|is no TOML"):
+    with pytest.raises(ConfigError, match=r"nested too deep|is invalid TOML"):
         load_world(file)
 
 

@@ -157,7 +157,7 @@ async def test_the_simulated_house_is_discovered_and_acted_on() -> None:
 
 async def test_a_simulated_house_on_a_broker_of_somebody_else_is_refused() -> None:
     """Before anything is started: its devices would speak among real ones."""
-    with pytest.raises(ConfigError, match="test: gateways: none is on homebot's own broker"):
+    with pytest.raises(ConfigError, match="test: gateways: none uses the embedded broker"):
         Runtime(config(gateways={"mqtt": {"url": "mqtt://127.0.0.1:1"}}), house=thesis_world())
 
 
@@ -268,15 +268,15 @@ async def test_the_greeting_says_where_tools_come_in(host: str, shown: str) -> N
         async with Runtime(config(home={"name": "villa"}, door={"host": host, "port": 0})):
             pass
     (greeting,) = [line["message"] for line in lines if line["event"] == "runtime.running"]
-    assert greeting.startswith(f"villa is running; tools come in on {shown}")
+    assert greeting.startswith(f"villa is running; listening for rosbridge clients on ws://{shown}")
 
 
 @pytest.mark.parametrize(
     ("apps", "words"),
     [
-        ({}, "no app runs; name one with --app NAME or a table [apps.NAME] (installed: light_service"),
-        ({"light_service": {}}, "the app light_service runs"),
-        ({"light_service": {}, "two": {"class": "light_service"}}, "the apps light_service, two run"),
+        ({}, "no app is running; add one with --app NAME or a table [apps.NAME] (installed: light_service"),
+        ({"light_service": {}}, "running the app light_service"),
+        ({"light_service": {}, "two": {"class": "light_service"}}, "running the apps light_service, two"),
     ],
 )
 async def test_the_start_says_which_apps_run(apps: dict[str, object], words: str) -> None:

@@ -43,7 +43,7 @@ async def test_a_crashed_component_is_started_anew_after_a_growing_delay() -> No
 
     assert fragile.starts == [0.0, 1.5, 3.5, 6.5]
     assert supervisor.restarts == {"fragile": 3}
-    assert lines[0]["message"] == "fragile crashed (RuntimeError: ouch); it is started anew in 0.5 s"
+    assert lines[0]["message"] == "fragile crashed (RuntimeError: ouch); restarting in 0.5 s"
 
 
 async def test_a_component_that_keeps_crashing_is_given_up_and_reported() -> None:
@@ -144,7 +144,7 @@ async def test_a_component_that_never_says_it_is_ready_is_not_waited_for_without
         async with Supervisor(LoopClock()).running("silent", silent):
             assert anyio.current_time() == 10
     assert [line["message"] for line in lines] == [
-        "silent is not ready after 10 s; homebot goes on without waiting for it"
+        "silent is not ready after 10 s; homebot continues without waiting for it"
     ]
 
 
@@ -180,7 +180,7 @@ async def test_a_component_that_crashes_while_it_stops_is_told_and_not_started_a
     with capture_logs() as lines:
         async with supervisor.running("sore", sore):
             pass
-    assert [line["message"] for line in lines] == ["sore crashed (RuntimeError: ouch) while it stopped"]
+    assert [line["message"] for line in lines] == ["sore crashed (RuntimeError: ouch) while stopping"]
     assert supervisor.restarts == {}
 
 
@@ -193,7 +193,7 @@ async def test_the_first_of_several_errors_is_told() -> None:
     with capture_logs() as lines:
         async with Supervisor(LoopClock()).running("twice", twice):
             pass
-    assert lines[0]["message"] == "twice crashed (ValueError: first); it is started anew in 0.5 s"
+    assert lines[0]["message"] == "twice crashed (ValueError: first); restarting in 0.5 s"
 
 
 async def test_a_component_that_exits_has_crashed_and_nobody_else_is_disturbed() -> None:

@@ -127,8 +127,8 @@ class Attacked:
         self.log = log
         self._process = process
         self._token = token
-        text = self._said("is running; tools come in on")
-        self.door = int(re.search(r"tools come in on \S+:(\d+)", text)[1])  # type: ignore[index]
+        text = self._said("is running; listening for rosbridge clients on")
+        self.door = int(re.search(r"listening for rosbridge clients on \S+:(\d+)", text)[1])  # type: ignore[index]
         broker = re.search(r"embedded MQTT broker on \S+:(\d+)", text)
         self.broker = int(broker[1]) if broker else 0
 

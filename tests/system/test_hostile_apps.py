@@ -51,18 +51,18 @@ def test_no_app_is_the_end_of_the_house_and_the_doctor_names_each(tmp_path: Path
         run.until("roomlights405 is off")
         assert ask(run, "service", "call", "/bad_service").returncode == 1
         run.until("cancels_task crashed 5 times within a minute and is given up")
-        run.until("the event loop goes on; it was blocked for")
+        run.until("the event loop runs again; it was blocked for")
         doctor = ask(run, "doctor")
         squeezed = [" ".join(line.split()) for line in doctor.stdout.splitlines()]
         for words in MISBEHAVIOURS.values():
             assert any(line.startswith(" ".join(words.split())) for line in squeezed), (words, doctor.stdout)
         assert "cancels_task kept crashing and was given up" in doctor.stdout
-        assert doctor.stdout.endswith("not all is well\n")
+        assert doctor.stdout.endswith("problems found, see above\n")
         assert doctor.returncode == 1
 
         on = "{address: home425/lights/roomlights405/in, payload: on}"
         assert ask(run, "topic", "pub", "--once", "/gateway/mqtt/out", on).returncode == 0
-        run.until("roomlights405 is on: told it off")
+        run.until("roomlights405 is on: turned it off")
     finally:
         code = run.stop()
     assert code == 1, run.text  # it says so: a part was given up

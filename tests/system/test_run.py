@@ -146,7 +146,7 @@ def test_a_gateway_without_an_address_has_the_embedded_broker(start: Start, tmp_
         ("[apps.nosuch]\n", "{file}: apps.nosuch: plug-in 'nosuch': is not installed"),
         ('[apps.a]\nclass = "nosuch:App"\n', "{file}: apps.a.class: plug-in 'nosuch:App': the module 'nosuch' cannot"),
         ("[door]\nmax_clients = 0\n", "{file}: door.max_clients: input should be greater than or equal to 1, got 0"),
-        ("[door\n", "{file}: is no TOML: "),
+        ("[door\n", "{file}: is invalid TOML: "),
     ],
 )
 def test_a_mistake_in_the_file_is_one_clear_sentence(start: Start, tmp_path: Path, text: str, problem: str) -> None:
@@ -269,10 +269,10 @@ def test_what_crashes_and_what_blocks_is_left_behind_and_the_exit_code_says_so(s
 
     blocking.until("blocks now")
     assert blocking.stop() == 1
-    assert "not everything stopped in time; it is left behind" in blocking.log[-1]
+    assert "not everything stopped in time; exiting anyway" in blocking.log[-1]
 
     crashing.until("roomlights405 is off")
-    crashing.until("crashing crashed 5 times within a minute and is given up: RuntimeError: ouch")
+    crashing.until("crashing crashed 5 times within a minute and is not restarted any more: RuntimeError: ouch")
     assert crashing.stop() == 1
 
 

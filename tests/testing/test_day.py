@@ -130,7 +130,7 @@ def test_a_day_is_played_the_same_each_time(day: Day) -> None:
         ('"90s"', '"8d"', "happenings.1", "lasts must be from 0 to 604800 seconds"),
         ('kind = "lamp"', 'kind = "lamb"', "devices.lamp.kind", "must be one of lamp"),
         ("[rooms.hall]", "[garden]", "rooms", "is missing"),
-        ("[[happenings]]", "[happenings]", "", "is no TOML"),
+        ("[[happenings]]", "[happenings]", "", "is invalid TOML"),
     ],
 )
 def test_what_is_wrong_is_told_with_file_key_and_reason(

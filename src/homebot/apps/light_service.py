@@ -93,7 +93,7 @@ class LightService(App):
         if is_on:
             self._noted_off.discard(lamp.id)
             others = await self.devices.tell(lamp, "off")
-            self._say(TOLD_OFF, lamp, f"is on: told it off{', but not ' + ', '.join(others) if others else ''}")
+            self._say(TOLD_OFF, lamp, f"is on: turned it off{', but not ' + ', '.join(others) if others else ''}")
         elif is_on is not None and lamp.id not in self._noted_off:
             self._noted_off.add(lamp.id)
             self._say(IS_OFF, lamp, "is off")

@@ -174,19 +174,19 @@ def _hidden(text: str) -> str:
 
 
 def _add_door_options(parser: argparse.ArgumentParser, address_default: str, file_default: str | None) -> None:
-    door = parser.add_argument_group("which homebot to talk to")
+    door = parser.add_argument_group("connection to a running homebot")
     door.add_argument(
         "--door",
         metavar="HOST:PORT",
         type=address,
         default=address_default,
-        help=f"where it listens (default: HOMEBOT_DOOR, else {DEFAULT_DOOR})",
+        help=f"its rosbridge endpoint (default: HOMEBOT_DOOR, else {DEFAULT_DOOR})",
     )
     door.add_argument(
         "--token-file",
         metavar="FILE",
         default=file_default,
-        help="file that holds the door's token (default: the token in HOMEBOT_DOOR_TOKEN, if any)",
+        help="file with the token of the endpoint (default: the token in HOMEBOT_DOOR_TOKEN, if set)",
     )
 
 

@@ -14,11 +14,11 @@ _EXAMPLES = """\
 
 def add_parser(commands: Commands) -> None:
     """Add ``config`` to *commands*."""
-    verbs = add_noun(commands, "config", "look after the configuration", _EXAMPLES)
+    verbs = add_noun(commands, "config", "check the configuration", _EXAMPLES)
     check = add_plain_command(
         verbs,
         "check",
-        "check a configuration without running it: its keys, values, plug-ins and credentials",
+        "check a configuration file without running it: keys, values, plug-ins and credentials",
         _EXAMPLES,
         "homebot.cli.commands.config:check",
     )

@@ -74,10 +74,11 @@ async def named_device(door: DoorClient, name: str) -> Device:
         return named[0]
     if named:
         raise PeerError(
-            f"{len(named)} devices are called {name}: {', '.join(printable(one.id) for one in named[:10])}; say which"
+            f"{len(named)} devices are called {name}; give the id of one: "
+            + ", ".join(printable(one.id) for one in named[:10])
         )
     known = [printable(text) for one in devices for text in (one.id, one.name)]
-    raise PeerError(f"there is no device {name}; {did_you_mean(name, known, '`homebot devices` shows what there is')}")
+    raise PeerError(f"there is no device {name}; {did_you_mean(name, known, '`homebot devices` lists all')}")
 
 
 async def _near(door: DoorClient, name: str) -> tuple[Device, ...]:

@@ -12,11 +12,11 @@ _EXAMPLES = """\
   homebot devices --json
   homebot devices --td things/
 
-SAYS is what a device last told of itself. LISTENS ON is where it takes commands: publish there what it understands,
-as in `homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp/in, payload: off}'`; empty where it
-takes none. STATE is `fresh` where it spoke itself, `unconfirmed` where only a message that the broker had kept or the
-index file speaks for it, `stale` where it has been silent for too long; and `unreachable` where it or its last will
-says that, `partly unreachable` where that is so of some of its parts.
+STATE is what the device last reported. COMMAND TOPIC is where it takes commands, empty if it takes none; send one with
+`homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp/in, payload: off}'`. AVAILABILITY is `fresh`
+if the device reported recently, `unconfirmed` if it is known only from a retained message or the index file, `stale`
+if it has been silent for too long, `unreachable` if it or its last will says offline, and `partly unreachable` if
+only some of its parts are.
 """
 
 
@@ -25,7 +25,7 @@ def add_parser(commands: Commands) -> None:
     parser = add_command(
         commands, "devices", "list the devices in the house", _EXAMPLES, "homebot.cli.commands.devices:list_devices"
     )
-    parser.add_argument("--type", metavar="T", default="", help="only those that offer this, for example lights")
-    parser.add_argument("--td", metavar="DIR", help="write a W3C Thing Description of each into this directory")
+    parser.add_argument("--type", metavar="T", default="", help="only devices of this type, for example lights")
+    parser.add_argument("--td", metavar="DIR", help="write a W3C Thing Description of each device to this directory")
     add_broker_option(parser)
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")

@@ -10,7 +10,7 @@ from homebot.errors import PeerError
 
 __all__ = ["WAITING", "GraphEntity", "entities", "no_such_topic", "topic_type"]
 
-WAITING = "homebot: waiting for it; Ctrl-C ends this"
+WAITING = "homebot: waiting for it; press Ctrl-C to stop"
 
 
 class GraphEntity(BaseModel):

@@ -10,7 +10,7 @@ _EXAMPLES = """\
   homebot doctor
   homebot doctor --counts
 
-It ends with 1 where something is not as it should be.
+The exit status is 1 if there are problems.
 """
 
 
@@ -19,8 +19,8 @@ def add_parser(commands: Commands) -> None:
     parser = add_command(
         commands,
         "doctor",
-        "tell what is wrong: crashes, failures, gateways, who breaks the rules, disputes, silent devices, the index",
+        "diagnose problems: crashes, failures, gateways, quarantined topics, disputes, silent devices, the index",
         _EXAMPLES,
         "homebot.cli.commands.doctor:doctor",
     )
-    parser.add_argument("--counts", action="store_true", help="show everything that was counted, not only faults")
+    parser.add_argument("--counts", action="store_true", help="show all counters, not only those of faults")

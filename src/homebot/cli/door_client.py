@@ -146,9 +146,9 @@ class DoorClient:
         try:
             frame = json.loads(text)
         except ValueError as exc:
-            raise WireError(f"the door sent something that is not JSON: {text[:60]!r}") from exc
+            raise WireError(f"the rosbridge server sent invalid JSON: {text[:60]!r}") from exc
         if not isinstance(frame, dict):
-            raise WireError(f"the door sent something that is no rosbridge frame: {text[:60]!r}")
+            raise WireError(f"the rosbridge server sent something other than a rosbridge frame: {text[:60]!r}")
         if frame.get("op") == "status":
             # Our identifiers say in words what was asked for; the door repeats them.
             raise RefusedError(str(frame.get("id", "a frame")), str(frame.get("msg")))
@@ -197,9 +197,9 @@ async def _connect(where: str, token: str) -> ClientConnection:
     except InvalidStatus as exc:
         raise RefusedError(f"the connection to homebot on {where}", _reason(exc)) from exc
     except (OSError, TimeoutError) as exc:
-        raise LinkError(f"no homebot answers on {where}; start one with `homebot run`") from exc
+        raise LinkError(f"no homebot is running on {where}; start one with `homebot run`") from exc
     except (InvalidHandshake, InvalidMessage) as exc:
-        raise LinkError(f"what answers on {where} is no homebot: {exc}") from exc
+        raise LinkError(f"the server on {where} is not a homebot: {exc}") from exc
 
 
 def _ended(error: ConnectionClosed) -> LinkError:

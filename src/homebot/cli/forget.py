@@ -10,18 +10,18 @@ _EXAMPLES = """\
   homebot forget lights/roomlights405
   homebot forget 'Kitchen lamp' --purge
 
-A device that is forgotten comes back when it speaks, or is announced anew.
+A forgotten device comes back when it sends a message or is announced again.
 """
 
 
 def add_parser(commands: Commands) -> None:
     """Add ``forget``."""
     parser = add_command(
-        commands, "forget", "take a device out of the index", _EXAMPLES, "homebot.cli.commands.forget:forget"
+        commands, "forget", "remove a device from the index", _EXAMPLES, "homebot.cli.commands.forget:forget"
     )
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument(
         "--purge",
         action="store_true",
-        help="also delete its announcements that the broker keeps, so that nobody finds it any more",
+        help="also delete its retained announcements from the broker, so that no program finds it any more",
     )

@@ -10,8 +10,8 @@ _EXAMPLES = """\
   homebot import desk_lamp.td.json
   homebot import desk_lamp.td.json --name desk-lamp
 
-The description is put, retained, on the broker's topic homebot/things/NAME/td, and the gateway makes a device of it;
-it is there until `homebot forget DEVICE --purge`. What it says about MQTT with JSON or plain text can be read and told.
+The description is published as a retained message on homebot/things/NAME/td, and the gateway makes a device of it,
+which stays until `homebot forget DEVICE --purge`. Its MQTT forms with JSON or plain text can be read and written.
 """
 
 
@@ -20,18 +20,20 @@ def add_parser(commands: Commands) -> None:
     parser = add_command(
         commands,
         "import",
-        "make a device of a W3C Thing Description",
+        "add a device from a W3C Thing Description",
         _EXAMPLES,
         "homebot.cli.commands.import_thing:import_thing",
     )
     parser.add_argument("file", metavar="FILE", help="Thing Description 1.1, as JSON")
     parser.add_argument(
-        "--name", metavar="NAME", default="", help="name of the topic's level (default: of its id or title)"
+        "--name", metavar="NAME", default="", help="NAME in its topic (default: made from its id or title)"
     )
     parser.add_argument(
-        "--prefix", metavar="P", default="homebot/things", help="first levels of the topic (default: homebot/things)"
+        "--prefix", metavar="P", default="homebot/things", help="first levels of its topic (default: homebot/things)"
     )
-    parser.add_argument("--gateway", metavar="G", default="mqtt", help="gateway of its broker (default: mqtt)")
     parser.add_argument(
-        "--timeout", metavar="S", type=positive, default=5.0, help="seconds to wait for it (default: 5)"
+        "--gateway", metavar="G", default="mqtt", help="gateway that is connected to its broker (default: mqtt)"
+    )
+    parser.add_argument(
+        "--timeout", metavar="S", type=positive, default=5.0, help="seconds to wait for the device (default: 5)"
     )

@@ -27,19 +27,19 @@ COMMANDS = (run, config, devices, find, show, doctor, forget, import_thing, topi
 
 _EPILOG = """\
 examples:
-  homebot run                                  a house to look at: embedded broker, simulated devices, light service
-  homebot devices                              what is in the house
-  homebot find 'light and dimmable in kitchen'   what fits
+  homebot run                                  try it: embedded broker, simulated devices, light service
+  homebot devices                              the devices in the house
+  homebot find 'light and dimmable in kitchen'   the devices that match
   homebot show 'Kitchen lamp'                  everything about one device
   homebot doctor                               what is wrong
   homebot topic list -t                        every topic and its type
   homebot topic echo /rosout                   watch the log live
   homebot topic pub --once /hello std_msgs/String '{data: hi}'
-  homebot service call /rosapi/get_time        ask something
-  homebot broker                               an MQTT broker, and nothing else
+  homebot service call /rosapi/get_time        call a service
+  homebot broker                               an MQTT broker and nothing else
 
-All but `run`, `broker` and `config` talk to a running homebot, by default on 127.0.0.1:9090. `homebot COMMAND --help`
-tells more.
+All commands but `run`, `broker` and `config` connect to a running homebot, by default on 127.0.0.1:9090. See
+`homebot COMMAND --help` for the options of each.
 """
 
 
@@ -83,7 +83,7 @@ def make_parser() -> argparse.ArgumentParser:
         "--print-completion",
         action=PrintCompletion,
         choices=SHELLS,
-        help='print what the shell needs to complete commands and options: eval "$(homebot --print-completion bash)"',
+        help='print the completion script for a shell; use it as: eval "$(homebot --print-completion bash)"',
     )
     add_global_options(parser)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)

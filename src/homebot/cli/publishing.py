@@ -93,7 +93,7 @@ class GatewayPublisher:
                 if now.get("commands_failed", 0) > before.get("commands_failed", 0):
                     raise LinkError(f"{what} could not be sent: {await self._reason(gateway, command)}")
                 await anyio.sleep(_POLL)
-        raise LinkError(f"gateway {gateway} did not say within {_OUTCOME:g} s what became of {what}")
+        raise LinkError(f"gateway {gateway} did not report the result of {what} within {_OUTCOME:g} s")
 
     async def _counts(self, gateway: str) -> dict[str, int] | None:
         """Return what *gateway* counted so far; None where it does not count its commands."""

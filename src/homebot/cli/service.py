@@ -14,7 +14,7 @@ _EXAMPLES = """\
 
 def add_parser(commands: Commands) -> None:
     """Add ``service`` and its commands."""
-    verbs = add_noun(commands, "service", "look at services and call them", _EXAMPLES)
+    verbs = add_noun(commands, "service", "list and call services", _EXAMPLES)
     examples = "  homebot service list\n  homebot service list -t\n"
     parser = add_command(verbs, "list", "list every service", examples, "homebot.cli.commands.service:list_services")
     parser.add_argument("-t", "--show-types", action="store_true", help="show each service's type")
@@ -27,9 +27,9 @@ def add_parser(commands: Commands) -> None:
     parser = add_command(
         verbs, "call", "call a service and print its answer", examples, "homebot.cli.commands.service:call"
     )
-    parser.add_argument("service", metavar="SERVICE", help="its name")
+    parser.add_argument("service", metavar="SERVICE", help="name of the service")
     parser.add_argument(
-        "type", metavar="TYPE", nargs="?", default="", type=type_or_message, help="its type, to make sure"
+        "type", metavar="TYPE", nargs="?", default="", type=type_or_message, help="type that it should have"
     )
     parser.add_argument(
         "request", metavar="REQUEST", nargs="?", default="{}", type=message, help="as JSON or as {field: value}"

@@ -16,7 +16,7 @@ _EXAMPLES = """\
 def add_parser(commands: Commands) -> None:
     """Add ``show``."""
     parser = add_command(
-        commands, "show", "show everything that is known of a device", _EXAMPLES, "homebot.cli.commands.show:show"
+        commands, "show", "show everything known about a device", _EXAMPLES, "homebot.cli.commands.show:show"
     )
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     form = parser.add_mutually_exclusive_group()

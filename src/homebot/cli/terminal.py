@@ -66,7 +66,7 @@ def print_table(
     console.print(table)
     left_out = [name for place, name in enumerate(head) if place not in kept]
     if left_out:
-        console.print(_text(f"columns left out, as the terminal is narrow: {', '.join(left_out)}", "dim"))
+        console.print(_text(f"columns hidden, as the terminal is too narrow: {', '.join(left_out)}", "dim"))
 
 
 def print_rows(rows: Sequence[Sequence[str]], title: str = "") -> None:

@@ -6,18 +6,21 @@ from datetime import UTC, datetime
 
 from homebot.messages import Time
 
-__all__ = ["ago", "iso"]
+__all__ = ["age", "ago", "iso"]
 
 _SPANS = ((86_400, "d"), (3600, "h"), (60, "min"), (1, "s"))
 
 
+def age(moment: Time, now: float) -> str:
+    """Return the time from *moment* to *now*, in the largest unit that fits."""
+    seconds = max(0.0, now - moment.to_seconds())
+    size, unit = next((one for one in _SPANS if seconds >= one[0]), _SPANS[-1])
+    return f"{seconds / size:.0f} {unit}"
+
+
 def ago(moment: Time, now: float) -> str:
-    """Return how long *moment* lies before *now*, in the largest unit that fits."""
-    seconds = now - moment.to_seconds()
-    for size, unit in _SPANS:
-        if seconds >= size:
-            return f"{seconds / size:.0f} {unit} ago"
-    return "now"
+    """Return :func:`age` as in ``5 s ago``; ``now`` below a second."""
+    return f"{age(moment, now)} ago" if now - moment.to_seconds() >= _SPANS[-1][0] else "now"
 
 
 def iso(moment: Time) -> str:

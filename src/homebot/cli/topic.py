@@ -15,7 +15,7 @@ _EXAMPLES = """\
 
 def add_parser(commands: Commands) -> None:
     """Add ``topic`` and its commands."""
-    verbs = add_noun(commands, "topic", "look at topics, listen to them, publish on them", _EXAMPLES)
+    verbs = add_noun(commands, "topic", "list, inspect, read and publish topics", _EXAMPLES)
     _add_list(verbs)
     _add_echo(verbs)
     _add_pub(verbs)
@@ -35,13 +35,11 @@ def _add_echo(verbs: Commands) -> None:
         "  homebot topic echo /rosout\n  homebot topic echo --once --field msg /rosout\n"
         "  homebot topic echo --json --timeout 10 /discovery/changes\n"
     )
-    parser = add_command(
-        verbs, "echo", "print what is published on a topic", examples, "homebot.cli.commands.echo:echo"
-    )
-    parser.add_argument("topic", metavar="TOPIC", help="its name; it may come later")
+    parser = add_command(verbs, "echo", "print the messages of a topic", examples, "homebot.cli.commands.echo:echo")
+    parser.add_argument("topic", metavar="TOPIC", help="name of the topic, which need not exist yet")
     parser.add_argument("--once", action="store_true", help="end after the first message")
     parser.add_argument("--timeout", metavar="S", type=positive, help="give up after S seconds without a message")
-    parser.add_argument("--field", metavar="A.B", help="print this field alone")
+    parser.add_argument("--field", metavar="A.B", help="print only this field")
     parser.add_argument("--json", action="store_true", help="print each message as one line of JSON")
 
 
@@ -52,26 +50,28 @@ def _add_pub(verbs: Commands) -> None:
         "  homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp1/in, payload: off}'\n"
     )
     parser = add_command(verbs, "pub", "publish on a topic", examples, "homebot.cli.commands.pub:pub")
-    parser.add_argument("topic", metavar="TOPIC", help="its name")
-    parser.add_argument("type", metavar="TYPE", nargs="?", default="", help="its type; needed for a new topic")
+    parser.add_argument("topic", metavar="TOPIC", help="name of the topic")
+    parser.add_argument("type", metavar="TYPE", nargs="?", default="", help="type of the topic; needed for a new one")
     parser.add_argument("value", metavar="VALUE", type=message, help="the message, as JSON or as {field: value}")
     count = parser.add_mutually_exclusive_group()
     count.add_argument("-1", "--once", action="store_const", const=1, dest="times", help="publish once")
     count.add_argument("-t", "--times", metavar="N", type=whole, help="publish N times (default: until Ctrl-C)")
-    parser.add_argument("-r", "--rate", metavar="HZ", type=positive, default=1.0, help="times a second (default: 1)")
+    parser.add_argument(
+        "-r", "--rate", metavar="HZ", type=positive, default=1.0, help="messages per second (default: 1)"
+    )
 
 
 def _add_info(verbs: Commands) -> None:
     examples = "  homebot topic info /rosout\n  homebot topic info -v /rosout\n"
-    parser = add_command(verbs, "info", "tell who uses a topic", examples, "homebot.cli.commands.topic:info")
-    parser.add_argument("topic", metavar="TOPIC", help="its name")
-    parser.add_argument("-v", "--verbose", action="store_true", help="show each node with its quality of service")
+    parser = add_command(
+        verbs, "info", "show the publishers and subscriptions of a topic", examples, "homebot.cli.commands.topic:info"
+    )
+    parser.add_argument("topic", metavar="TOPIC", help="name of the topic")
+    parser.add_argument("-v", "--verbose", action="store_true", help="show each node with its QoS")
 
 
 def _add_hz(verbs: Commands) -> None:
     examples = "  homebot topic hz /rosout\n  homebot topic hz -w 100 /rosout\n"
-    parser = add_command(
-        verbs, "hz", "measure how often a topic is published on", examples, "homebot.cli.commands.hz:hz"
-    )
-    parser.add_argument("topic", metavar="TOPIC", help="its name")
+    parser = add_command(verbs, "hz", "measure the publishing rate of a topic", examples, "homebot.cli.commands.hz:hz")
+    parser.add_argument("topic", metavar="TOPIC", help="name of the topic")
     parser.add_argument("-w", "--window", metavar="N", type=whole, default=10_000, help="messages to average over")

@@ -54,4 +54,4 @@ class Watchdog:
 
 
 def _say() -> None:
-    _log.critical(LEFT_BEHIND, message="not everything stopped in time; it is left behind")
+    _log.critical(LEFT_BEHIND, message="not everything stopped in time; exiting anyway")

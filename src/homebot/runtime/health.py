@@ -55,9 +55,9 @@ class RuntimeHealth:
     def _troubles(self) -> Iterator[str]:
         for name, crash in sorted(self._supervisor.crashes.items()):
             if crash.state == "given up":
-                yield f"{name} kept crashing and was given up; mend it and start homebot anew ({crash.last})"
+                yield f"{name} kept crashing and is not restarted any more; fix it and restart homebot ({crash.last})"
             elif crash.state == "restarting":
-                yield f"{name} crashed ({crash.last}) and is about to be started anew"
+                yield f"{name} crashed ({crash.last}) and is about to be restarted"
 
     def _failures(self) -> Iterator[PartFailure]:
         for name, crash in sorted(self._supervisor.crashes.items()):

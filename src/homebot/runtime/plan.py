@@ -92,7 +92,7 @@ def make_plan(config: Config) -> Plan:
 def _app(base: type[App], name: str, table: Table, config: Config) -> PlannedComponent[App]:
     if name in OWN_NODES:
         raise ConfigError(
-            config.source, f"apps.{name}", "is the name of a node of homebot's own; call the app something else"
+            config.source, f"apps.{name}", "is the name of one of homebot's own nodes; give the app another name"
         )
     return _component(base, APPS, name, table, config, f"apps.{name}")
 

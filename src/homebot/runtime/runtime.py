@@ -179,14 +179,14 @@ class Runtime:
             return f"{self._plan.home} is running"
         host = self._plan.door.host
         where = f"[{host}]" if ":" in host else host
-        return f"{self._plan.home} is running; tools come in on {where}:{self.door.port}"
+        return f"{self._plan.home} is running; listening for rosbridge clients on ws://{where}:{self.door.port}"
 
     def _apps_in_words(self) -> str:
         names = [app.name for app in self._plan.apps]
         if not names:
             installed = ", ".join(plugin_names(APP_PLUGINS)) or "none"
-            return f"no app runs; name one with --app NAME or a table [apps.NAME] (installed: {installed})"
-        return f"the app {names[0]} runs" if len(names) == 1 else f"the apps {', '.join(names)} run"
+            return f"no app is running; add one with --app NAME or a table [apps.NAME] (installed: {installed})"
+        return f"running the app {names[0]}" if len(names) == 1 else f"running the apps {', '.join(names)}"
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start what gateways need in this process, each once, unless it was given."""

@@ -117,7 +117,7 @@ class Supervisor:
         if not start.over.is_set() and not self._hurries.is_set():
             _log.warning(
                 NOT_READY,
-                message=f"{name} is not ready after {READY_WITHIN:g} s; homebot goes on without waiting for it",
+                message=f"{name} is not ready after {READY_WITHIN:g} s; homebot continues without waiting for it",
                 component=name,
             )
 
@@ -126,7 +126,7 @@ class Supervisor:
         while True:
             crash = await self._run_once(name, work, start)
             if crash is None:
-                _log.info(ENDED, message=f"{name} has ended", component=name)
+                _log.info(ENDED, message=f"{name} ended", component=name)
                 self._note(name, "ended")
                 start.started()
                 return
@@ -181,14 +181,15 @@ class Supervisor:
         crashes.state = "stopped" if is_stopping else "restarting" if delay is not None else "given up"
         words = f"{name} crashed ({in_words(cause)})"
         if is_stopping:
-            _log.error(CRASHED, message=f"{words} while it stopped", component=name, exc_info=cause)
+            _log.error(CRASHED, message=f"{words} while stopping", component=name, exc_info=cause)
         elif delay is not None:
-            _log.error(CRASHED, message=f"{words}; it is started anew in {delay:g} s", component=name, exc_info=cause)
+            _log.error(CRASHED, message=f"{words}; restarting in {delay:g} s", component=name, exc_info=cause)
         else:
             self.given_up.append(name)
             _log.critical(
                 GIVEN_UP,
-                message=f"{name} crashed {MAX_CRASHES} times within a minute and is given up: {in_words(cause)}",
+                message=f"{name} crashed {MAX_CRASHES} times within a minute and is not restarted any more: "
+                f"{in_words(cause)}",
                 component=name,
                 exc_info=cause,
             )

@@ -144,7 +144,7 @@ def test_a_query_that_is_not_understood_is_explained(still_homebot: Homebot, cap
     ("name", "problem"),
     [
         ("Kitchn lamp", "homebot: there is no device Kitchn lamp; did you mean Kitchen lamp"),
-        ("zzzzzz", "homebot: there is no device zzzzzz; `homebot devices` shows what there is\n"),
+        ("zzzzzz", "homebot: there is no device zzzzzz; `homebot devices` lists all\n"),
     ],
 )
 def test_an_unknown_device_is_told_with_similar_ones(

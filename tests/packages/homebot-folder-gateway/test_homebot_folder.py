@@ -61,7 +61,7 @@ async def test_the_command_line_lists_the_lamp_with_its_state(homebot: TestHouse
         while len(lines) < 2:
             done = await anyio.run_process([sys.executable, "-m", "homebot", "devices"], env={**os.environ, **door})
             lines = [line.split() for line in done.stdout.decode().splitlines()]
-    assert lines[0][:4] == ["DEVICE", "TYPE", "SAYS", "GATEWAY"]
+    assert lines[0][:4] == ["DEVICE", "TYPE", "STATE", "GATEWAY"]
     assert lines[1][1:4] == ["lights", "on", "folder"]
 
 

@@ -85,15 +85,15 @@ def _tls(options: argparse.Namespace) -> ssl.SSLContext | None:
 @asynccontextmanager
 async def _running(broker: Broker) -> AsyncIterator[None]:
     async with broker:
-        _log.info(SERVING, message=f"MQTT broker on {broker.url}; Ctrl-C stops it", url=broker.url)
+        _log.info(SERVING, message=f"MQTT broker listening on {broker.url}; press Ctrl-C to stop", url=broker.url)
         yield
     stats = broker.stats
     words = loss_words(broker.hub.counters)
-    lost = f"; it dropped {words}" if words else ""
+    lost = f", dropped {words}" if words else ""
     _log.info(
         ENDED,
-        message=f"the broker stopped; it had taken {stats.messages_received} messages from "
-        f"{stats.connections_accepted} connections and sent {stats.messages_sent}{lost}",
+        message=f"the broker stopped; received {stats.messages_received} messages on "
+        f"{stats.connections_accepted} connections, sent {stats.messages_sent}{lost}",
         connections=stats.connections_accepted,
         messages_received=stats.messages_received,
         messages_sent=stats.messages_sent,

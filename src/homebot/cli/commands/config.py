@@ -18,10 +18,10 @@ def check(options: argparse.Namespace) -> int:
     configure_logging()
     config = load_config(Path(options.config))
     plan = make_plan(with_door_token(config))
-    print(f"{config.source} is fine: home {plan.home}")
-    print(f"  gateways: {_names(plan.gateways)}")
-    print(f"  apps:     {_names(plan.apps)}")
-    print(f"  door:     {plan.door.host}:{plan.door.port}{' (asks for a token)' if plan.door.token else ''}")
+    print(f"{config.source} is valid: home {plan.home}")
+    print(f"  gateways:  {_names(plan.gateways)}")
+    print(f"  apps:      {_names(plan.apps)}")
+    print(f"  rosbridge: {plan.door.host}:{plan.door.port}{' (token required)' if plan.door.token else ''}")
     return 0
 
 

@@ -23,8 +23,8 @@ from homebot.similar import did_you_mean
 
 __all__ = ["list_devices"]
 
-_HEAD = ("DEVICE", "TYPE", "AREA", "SAYS", "GATEWAY", "LISTENS ON", "STATE", "LAST SEEN")
-_IF_ANY = ("AREA", "SAYS", "LISTENS ON")
+_HEAD = ("DEVICE", "TYPE", "AREA", "STATE", "GATEWAY", "COMMAND TOPIC", "AVAILABILITY", "LAST SEEN")
+_IF_ANY = ("AREA", "STATE", "COMMAND TOPIC")
 _WRONG_COMMAND_LINE = 2
 
 
@@ -42,11 +42,11 @@ def list_devices(options: argparse.Namespace) -> int:
         elif options.json:
             print(json.dumps([device_json(one) for one in devices], indent=2))
         elif not devices:
-            print(f"no device offers {options.type} now" if options.type else "no device was discovered yet")
+            print(f"no device offers {options.type} now" if options.type else "no device discovered yet")
         else:
             now = await house_time(door)
             rows = [_row(one, now) for one in devices]
-            print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("GATEWAY", "LISTENS ON"))
+            print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("GATEWAY", "COMMAND TOPIC"))
         return 0
 
     code = with_client(options, run)
@@ -74,8 +74,8 @@ async def _unknown_type(door: DoorClient, word: str) -> str:
     if wanted_types(word) or word in DEVICE_TYPES or type_is(word).types:
         return ""
     own = {one for device in await all_devices(door) for one in (device.service_type, *device.service_types) if one}
-    return f"{word!r} is no type, and no device calls itself so; " + did_you_mean(
-        word, {*TYPE_WORDS, *own}, "`homebot devices` shows the types of all"
+    return f"{word!r} is not a device type, and no device was announced as one; " + did_you_mean(
+        word, {*TYPE_WORDS, *own}, "`homebot devices` shows the type of each device"
     )
 
 

@@ -11,7 +11,7 @@ from homebot.cli.door_client import DoorClient
 from homebot.cli.publishing import gateway_state
 from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
-from homebot.cli.time_format import ago
+from homebot.cli.time_format import age, ago
 from homebot.cli.with_client import with_client
 from homebot.devices import Device, GatewayState
 from homebot.devices.health import Count, GetHealth, HealthResponse, PartFailure, Quarantine
@@ -53,7 +53,7 @@ def doctor(options: argparse.Namespace) -> int:
             is_well = _tell_health(name, health, now, everything=options.counts) and is_well
         is_well = await _tell_devices(door, now) and is_well
         print()
-        print_line("all is well" if is_well else "not all is well", "bold green" if is_well else "bold red")
+        print_line("all is well" if is_well else "problems found, see above", "bold green" if is_well else "bold red")
         return 0 if is_well else 1
 
     return with_client(options, run)
@@ -75,44 +75,44 @@ async def _health(door: DoorClient) -> dict[str, HealthResponse]:
 
 def _tell_gateway(name: str, state: GatewayState | None) -> bool:
     if state is None:
-        print(f"gateway {name} does not say how it is")
+        print(f"gateway {name} does not report its state")
         return False
-    acts = "acts" if state.acts else "only observes"
+    acts = "sends commands" if state.acts else "only observes"
     print(f"gateway {name} is {state.state} and {acts}{f': {printable(state.reason)}' if state.reason else ''}")
     return state.state == "active"
 
 
 def _tell_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:
     for trouble in health.troubles:
-        print(f"{name} is in trouble: {printable(trouble)}")
+        print(f"problem of {name}: {printable(trouble)}")
     shown = [one for one in health.counts if everything or (one.count and _is_one_of(_FAULTS, one))]
-    _tell(f"{name} counted since it started", [(one.name.replace("_", " "), str(one.count)) for one in shown])
+    _tell(f"counted by {name} since it started", [(one.name.replace("_", " "), str(one.count)) for one in shown])
     failures = [_failure(one, now) for one in health.failures[:_MOST]]
-    _tell(f"failed in {name} since it started", failures, len(health.failures))
+    _tell(f"failures in {name} since it started", failures, len(health.failures))
     offenders = [_offender(one, now) for one in health.quarantined[:_MOST]]
-    _tell(f"{name} reads only a little of what comes on", offenders, len(health.quarantined))
+    _tell(f"quarantined by {name}, which reads only some of their messages", offenders, len(health.quarantined))
     is_ill = any(one.count and _is_one_of(_ILLS, one) for one in health.counts)
     return not (health.quarantined or health.troubles or health.failures or is_ill)
 
 
 def _failure(one: PartFailure, now: float) -> tuple[str, ...]:
     times = "once" if one.count == 1 else f"{one.count} times"
-    outcome = f"; it is {one.outcome}" if one.outcome else ""
+    outcome = f"; now {one.outcome}" if one.outcome else ""
     return one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}"
 
 
 def _offender(one: Quarantine, now: float) -> tuple[str, ...]:
-    return one.offender, f"since {ago(one.since, now)}", f"{one.offences} offences, the last: {one.why}"
+    return one.offender, f"for {age(one.since, now)}", f"{one.offences} offences, the last: {one.why}"
 
 
 async def _tell_devices(door: DoorClient, now: float) -> bool:
     """Ask for numbers, and for the devices that are shown: a whole house takes long to carry."""
     total = (await find_devices(door, "", 1)).total
-    print(f"devices: {total}, not heard yet: {(await find_devices(door, 'unconfirmed', 1)).total}")
+    print(f"devices: {total}, unconfirmed: {(await find_devices(door, 'unconfirmed', 1)).total}")
     is_well = True
     for title, query, says in (
-        ("silent for too long", "stale", lambda one: f"last seen {ago(one.last_seen, now)}"),
-        ("cannot be reached", "offline not stale", lambda one: one.reachable.why),
+        ("stale", "stale", lambda one: f"last seen {ago(one.last_seen, now)}"),
+        ("unreachable", "offline not stale", lambda one: one.reachable.why),
         ("disputed", "disputed", _dispute),
     ):
         found = await find_devices(door, query, _MOST)
@@ -132,7 +132,7 @@ def _tell(title: str, rows: Sequence[tuple[str, ...]], total: int = 0, hint: str
     """Print *rows*, and how many of the *total* they are where there are more."""
     print_rows(rows, f"{title}:")
     if total > len(rows):
-        print(f"  … these are the first {len(rows)} of {total}{hint}")
+        print(f"  … the first {len(rows)} of {total} are shown{hint}")
 
 
 def _is_one_of(faults: tuple[str, ...], one: Count) -> bool:

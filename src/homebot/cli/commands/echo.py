@@ -50,7 +50,7 @@ async def _schema(door: DoorClient, topic: str) -> Schema | None:
 
 def _show(delivery: ReceivedMessage, schema: Schema | None, options: argparse.Namespace) -> None:
     if delivery.lost:
-        print(f"homebot: {delivery.lost} messages were lost before this one: too many, too fast", file=sys.stderr)
+        print(f"homebot: {delivery.lost} messages were lost before this one, as they came too fast", file=sys.stderr)
     message = delivery.message if options.json or schema is None else schema.readable(delivery.message)
     value = _field(message, options.field) if options.field else message
     text = f"{json.dumps(value)}\n" if options.json else f"{to_yaml(value)}---\n"

@@ -16,8 +16,8 @@ from homebot.devices.services import QueryDevicesResponse
 
 __all__ = ["find"]
 
-_HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "SAYS", "STATE")
-_IF_ANY = ("AREA", "SAYS")
+_HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "AVAILABILITY")
+_IF_ANY = ("AREA", "STATE")
 
 
 def find(options: argparse.Namespace) -> int:
@@ -32,7 +32,7 @@ def find(options: argparse.Namespace) -> int:
             ]
             print(json.dumps(results, indent=2))
         elif not found.results:
-            print(f"nothing fits {query!r}; `homebot devices` shows what there is")
+            print(f"no device matches {query!r}; `homebot devices` lists all")
         else:
             _show(found, why=options.why)
         return 0 if found.results else 1

@@ -33,9 +33,9 @@ def forget(options: argparse.Namespace) -> int:
         for one in answer.announced_on:
             if options.purge:
                 await outbox.publish(one.gateway, one.topic, "", retain=True)
-                print(f"deleted what the broker kept on {printable(one.topic)}")
+                print(f"deleted the retained message on {printable(one.topic)}")
             else:
-                print(f"it was announced on {printable(one.topic)}; --purge deletes what the broker keeps there")
+                print(f"it was announced on {printable(one.topic)}; --purge deletes the retained message there")
         return 0
 
     return with_client(options, run)

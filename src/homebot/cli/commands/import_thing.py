@@ -55,7 +55,7 @@ def topic_level(text: str) -> str:
     """
     level = re.sub(r"[^A-Za-z0-9_.-]+", "-", text).strip("-")[:100]
     if not level:
-        raise UsageError(f"no topic can be named after {text[:60]!a}; give --name")
+        raise UsageError(f"no topic name can be made from {text[:60]!a}; give --name")
     return level
 
 

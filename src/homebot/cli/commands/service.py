@@ -54,9 +54,9 @@ def _told(service: str, response: Mapping[str, object]) -> int:
     for name in ("success", "successful"):
         if response.get(name) is False:
             reason = next(
-                (str(response[key]) for key in ("message", "reason") if response.get(key)), "it does not say why"
+                (str(response[key]) for key in ("message", "reason") if response.get(key)), "it gave no reason"
             )
-            print(f"homebot: {service} answered that it did not work: {printable(reason)}", file=sys.stderr)
+            print(f"homebot: {service} reported a failure: {printable(reason)}", file=sys.stderr)
             return 1
     return 0
 

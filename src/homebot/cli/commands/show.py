@@ -54,36 +54,35 @@ def _describe(device: Device, reasons: tuple[str, ...], now: float) -> None:
     print_rows([*_overview(device, now)])
     values = {(one.part, one.capability): one for one in (*device.states, *device.events)}
     for part in device.parts:
-        title = _title(part) + (": cannot be reached" if part.id in device.offline_parts else "")
+        title = _title(part) + (": unreachable" if part.id in device.offline_parts else "")
         _section(title, _part(part, values, now))
     words = [one for one in device.endpoints if one.address or one.command_address]
-    rows = [(one.gateway, "speaks on", one.address) for one in words if _is_topic(one.address)]
-    rows += [(one.gateway, "listens on", one.command_address) for one in words if _is_topic(one.command_address)]
+    rows = [(one.gateway, "publishes on", one.address) for one in words if _is_topic(one.address)]
+    rows += [(one.gateway, "takes commands on", one.command_address) for one in words if _is_topic(one.command_address)]
     _section("addresses", rows)
     _section("identifiers", [(one,) for one in device.identifiers])
     facts = [
-        (one.name, one.value, f"said {_by(one.gateway, one.convention, one.key)}", ago(one.said_at, now))
-        for one in device.facts
+        (one.name, one.value, _by(one.gateway, one.convention, one.key), ago(one.said_at, now)) for one in device.facts
     ]
     facts = facts or [(one.key, one.value, "", "") for one in device.metadata]
     _section("facts", facts)
-    _section("one device, because", [(one,) for one in device.evidence])
+    _section("merged into one device, because", [(one,) for one in device.evidence])
     _section("disputed", [(one,) for one in device.conflicts])
-    _section("a search for its name finds it, because", [(one,) for one in reasons])
+    _section("found by its name, because", [(one,) for one in reasons])
 
 
 def _overview(device: Device, now: float) -> Iterator[tuple[str, ...]]:
-    yield "offers", ", ".join(device.service_types) or device.service_type
+    yield "type", ", ".join(device.service_types) or device.service_type
     if device.area:
-        yield "is in", device.area
+        yield "area", device.area
     others = [one for one in device.names if one != device.name]
     if others:
-        yield "is also called", ", ".join(others)
+        yield "other names", ", ".join(others)
     seen = f"last seen {ago(device.last_seen, now)}, first {ago(device.first_seen, now)}"
-    yield "is", f"{life(device)}; {seen}"
+    yield "availability", f"{life(device)}; {seen}"
     reach = {"yes": "yes", "no": "no", "unknown": "unknown"}[device.reachable.state]
-    since = f", since {ago(device.reachable.since, now)}" if device.reachable.since.sec else ""
-    yield "can be reached", f"{reach}: {device.reachable.why}{since}"
+    since = f", {ago(device.reachable.since, now)}" if device.reachable.since.sec else ""
+    yield "reachable", f"{reach}: {device.reachable.why}{since}"
 
 
 def _title(part: DevicePart) -> str:
@@ -92,7 +91,7 @@ def _title(part: DevicePart) -> str:
     more += [f"part {part.id}"] if part.id else []
     more += [f"announced as {shown.advertised}"] if shown.advertised not in {"", shown.service_type} else []
     more += [one for one in (shown.tag, shown.category) if one]
-    more += ["by guess"] if shown.guessed else []
+    more += ["guessed"] if shown.guessed else []
     return f"{shown.service_type} ({', '.join(more)})" if more else shown.service_type
 
 
@@ -103,18 +102,18 @@ def _part(part: DevicePart, states: dict[tuple[str, str], State], now: float) ->
     yield from (("writes", topic) for topic in part.part.writes)
     for number, route in enumerate(part.routes):
         by = _by(route.gateway, route.convention, route.key)
-        yield ("way" if number == 0 else "or else"), by
+        yield ("route" if number == 0 else "else"), by
 
 
 def _capability(capability: Capability, state: State | None, now: float) -> tuple[str, ...]:
     use = _USES[capability.readable, capability.settable]
     value = state.value.plain() if state else None
-    shown = "unknown" if capability.readable else "never told"
+    shown = "unknown" if capability.readable else "not reported"
     since = ""
     if state is not None and value is not None:
         shown = in_words(capability, value)
-        lasts = "last" if capability.name in EVENTS else "since" if state.live else "kept since"
-        since = f"{lasts} {ago(state.since, now)}"
+        kept = "" if state.live or capability.name in EVENTS else "retained, "
+        since = f"{kept}{ago(state.since, now)}"
     return capability.name, shown, use, span(capability), since
 
 
@@ -127,7 +126,7 @@ def _section(title: str, rows: Iterable[tuple[str, ...]]) -> None:
 def _by(gateway: str, convention: str, key: str) -> str:
     """As ``mqtt, homeassistant:light/0x17``; a key that begins with its convention says it once."""
     named = key if not convention or key.startswith(f"{convention}:") else f"{convention}:{key}"
-    return f"through {gateway} as {named}" if gateway else f"as {named}"
+    return f"via {gateway} as {named}" if gateway else f"as {named}"
 
 
 def _is_topic(address: str) -> bool:
