@@ -78,7 +78,7 @@ class SimulatedHouse:
 
     Host: ClassVar[type[HostedBroker]] = HostedBroker
     WITHOUT_HOST: ClassVar[str] = (
-        "none is on homebot's own broker (an mqtt gateway without url), where a simulated house could live"
+        "none uses the embedded broker (an mqtt gateway without url), which a simulated house needs"
     )
 
     def __init__(
