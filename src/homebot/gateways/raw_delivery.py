@@ -7,12 +7,14 @@ from dataclasses import dataclass, field
 
 import anyio
 
+from homebot.clock import Clock
 from homebot.devices import GatewayNames, RawMessage
 from homebot.errors import ClosedError, RefusedError
 from homebot.graph import Node, Publisher, QoSProfile
 from homebot.log import LogLimit
+from homebot.messages import Time
 
-__all__ = ["RawDelivery"]
+__all__ = ["RawDelivery", "begin_of"]
 
 SLOW_LISTENER = "gateway.slow_listener"
 
@@ -26,6 +28,8 @@ SLOW_READER_PENALTY = 60.0
 """Seconds for which a listener is not waited for again after it let that time pass."""
 
 MAX_ADDRESSES = 100_000
+
+_ROUNDED = 1e-6
 
 _RAW_QOS = QoSProfile(depth=10_000)
 
@@ -170,3 +174,11 @@ class RawDelivery:
 class _Asker:
     node: Node
     addresses: set[str] = field(default_factory=set)
+
+
+def begin_of(since: Time, clock: Clock) -> float:
+    """Return the reading of the monotonic clock at the time *since*, a microsecond early at most.
+
+    A clock that was set between the two would else hide what came, or tell old words anew.
+    """
+    return clock.monotonic() - (clock.now() - since.to_seconds()) - _ROUNDED

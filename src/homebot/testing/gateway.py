@@ -13,9 +13,9 @@ from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.errors import HomebotError
 from homebot.gateways import Gateway, GatewayContext
-from homebot.gateways.mqtt.channels import begin_of, missed
-from homebot.gateways.mqtt.reporter import stamps
-from homebot.gateways.raw_delivery import RawDelivery
+from homebot.gateways.announced.part_texts import missed
+from homebot.gateways.announced.reporter import stamps
+from homebot.gateways.raw_delivery import RawDelivery, begin_of
 from homebot.graph import Node
 from homebot.messages import Time
 

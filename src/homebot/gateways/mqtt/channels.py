@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from homebot.clock import Clock
 from homebot.conventions.convention import TopicDevice, TopicLayout
 from homebot.devices import RawMessage
 from homebot.devices.text.decode import TextDecoder, decoder_for
 from homebot.errors import WireError
+from homebot.gateways.announced.part_texts import missed
 from homebot.graph import Publisher
-from homebot.messages import Time
 
-__all__ = ["Channel", "Channels", "begin_of", "missed"]
+__all__ = ["Channel", "Channels"]
 
 MAX_CHANNELS = 100_000
 KEPT = 10
 KEPT_PAYLOAD = 4096
-_ROUNDED = 1e-6
 
 
 @dataclass(slots=True)
@@ -59,20 +57,6 @@ class Channel:
             What came then or later, and the broker's own stored state where it is still the device's last word.
         """
         return missed(self.kept, since)
-
-
-def begin_of(since: Time, clock: Clock) -> float:
-    """Return the reading of the monotonic clock at the time *since*, a microsecond early at most.
-
-    A clock that was set between the two would else hide what came, or tell old words anew.
-    """
-    return clock.monotonic() - (clock.now() - since.to_seconds()) - _ROUNDED
-
-
-def missed(kept: Sequence[tuple[float, RawMessage]], since: float) -> tuple[RawMessage, ...]:
-    """Return those of the *kept* messages that came from *since* on, and the last where the broker had kept it."""
-    last = kept[-1][1] if kept else None
-    return tuple(one for came, one in kept if came >= since or (one is last and one.retained))
 
 
 class Channels:

@@ -25,6 +25,8 @@ from homebot.devices import RawMessage
 from homebot.devices.command import SendCommand
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.text.encode import read_text_address
+from homebot.gateways.announced.reporter import DeviceReporter
+from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader
@@ -36,9 +38,7 @@ from homebot.gateways.mqtt.last_messages import CachedMessage, LastMessageCache
 from homebot.gateways.mqtt.offers import Offers
 from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange, RegistryLimits, TopicReaders
-from homebot.gateways.mqtt.reporter import DeviceReporter
 from homebot.gateways.mqtt.reserved import ReservedTopics
-from homebot.gateways.mqtt.scheduler import Scheduler
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.gateways.mqtt.spare_memory import LONG, SpareMemory
 from homebot.gateways.mqtt.state_reader import StateReader

@@ -23,19 +23,19 @@ from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.encode import read_text_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
+from homebot.gateways.announced.reporter import REFRESH, stamps
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.gateways.mqtt.acting_lease import ActingLease
-from homebot.gateways.mqtt.channels import Channel, Channels, begin_of
+from homebot.gateways.mqtt.channels import Channel, Channels
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.embedded_broker import EMBEDDED_BROKER
 from homebot.gateways.mqtt.engine import AnnouncedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.loaded_conventions import find_conventions
 from homebot.gateways.mqtt.registry import TopicReaders
-from homebot.gateways.mqtt.reporter import REFRESH, stamps
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
-from homebot.gateways.raw_delivery import RawDelivery
+from homebot.gateways.raw_delivery import RawDelivery, begin_of
 from homebot.graph import EntityKind, Node
 from homebot.isolation import run_as
 from homebot.messages import Time

@@ -11,14 +11,14 @@ from homebot.conventions.convention import Convention, SlicedConvention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
 from homebot.conventions.payload import noting_duplicates
 from homebot.errors import WireError
+from homebot.gateways.announced.reporter import DeviceReporter
+from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.mqtt.announcement import StoredAnnouncement
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.deferred import DeferredMessages
 from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange
-from homebot.gateways.mqtt.reporter import DeviceReporter
 from homebot.gateways.mqtt.reserved import ReservedTopics
-from homebot.gateways.mqtt.scheduler import Scheduler
 from homebot.mqtt.message import MqttMessage
 from homebot.time_slice import TimeSlice
 

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from functools import partial
 
 from homebot.devices.health import Quarantine
+from homebot.gateways.announced.reporter import DeviceReporter
+from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.reporter import DeviceReporter
-from homebot.gateways.mqtt.scheduler import Scheduler
 from homebot.gateways.mqtt.work_budget import CALM, WorkBudget, WorkBudgets
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import crash_of

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.gateways.mqtt.scheduler import Scheduler
+from homebot.gateways.announced.scheduler import Scheduler
 from homebot.mqtt.memory import MemoryKeeper
 
 __all__ = ["LONG", "SpareMemory"]

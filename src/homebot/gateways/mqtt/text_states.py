@@ -13,9 +13,9 @@ from homebot.devices.text.decode import Decoded
 from homebot.devices.text.encode import decode_command
 from homebot.devices.value import Value
 from homebot.errors import RefusedError
+from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.mqtt.channels import Channel
 from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.reporter import DeviceReporter
 from homebot.mqtt.message import MqttMessage
 
 __all__ = ["TextStateReader"]

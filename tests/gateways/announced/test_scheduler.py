@@ -11,7 +11,7 @@ import anyio.lowlevel
 import pytest
 
 from homebot.clock import LoopClock, ManualClock
-from homebot.gateways.mqtt.scheduler import Scheduler
+from homebot.gateways.announced.scheduler import Scheduler
 
 pytestmark = pytest.mark.virtual_time
 

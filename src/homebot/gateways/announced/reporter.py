@@ -5,8 +5,8 @@ from __future__ import annotations
 from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.devices.services import NEVER
 from homebot.devices.value import Value
+from homebot.gateways.announced.reported_device import ReportedDevice, SightingKind
 from homebot.gateways.base import Gateway
-from homebot.gateways.mqtt.announcement import SightingKind, StoredAnnouncement
 from homebot.messages import Time
 
 __all__ = ["REFRESH", "DeviceReporter", "stamps"]
@@ -54,12 +54,12 @@ class DeviceReporter:
         self.now = self._clock.monotonic()
         self.stamp, self._until = stamps(seconds, self._stale_after)
 
-    def publish_sighting(self, claim: StoredAnnouncement, kind: SightingKind, why: str, *, confirmed: bool) -> None:
+    def publish_sighting(self, device: ReportedDevice, kind: SightingKind, why: str, *, confirmed: bool) -> None:
         """Tell that a device is there, still there, or gone."""
-        claim.refresh_at = self.now + REFRESH
-        claim.is_confirmed = confirmed
+        device.refresh_at = self.now + REFRESH
+        device.is_confirmed = confirmed
         self._gateway.publish_sighting(
-            claim.sighting(kind, why, at=self.stamp, until=self._until, heard_at=self.now, confirmed=confirmed)
+            device.sighting(kind, why, at=self.stamp, until=self._until, heard_at=self.now, confirmed=confirmed)
         )
 
     def publish_report(
@@ -80,12 +80,12 @@ class DeviceReporter:
         )
 
     def report_reachable(
-        self, claim: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool
+        self, device: ReportedDevice, part: str, address: str, *, reachable: bool | None, retained: bool
     ) -> None:
         """Tell whether a device, or one of its parts, can be reached, as was said on *address*; empty for no more."""
         reading = Reading(part=part, capability=REACHABLE, value=Value.of(reachable))
-        stream = claim.report_stream(f"{REACHABLE} {part}" if part else REACHABLE)
-        self.publish_report(claim.key, (reading,), address, stream, retained=retained)
+        stream = device.report_stream(f"{REACHABLE} {part}" if part else REACHABLE)
+        self.publish_report(device.key, (reading,), address, stream, retained=retained)
 
     def report_events(self, key: str, readings: tuple[Reading, ...], address: str) -> None:
         """Tell what happened to the device *key*: nothing takes its place, and no late joiner hears it."""
@@ -94,11 +94,11 @@ class DeviceReporter:
         self.publish_report(key, readings, address, stream, retained=False)
         self._reports.dispose(stream)
 
-    def dispose_all(self, claim: StoredAnnouncement) -> None:
+    def dispose_all(self, device: ReportedDevice) -> None:
         """Keep no report of a device for late joiners any more."""
-        for stream in claim.report_streams:
+        for stream in device.report_streams:
             self.dispose(stream)
-        claim.report_streams.clear()
+        device.report_streams.clear()
 
     def dispose(self, stream: str) -> None:
         """Keep no report of *stream* for late joiners any more."""
