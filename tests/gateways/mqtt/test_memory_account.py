@@ -22,6 +22,7 @@ from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.filter_tree import FilterIndex
 
 REAL = Path(__file__).parents[2] / "conventions" / "zigbee2mqtt" / "both_announcements.jsonl"
@@ -135,3 +136,9 @@ async def test_what_is_one_too_many_is_counted_and_told(
             await house.announce(f"lamp{number}")
         assert len(house.sighted()) == 64
         assert house.gateway.counters.devices_refused == 80 - 64
+
+
+def test_at_our_own_broker_every_device_that_fits_is_heard() -> None:
+    """Each tells its state on a topic of its own, and the gateway is one session there."""
+    one = taken({"a": described("a")})
+    assert MAX_MEMORY // one <= BrokerLimits().max_subscriptions < BrokerLimits().max_all_subscriptions

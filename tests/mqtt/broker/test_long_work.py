@@ -22,6 +22,7 @@ from homebot.mqtt.packets import (
     Pingresp,
     Properties,
     ProtocolVersion,
+    Puback,
     Publish,
     ReasonCode,
     Suback,
@@ -307,3 +308,32 @@ def test_copies_of_a_large_message_are_made_one_after_the_other(
     served(subscribers[0], clock)
     for subscriber in subscribers:
         assert [len(message.payload) for message in subscriber.messages()] == [2_000_000, 5]
+
+
+def test_the_subscriptions_of_sessions_that_end_are_removed_a_few_at_a_time(
+    hub: BrokerState, join: Join, clock: ManualClock
+) -> None:
+    """As many as one session may have, and all that there may be; from the first on they get nothing."""
+    session = join("many")
+    rest = join("more")
+    for client, count in ((session, hub.limits.max_subscriptions), (rest, 10_000)):
+        for first in range(0, count, 1000):
+            client.send(Subscribe(1, tuple(FilterRequest(f"s/{number}", 0) for number in range(first, first + 1000))))
+            served(client, clock)
+    keeper = join("keeper")
+    keeper.publish("s/7", b"seen")
+    assert [message.payload for message in session.messages()] == [b"seen"]
+    assert hub.stats.subscriptions == hub.limits.max_all_subscriptions
+    costs = [calls_of(session.lose), calls_of(rest.lose)]
+    assert hub.stats.subscriptions > 40_000
+    keeper.publish("s/7", b"not seen", 1, 1)
+    assert keeper.take_only(Puback)[0].reason is ReasonCode.NO_MATCHING_SUBSCRIBERS
+    back = join("many", clean=True)
+    back.publish("s/7", b"not seen either")
+    costs += served(back, clock)
+    assert back.messages() == []
+    assert hub.stats.subscriptions == 0
+    assert max(costs) < CALLS // 4
+    assert back.subscribe("s/7", qos=0) == (ReasonCode.SUCCESS,)
+    keeper.publish("s/7", b"again")
+    assert [message.payload for message in back.messages()] == [b"again"]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable
-from typing import NamedTuple, final
+from typing import Final, NamedTuple, final
 
 from homebot.clock import Clock
+from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.delivery import REFUSED, TAKEN, DeliveryResult
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY, BrokerMessage
@@ -19,7 +21,10 @@ from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Targ
 from homebot.mqtt.broker.work import WorkBudget
 from homebot.mqtt.packets import FilterRequest, ReasonCode
 
-__all__ = ["MessageRouter", "Receipt"]
+__all__ = ["COST", "MessageRouter", "Receipt"]
+
+COST: Final = 8
+"""Units of work to add or remove a subscription, and one for each level."""
 
 
 class Receipt(NamedTuple):
@@ -50,6 +55,7 @@ class MessageRouter:
         counters: Counts what is not retained.
         on_message: Told of each message.
         turn: What is done in one turn of the event loop; told of messages that go to many.
+        work: How much may be done now of what can take long.
 
     Attributes:
         subscriptions: Who wants which topic.
@@ -64,12 +70,15 @@ class MessageRouter:
         counters: Counters,
         on_message: Callable[[BrokerMessage], None] | None = None,
         turn: WorkBudget | None = None,
+        work: WorkBudget | None = None,
     ) -> None:
         self._clock = clock
         self._limits = limits
         self._counters = counters
         self._on_message = on_message
         self._turn = turn
+        self._work = WorkBudget(clock, BrokerTimers()) if work is None else work
+        self._ended: deque[BrokerSession] = deque()
         self.subscriptions = SubscriptionTree(turn)
         self.crowded: dict[BrokerSession, None] = {}
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
@@ -152,14 +161,34 @@ class MessageRouter:
         return ReasonCode.SUCCESS
 
     def forget(self, session: BrokerSession) -> None:
-        """Remove all of a session that has ended; shared messages it did not finish go to others of the group."""
+        """Remove all of a session that has ended; shared messages it did not finish go to others of the group.
+
+        It gets nothing more; of many subscriptions most are removed later, a few at a time.
+        """
         self.crowded.pop(session, None)
-        for name in list(session.subscriptions):
+        session.has_ended = True
+        self.subscriptions.forget_routes()
+        for name in [name for name, each in session.subscriptions.items() if each.share is not None]:
             self.unsubscribe(session, name)
+        self._ended.append(session)
+        self._remove_some()
         for parcel in session.unsent_shares():
             group = None if parcel.share is None else self.subscriptions.group(parcel.share)
             if group is not None:
                 _deliver_to_one(group, parcel.message, parcel.message.size >= BULKY)
+
+    def _remove_some(self) -> None:
+        """Remove as many subscriptions of ended sessions as may be removed now."""
+        while self._ended:
+            left = self._ended[0].subscriptions
+            while left:
+                if not self._work.left:
+                    self._work.later(self._remove_some)
+                    return
+                _, subscription = left.popitem()
+                self.subscriptions.remove(self._ended[0], subscription)
+                self._work.spend(COST + subscription.filter.count("/"))
+            self._ended.popleft()
 
     def _retain(self, message: BrokerMessage) -> bool:
         if self.retained.keep(message, self._clock.monotonic()):

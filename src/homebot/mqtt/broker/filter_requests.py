@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, final
+from typing import final
 
 from homebot.mqtt.broker.backpressure import Backpressure
+from homebot.mqtt.broker.exchange import COST
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.retained import RetainedMessages
@@ -14,8 +15,6 @@ from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import ReasonCode, Suback, Subscribe, Unsuback, Unsubscribe
 
 __all__ = ["FilterRequests"]
-
-_COST: Final = 8  # units of work for a filter, and one for each level
 
 
 @final
@@ -113,7 +112,7 @@ class _Subscribing:
             if not reason.failed:
                 reason = hub.exchange.subscribe(session, request, identifier, self._replay)
             reasons.append(reason)
-            hub.work.spend(_COST + request.filter.count("/"))
+            hub.work.spend(COST + request.filter.count("/"))
         self._replay.complete = True
         if self._replay.size:
             self._queue()
@@ -149,5 +148,5 @@ class _Unsubscribing:
                 return None
             name = names[len(reasons)]
             reasons.append(hub.exchange.unsubscribe(self._session, name))
-            hub.work.spend(_COST + name.count("/"))
+            hub.work.spend(COST + name.count("/"))
         return Unsuback(self._packet.packet_id, tuple(reasons))

@@ -20,7 +20,8 @@ class BrokerLimits:
         max_connections: Clients connected at once; one more is refused (0x97). Twice as many sockets may be
             open; one more costs the oldest that only waits for its end, or is closed at once.
         max_sessions: Sessions kept, connected or not; one more pushes out the one that was left longest ago.
-        max_subscriptions: Subscriptions of one session; one more is refused (0x97).
+        max_subscriptions: Subscriptions of one session; one more is refused (0x97). The gateway of homebot needs one
+            for each topic that devices tell their state on.
         max_all_subscriptions: Subscriptions of all sessions; likewise.
         max_shared_subscriptions: Shared subscriptions of all sessions; likewise.
         max_filter_levels: Levels of all filters, those counted once that filters begin with alike; likewise.
@@ -62,7 +63,7 @@ class BrokerLimits:
 
     max_connections: int = 1000
     max_sessions: int = 2000
-    max_subscriptions: int = 5000
+    max_subscriptions: int = 40_000
     max_all_subscriptions: int = 50_000
     max_shared_subscriptions: int = 1000
     max_filter_levels: int = 100_000

@@ -49,6 +49,7 @@ class BrokerSession:
         outbound: Where messages go, None while the client is away.
         subscriptions: By the filter as the client gave it.
         received: Packet ids of QoS 2 messages taken from the client and not released.
+        has_ended: It is forgotten, and gets nothing any more.
         overrun: The client stayed too slow for too long; its queue takes no more than it has room for.
         held_publishers: Those who wait for this session to catch up.
         in_flight: What the client has not acknowledged.
@@ -81,6 +82,7 @@ class BrokerSession:
         self.outbound: Outbound | None = None
         self.subscriptions: dict[str, SessionSubscription] = {}
         self.received: set[int] = set()
+        self.has_ended = False
         self.overrun = False
         self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
         self._crowded = {} if crowded is None else crowded

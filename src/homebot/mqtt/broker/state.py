@@ -167,7 +167,7 @@ class BrokerState:
                 self.sessions.end(session.client_id)
 
     def _clear(self) -> None:
-        self.exchange = MessageRouter(self.clock, self.limits, self.counters, self._on_message, self.turn)
+        self.exchange = MessageRouter(self.clock, self.limits, self.counters, self._on_message, self.turn, self.work)
         self.sessions = Sessions(
             self.exchange, self.clock, self.deadlines, self.limits, self.counters, self.work, self.pool
         )

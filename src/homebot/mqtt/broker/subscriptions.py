@@ -120,7 +120,7 @@ class SubscriptionTree:
 
     def add(self, session: BrokerSession, subscription: SessionSubscription) -> None:
         """Add a subscription, or put it in place of the one with the same filter."""
-        self._forget_routes()
+        self.forget_routes()
         if subscription.share is None:
             is_new = self._members.add(subscription.levels, session, subscription)
         else:
@@ -137,7 +137,7 @@ class SubscriptionTree:
 
     def remove(self, session: BrokerSession, subscription: SessionSubscription) -> None:
         """Remove a subscription that was added."""
-        self._forget_routes()
+        self.forget_routes()
         if subscription.share is None:
             self._members.remove(subscription.levels, session)
         else:
@@ -157,7 +157,7 @@ class SubscriptionTree:
             route = self._find(topic)
             if len(topic) <= _LONGEST_CACHED:
                 if self._cached >= _MOST_CACHED or len(self._cache) >= _MAX_CACHED_TOPICS:
-                    self._forget_routes()
+                    self.forget_routes()
                 self._cache[topic] = route
                 self._cached += len(route.targets) + len(route.groups)
         return route
@@ -166,7 +166,8 @@ class SubscriptionTree:
         """The group of that name and filter, if it still has members."""
         return self._groups.get(share[1].split("/"), share[0])
 
-    def _forget_routes(self) -> None:
+    def forget_routes(self) -> None:
+        """Look anew who gets what."""
         if self._cache:
             self._cache = {}
             self._cached = 0
@@ -178,6 +179,8 @@ class SubscriptionTree:
         for members in found:
             cost += len(members)
             for session, subscription in members.items():
+                if session.has_ended:
+                    continue
                 if session in matched:
                     matched[session].append(subscription)
                 else:
