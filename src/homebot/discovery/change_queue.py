@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import final
 
 from homebot.devices import Device, DeviceChange, State, StateChange
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind
+from homebot.discovery.command_topics import TopicOwnership
 from homebot.discovery.entry import Entry
 from homebot.discovery.merging.parts import MergedParts
 
@@ -33,7 +34,8 @@ class ChangeQueue:
     """Collects changes until they are taken: a device that is announced in thirty messages is then told of once.
 
     Args:
-        describe: Returns a device as it is.
+        entries: The devices that are known.
+        topics: Which announcement may use which command topic.
         first_sequence: Number of the first change.
 
     Attributes:
@@ -41,11 +43,12 @@ class ChangeQueue:
         states_lost: Changes of states that were dropped because nobody took them.
     """
 
-    def __init__(self, describe: Callable[[Entry], Device], first_sequence: int) -> None:
+    def __init__(self, entries: Mapping[str, Entry], topics: TopicOwnership, first_sequence: int) -> None:
         self.sequence = first_sequence - 1
         self.states_lost = 0
         self._events = 0
-        self._describe = describe
+        self._entries = entries
+        self._topics = topics
         self._pending: list[_PendingChange] = []
         self._last: dict[str, _PendingChange] = {}
         self._states: list[tuple[Entry, MergedParts, State]] = []
@@ -61,7 +64,7 @@ class ChangeQueue:
 
     def note_removed(self, entry: Entry, why: str, other: str = "") -> None:
         """Note that *entry* goes; it is told of as it is now."""
-        device = self._describe(entry)
+        device = entry.to_device(self._topics)
         if self._last.pop(entry.id, None) is not None:
             for one in self._pending:
                 if one.entry is entry and one.device is None:
@@ -86,25 +89,35 @@ class ChangeQueue:
         """Whether changes of states wait to be taken."""
         return bool(self._states)
 
-    def take_states(
-        self, counts: Callable[[Entry, MergedParts, State], bool], at_most: int | None = None
-    ) -> tuple[StateChange, ...]:
-        """Return the changes of states, oldest first, and forget them.
+    def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
+        """Return the changes of states, oldest first, and forget them; what is of a part that went is left out.
 
         Args:
-            counts: Tells whether what the parts of a device told still counts.
             at_most: How many to look at; None for all.
         """
         taken = self._states if at_most is None else self._states[:at_most]
         self._states = [] if at_most is None else self._states[at_most:]
-        return tuple(self._state_change(entry, state) for entry, parts, state in taken if counts(entry, parts, state))
+        return tuple(
+            self._state_change(entry, state) for entry, parts, state in taken if self._is_current(entry, parts, state)
+        )
+
+    def _is_current(self, entry: Entry, parts: MergedParts, state: State) -> bool:
+        if self._entries.get(entry.id) is not entry:
+            return False
+        merged = entry.parts(self._topics)
+        if state.capability in EVENTS:
+            return any(part.id == state.part for part in merged.parts)
+        if merged is parts:
+            return True
+        place = (state.part, state.capability)
+        return any((known.part, known.capability) == place for known in entry.to_device(self._topics).states)
 
     def _changes(self, one: _PendingChange) -> Iterator[DeviceChange]:
         """The change, and what became disputed by it."""
         entry = one.entry
         if self._last.get(entry.id) is one:
             del self._last[entry.id]
-        device = one.device or self._describe(entry)
+        device = one.device or entry.to_device(self._topics)
         yield self._change(one.kind, device, one.why, one.other)
         before, entry.published_conflicts = entry.published_conflicts, device.conflicts
         if before == device.conflicts or one.kind == "removed":

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple, TypeAlias, final
 
+from homebot.devices.part import Part
 from homebot.discovery.places import aliases_of, is_called, names, place_of, score
 from homebot.discovery.source_record import NATIVE_CONVENTIONS, SourceKey, SourceRecord
 
@@ -190,6 +191,22 @@ class TopicOwnership:
         if node is not None and _has(node.users, key):
             return node.verdicts.get(key, "") if node.verdicts else ""
         return "" if use.has(topic) else NOBODY
+
+    def conflict(self, source: SourceRecord, part: Part) -> str:
+        """Return in words which other announcement has what *part* of *source* would use; empty for none."""
+        for topic in part.writes:
+            owner = self.owner(source.key, topic)
+            if owner:
+                return self._conflict_text(source, topic, owner)
+        return ""
+
+    def _conflict_text(self, source: SourceRecord, topic: str, owner: str) -> str:
+        wants = f"{source.label} wants to be told things on {topic}, where"
+        if owner == NOBODY:
+            return f"{wants} too many others do"
+        if owner == self._uses[source.key].device:
+            return f"{wants} another announcement of the device is told something else"
+        return f"{wants} {owner} listens"
 
     def _enter(self, use: TopicUse, touched: dict[_TopicNode, None]) -> None:
         for prefix in use.owns:

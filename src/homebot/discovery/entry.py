@@ -19,9 +19,10 @@ from homebot.devices import (
 from homebot.devices.device_types import wanted_types
 from homebot.devices.text.encode import accepts_text, text_address
 from homebot.devices.value import PlainValue, Value
+from homebot.discovery.command_topics import TopicOwnership
 from homebot.discovery.echoes import Echoes
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
-from homebot.discovery.merging.parts import Disputed, MergedParts, main_part, merge_parts
+from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
 from homebot.discovery.reachability import offline_parts, reachability
 from homebot.discovery.report_interval import ReportInterval
 from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
@@ -110,14 +111,14 @@ class Entry:
         ids = self._description.merged.ids()
         return {**self.known_ids, **ids} if self.known_ids else ids
 
-    def parts(self, disputed: Disputed) -> MergedParts:
+    def parts(self, topics: TopicOwnership) -> MergedParts:
         """Return its parts."""
-        return self._described(disputed).merged
+        return self._described(topics).merged
 
-    def to_device(self, disputed: Disputed) -> Device:
+    def to_device(self, topics: TopicOwnership) -> Device:
         """Return the message that tells all of it; the same object as long as nothing is new."""
         if self._device is None:
-            described = self._described(disputed)
+            described = self._described(topics)
             self._device = Device.of_checked(
                 id=self.id,
                 name=described.name,
@@ -159,9 +160,9 @@ class Entry:
             self.echoes = Echoes()
         return self.echoes.is_new(place, capability, value, route, now)
 
-    def _described(self, disputed: Disputed) -> _Description:
+    def _described(self, topics: TopicOwnership) -> _Description:
         if self._description is None:
-            self._description = _describe(tuple(self.sources.values()), disputed, self.known_ids)
+            self._description = _describe(tuple(self.sources.values()), topics, self.known_ids)
             if self.known_ids:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
@@ -215,9 +216,9 @@ class _Description:
     merged: MergedParts
 
 
-def _describe(claims: tuple[SourceRecord, ...], disputed: Disputed, known_ids: PartIds) -> _Description:
+def _describe(claims: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds) -> _Description:
     ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
-    merged = merge_parts(ordered, disputed, known_ids)
+    merged = merge_parts(ordered, topics, known_ids)
     main = main_part(merged.parts)
     names = tuple(dict.fromkeys(one.sighting.name for one in ordered))
     first = ordered[0].sighting

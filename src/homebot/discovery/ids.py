@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import dataclass
 from hashlib import blake2b
 from typing import final
@@ -22,7 +22,7 @@ _LONGEST_SLUG = 60
 _SHORTEST_SUFFIX = 4
 
 
-def new_id(sighting: Sighting, is_taken: Callable[[str], bool]) -> str:
+def new_id(sighting: Sighting, *taken: Container[str]) -> str:
     """Return the id of a new device.
 
     The key, as in the thesis, for a device that its topic alone tells of; else its name in plain letters. Where that is
@@ -30,24 +30,25 @@ def new_id(sighting: Sighting, is_taken: Callable[[str], bool]) -> str:
 
     Args:
         sighting: How it was announced.
-        is_taken: Tells whether an id was given to another device.
+        taken: Ids that were given to other devices.
     """
     if not sighting.identifiers and (sighting.speaks_plainly or not sighting.parts):
         found = sighting.key
-        while is_taken(found):
+        while any(found in ids for ids in taken):
             found = f"{found}@{sighting.gateway}"
         return found
     slug = re.sub(r"[^a-z0-9]+", "_", fold(sighting.name))[:_LONGEST_SLUG].strip("_") or "device"
-    if not is_taken(slug):
+    if all(slug not in ids for ids in taken):
         return slug
     identity = _identity(sighting)
     for length in range(_SHORTEST_SUFFIX, len(identity) + 1):
-        if not is_taken(found := f"{slug}_{identity[-length:]}"):
+        found = f"{slug}_{identity[-length:]}"
+        if all(found not in ids for ids in taken):
             return found
     number = 2
-    while is_taken(found := f"{slug}_{identity}_{number}"):
+    while any(f"{slug}_{identity}_{number}" in ids for ids in taken):
         number += 1
-    return found
+    return f"{slug}_{identity}_{number}"
 
 
 def _identity(sighting: Sighting) -> str:
@@ -91,7 +92,7 @@ class Tombstones:
     def __len__(self) -> int:
         return len(self._stones)
 
-    def __contains__(self, device_id: str) -> bool:
+    def __contains__(self, device_id: object) -> bool:
         return device_id in self._stones
 
     def __iter__(self) -> Iterator[Tombstone]:

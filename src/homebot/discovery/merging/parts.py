@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from typing import TypeAlias
@@ -10,18 +10,16 @@ from typing import TypeAlias
 from homebot.devices import DevicePart, Route
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
+from homebot.discovery.command_topics import TopicOwnership
 from homebot.discovery.merging.capabilities import decided, settable_by
 from homebot.discovery.merging.matching import Candidate, candidates, match
 from homebot.discovery.merging.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
 from homebot.discovery.source_record import NATIVE_CONVENTIONS, SourceRecord, preference
 
-__all__ = ["MAX_PARTS", "Disputed", "MergedParts", "main_part", "merge_parts"]
+__all__ = ["MAX_PARTS", "MergedParts", "main_part", "merge_parts"]
 
 MAX_PARTS = 1000
 """Parts of one device; further ones are left out."""
-
-Disputed: TypeAlias = Callable[[SourceRecord, Part], str]
-"""Says in words who else has what a part of a claim would use; empty for nobody."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +72,7 @@ _Way: TypeAlias = tuple[PartPlace, str, Part]
 _Telling: TypeAlias = tuple[SourceRecord, Part, _Told]
 
 
-def merge_parts(claims: Sequence[SourceRecord], disputed: Disputed, known: PartIds = NO_IDS) -> MergedParts:
+def merge_parts(claims: Sequence[SourceRecord], topics: TopicOwnership, known: PartIds = NO_IDS) -> MergedParts:
     """Return the parts that *claims* on one device tell of; those that are *known* keep their ids.
 
     Parts of different conventions or gateways are one as :mod:`homebot.discovery.merging.matching` says. In one
@@ -97,8 +95,8 @@ def merge_parts(claims: Sequence[SourceRecord], disputed: Disputed, known: PartI
             found = numbered[group] = _Merged(part, len(numbered), claim.label)
         place = (*claim.key, part.id)
         found.places.append((claim.number, place))
-        if dispute := disputed(claim, part):
-            conflicts.append(dispute)
+        if conflict := topics.conflict(claim, part):
+            conflicts.append(conflict)
         else:
             found.ways.append((place, claim.sighting.convention, part))
         places[place] = found.number

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from homebot.discovery.entry import Entry
-from homebot.discovery.source_record import SourceKey
+from homebot.discovery.source_record import SourceKey, SourceRecord
 
 __all__ = ["Regrouped", "regroup"]
 
@@ -29,7 +29,7 @@ class Regrouped:
 
 
 def regroup(
-    groups: Iterable[frozenset[SourceKey]], owners: Mapping[SourceKey, Entry], age: Callable[[SourceKey], int]
+    groups: Iterable[frozenset[SourceKey]], owners: Mapping[SourceKey, Entry], sources: Mapping[SourceKey, SourceRecord]
 ) -> tuple[Regrouped, ...]:
     """Return the devices that *groups* of announcements are about.
 
@@ -38,8 +38,12 @@ def regroup(
     Args:
         groups: The announcements of each device.
         owners: What they were thought to be about; new ones have none.
-        age: Tells which announcement is older: the smaller number.
+        sources: The announcements; the one with the smaller number is older.
     """
+
+    def age(key: SourceKey) -> int:
+        return sources[key].number
+
     ordered = sorted((tuple(sorted(group, key=age)) for group in groups), key=lambda keys: age(keys[0]))
     found: list[tuple[tuple[SourceKey, ...], Entry | None, list[Entry]]] = []
     kept: set[str] = set()

@@ -1,0 +1,129 @@
+"""How long the silence of each device is no bad sign, and which one has been silent for too long. Pure."""
+
+from __future__ import annotations
+
+import math
+from typing import final
+
+from homebot.discovery.device_table import DeviceTable
+from homebot.discovery.entry import Entry
+from homebot.discovery.source_record import SourceRecord
+from homebot.messages import Time
+from homebot.timer_queue import TimerQueue
+
+__all__ = ["SAVE_LIFE", "Liveness"]
+
+SAVE_LIFE = 600.0
+"""Seconds between two writings of when a device was last seen."""
+
+_ONLINE_FOR = 86_400.0
+"""Seconds for which a device that said live that it is online may be silent: its last will watches over it."""
+
+
+@final
+class Liveness:
+    """Keeps the deadline of each device: after it the device is stale, and after *forget_after* more it is overdue.
+
+    Args:
+        table: The devices.
+        forget_after: Seconds for which a stale device is kept.
+
+    Attributes:
+        now: Time of what was taken in last, in seconds of a clock that is never set.
+    """
+
+    __slots__ = ("_deadlines", "_forget_after", "_table", "now")
+
+    def __init__(self, table: DeviceTable, forget_after: float) -> None:
+        self.now = -math.inf
+        self._table = table
+        self._forget_after = forget_after
+        self._deadlines: TimerQueue[str, None] = TimerQueue()
+
+    def mark_seen(self, entry: Entry, source: SourceRecord, stamp: Time, why: str) -> None:
+        """Note that *entry* itself spoke now, through *source*: it is fresh.
+
+        Args:
+            entry: The device.
+            source: The announcement through which it spoke.
+            stamp: The time in seconds since the Unix epoch.
+            why: The reason to give where it was neither fresh nor stale.
+        """
+        now = self.now
+        if now - entry.saved_at > SAVE_LIFE:
+            entry.saved_at = now
+            self._table.unsaved.add(entry.id)
+        source.confirmed = True
+        source.seen_at, source.heard_at = stamp, now
+        silence = entry.report_interval.record(now)
+        entry.invalidate_device()
+        if silence < entry.silence_allowed:
+            silence = entry.silence_allowed
+        if silence < _ONLINE_FOR and source.is_online:
+            silence = _ONLINE_FOR
+        before, entry.freshness = entry.freshness, "fresh"
+        entry.deadline, entry.expires = now + silence, stamp.to_seconds() + silence
+        self._deadlines.set(entry.id, entry.deadline, None)
+        if before == "fresh":
+            return
+        self._table.outdated[entry.id] = None
+        if before == "stale":
+            self._table.note("returned", entry, "it spoke again")
+        else:
+            self._table.note("changed", entry, why)
+
+    def extend(self, entry: Entry, source: SourceRecord, heard_at: float) -> None:
+        """Allow *entry* the silence that *source*, last heard at *heard_at*, allows; it may have a longer one already.
+
+        Args:
+            entry: The device.
+            source: One of its announcements.
+            heard_at: Seconds of the clock that is never set.
+        """
+        deadline = heard_at + source.lasts
+        if deadline > entry.deadline:
+            entry.deadline, entry.expires = deadline, source.seen_at.to_seconds() + source.lasts
+        self.schedule(entry)
+
+    def restart(self, entry: Entry, now: float, wall: float) -> None:
+        """Allow *entry*, which is known from before, its whole silence from now on.
+
+        Args:
+            entry: The device.
+            now: Seconds of the clock that is never set.
+            wall: Seconds since the Unix epoch.
+        """
+        silence = max(source.lasts for source in entry.sources.values())
+        entry.deadline, entry.expires = now + silence, wall + silence
+        self._deadlines.set(entry.id, entry.deadline, None)
+
+    def schedule(self, entry: Entry) -> None:
+        """Watch over the deadline of *entry*."""
+        forgets = self._forget_after if entry.freshness == "stale" else 0.0
+        self._deadlines.set(entry.id, entry.deadline + forgets, None)
+
+    def discard(self, entry: Entry) -> None:
+        """Watch over *entry* no more."""
+        self._deadlines.discard(entry.id)
+
+    def next_deadline(self) -> float | None:
+        """Return when :meth:`take_silent` has a device, in seconds of the clock that is never set; None for never."""
+        return self._deadlines.next()
+
+    def take_silent(self, now: float) -> Entry | None:
+        """Return a device that has been silent for too long at *now*; None where there is none.
+
+        One that is stale is to be removed, any other to be marked as stale.
+        """
+        due = self._deadlines.pop(now)
+        return None if due is None else self._table.entries[due[0]]
+
+    def mark_stale(self, entry: Entry) -> None:
+        """Note that *entry* was silent for too long."""
+        entry.freshness = "stale"
+        self.schedule(entry)
+        self._table.note("stale", entry, "it has been silent for too long")
+
+    def forgotten_at(self, entry: Entry) -> float:
+        """Return when a stale device is to be removed, in seconds since the Unix epoch."""
+        return entry.expires + self._forget_after

@@ -1,0 +1,134 @@
+"""What a sighting does to the index: an announcement is added, described again, heard again or withdrawn. Pure."""
+
+from __future__ import annotations
+
+from typing import final
+
+from homebot.devices import Sighting
+from homebot.discovery.device_table import DeviceTable
+from homebot.discovery.entry import Entry
+from homebot.discovery.liveness import Liveness
+from homebot.discovery.merging.merger import DeviceMerger
+from homebot.discovery.pending import PendingReports
+from homebot.discovery.source_record import SourceKey, SourceRecord, is_described_anew, note_description
+
+__all__ = ["MAX_SOURCES", "SightingIntake"]
+
+MAX_SOURCES = 1000
+"""Announcements of one device; further ones are rejected."""
+
+_SOURCES_PER_DEVICE = 10
+"""Announcements that the index takes in, for each device that it may hold."""
+
+
+@final
+class SightingIntake:
+    """Takes in sightings.
+
+    Args:
+        table: The devices.
+        liveness: When each was heard.
+        merger: Which announcements are about which device.
+        pending: Where the announcements of devices that were forgotten are kept.
+        max_devices: How many devices are taken in.
+    """
+
+    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_table")
+
+    def __init__(
+        self, table: DeviceTable, liveness: Liveness, merger: DeviceMerger, pending: PendingReports, max_devices: int
+    ) -> None:
+        self._table = table
+        self._liveness = liveness
+        self._merger = merger
+        self._pending = pending
+        self._max_devices = max_devices
+        self._number = 0
+
+    def add(self, key: SourceKey, sighting: Sighting) -> None:
+        """Take in an announcement that is not known yet; it may be rejected, which is counted."""
+        table, merger, now = self._table, self._merger, self._liveness.now
+        stone = table.tombstones.find(key, ())
+        if stone is not None and stone.retained_only and not sighting.confirmed:
+            table.counters.retained_only += 1
+            self._pending.remember_forgotten(key, sighting)
+            return
+        if len(table.sources) >= _SOURCES_PER_DEVICE * self._max_devices:
+            table.counters.rejected += 1
+            return
+        source = SourceRecord(
+            sighting=sighting,
+            number=0,
+            first_seen=sighting.seen_at,
+            seen_at=sighting.seen_at,
+            confirmed=sighting.confirmed,
+            heard_at=now,
+        )
+        key = source.key  # one object, wherever it is kept
+        affected = merger.identities.put(key, sighting)
+        sibling = merger.identities.same_identity(key)
+        is_alone = sibling is None and len(affected) == 1
+        count = len(table.owners[sibling].sources) + 1 if sibling is not None else len(affected)
+        if count > MAX_SOURCES or (is_alone and len(table.entries) >= self._max_devices):
+            merger.identities.discard(key)
+            table.counters.rejected += 1
+            return
+        self._number += 1
+        table.sources[key] = source
+        source.number = self._number
+        is_late = sighting.kind == "updated" and bool(sighting.announced_on)  # the first sighting was overtaken
+        why = "it was announced" if is_late else sighting.why
+        if is_alone:
+            merger.appear({key: source}, why)
+        elif sibling is not None:
+            merger.join(table.owners[sibling], source)
+        else:
+            merger.regroup(affected, why)
+        if sighting.confirmed and not is_alone:
+            self._liveness.mark_seen(table.owners[key], source, sighting.seen_at, why)
+
+    def refresh(self, source: SourceRecord, sighting: Sighting) -> None:
+        """Take in a further sighting of a known announcement."""
+        table, key = self._table, source.key
+        before, source.sighting = source.sighting, sighting
+        entry = table.owners[key]
+        if is_described_anew(before, sighting):
+            note_description(source, before)
+            if affected := self._merger.identities.put(key, sighting):
+                self._merger.regroup(affected, "it says anew who it is")
+                entry = table.owners[key]
+            self._merger.describe(entry)
+            table.note("changed", entry, "it is described anew")
+        if sighting.confirmed:
+            self._liveness.mark_seen(entry, source, sighting.seen_at, "it spoke itself")
+        elif not source.confirmed and entry.freshness == "unconfirmed":
+            source.seen_at, source.heard_at = sighting.seen_at, self._liveness.now
+            entry.invalidate_device()
+            self._liveness.extend(entry, source, self._liveness.now)
+
+    def withdraw(self, key: SourceKey, why: str) -> None:
+        """Forget a known announcement; its device goes with the last one."""
+        entry = self._table.owners[key]
+        if len(entry.sources) == 1:
+            self._merger.remove(entry, why, retained_only=False, at=entry.last_seen().to_seconds())
+        else:
+            self._merger.withdraw(entry, key, why)
+
+    def restore(self, entry: Entry, now: float, wall: float) -> None:
+        """Take in a device of the index file; one that is known already, or too many, is left out.
+
+        Args:
+            entry: The device.
+            now: Seconds of the clock that is never set.
+            wall: Seconds since the Unix epoch.
+        """
+        table = self._table
+        if entry.id in table.entries or len(table.entries) >= self._max_devices or not entry.sources:
+            return
+        if any(key in table.sources for key in entry.sources):
+            return
+        for key, source in entry.sources.items():
+            self._number += 1
+            source.number = self._number
+            table.sources[key] = source
+        self._merger.restore(entry, now, wall)

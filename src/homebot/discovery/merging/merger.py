@@ -1,0 +1,252 @@
+"""The devices that announcements are about: they appear, merge, split and go as their announcements do. Pure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import final
+
+from homebot.discovery.command_topics import topic_use
+from homebot.discovery.device_table import DeviceTable
+from homebot.discovery.entry import Entry
+from homebot.discovery.ids import Tombstone, new_id
+from homebot.discovery.liveness import Liveness
+from homebot.discovery.merging.identity import IdentityGraph
+from homebot.discovery.merging.regroup import Regrouped, regroup
+from homebot.discovery.pending import PendingReports
+from homebot.discovery.source_record import SourceKey, SourceRecord
+from homebot.discovery.states import is_denied
+
+__all__ = ["DeviceMerger"]
+
+_MAX_EVIDENCE = 16
+
+
+@final
+class DeviceMerger:
+    """Keeps each device the set of the announcements that are about it.
+
+    Args:
+        table: The devices.
+        liveness: How long each may be silent.
+        pending: Where the announcements of devices that were forgotten are kept.
+
+    Attributes:
+        identities: Which announcements are about one device.
+    """
+
+    __slots__ = ("_liveness", "_pending", "_table", "identities")
+
+    def __init__(self, table: DeviceTable, liveness: Liveness, pending: PendingReports) -> None:
+        self.identities = IdentityGraph()
+        self._table = table
+        self._liveness = liveness
+        self._pending = pending
+
+    def appear(self, sources: dict[SourceKey, SourceRecord], why: str) -> Entry:
+        """Make a device of *sources*; one that went and is back has its old id.
+
+        Args:
+            sources: Its announcements; the table has them already.
+            why: The reason to give.
+        """
+        table = self._table
+        stone = self._tombstone(sources)
+        if stone is not None:
+            table.tombstones.take(stone.id)
+        is_back = stone is not None and stone.id not in table.entries
+        if stone is not None and is_back:
+            device_id = stone.id
+        else:
+            device_id = new_id(next(iter(sources.values())).sighting, table.entries, table.tombstones)
+        confirmed = any(source.confirmed for source in sources.values())
+        first_seen = min((source.first_seen for source in sources.values()), key=lambda time: (time.sec, time.nanosec))
+        entry = Entry(device_id, first_seen, "fresh" if confirmed else "unconfirmed", sources)
+        table.entries[device_id] = entry
+        table.owners.update(dict.fromkeys(sources, entry))
+        for source in sources.values():
+            if source.confirmed:
+                entry.report_interval.record(source.heard_at)
+        self.describe(entry)
+        now = self._liveness.now
+        for source in sources.values():
+            self._liveness.extend(entry, source, now if source.heard_at == -math.inf else source.heard_at)
+        table.note("appeared", entry, f"it is back: {why}" if is_back else why)
+        return entry
+
+    def join(self, entry: Entry, source: SourceRecord) -> None:
+        """Add *source*, which says the same of who the device is as another of its announcements.
+
+        It is the usual case of a device that is announced in many messages, and needs no look at all others.
+        """
+        entry.sources[source.key] = source
+        self._table.owners[source.key] = entry
+        self.describe(entry, source)
+        if entry.freshness == "unconfirmed":
+            self._liveness.extend(entry, source, self._liveness.now)
+        self._table.note("changed", entry, "it announces more")
+
+    def restore(self, entry: Entry, now: float, wall: float) -> None:
+        """Make *entry* of the index file a device, unconfirmed.
+
+        Args:
+            entry: The device; the table has its announcements already.
+            now: Seconds of the clock that is never set.
+            wall: Seconds since the Unix epoch.
+        """
+        for key, source in entry.sources.items():
+            self._table.owners[key] = entry
+            self.identities.put(key, source.sighting)
+        entry.freshness = "unconfirmed"
+        self._table.entries[entry.id] = entry
+        self.describe(entry)
+        self._liveness.restart(entry, now, wall)
+        self._table.note("appeared", entry, "it was known before the start")
+
+    def remove(self, entry: Entry, why: str, *, retained_only: bool, at: float) -> None:
+        """Remove *entry* with its announcements.
+
+        Args:
+            entry: The device.
+            why: The reason to give.
+            retained_only: Whether announcements that the broker kept are not to bring it back.
+            at: When, in seconds since the Unix epoch.
+        """
+        table = self._table
+        table.changes.note_removed(entry, why)
+        stone = Tombstone(entry.id, tuple(entry.sources), entry.hardware(), retained_only, at)
+        self._drop(entry)
+        affected: set[SourceKey] = set()
+        for key, source in entry.sources.items():
+            if retained_only:
+                self._pending.remember_forgotten(key, source.sighting)
+            affected |= self.identities.discard(key)
+            del table.sources[key], table.owners[key]
+            self._refresh_conflicts(table.topics.discard(key))
+        forgotten = table.tombstones.put(stone)
+        if forgotten is not None:
+            table.unsaved.add(forgotten.id)
+        if affected := affected - entry.sources.keys():
+            self.regroup(affected, f"{entry.id} is gone: {why}")
+
+    def withdraw(self, entry: Entry, key: SourceKey, why: str) -> None:
+        """Remove one of several announcements of *entry*."""
+        table = self._table
+        affected = self.identities.discard(key)
+        del table.sources[key], table.owners[key], entry.sources[key]
+        self._refresh_conflicts(table.topics.discard(key))
+        self.regroup(affected, why)
+        self.describe(entry)
+        table.note("changed", entry, f"it announces less: {why}")
+
+    def regroup(self, affected: Iterable[SourceKey], why: str) -> None:
+        """Make the devices those that the announcements *affected* are about now."""
+        table = self._table
+        for group in regroup(self.identities.groups(affected), table.owners, table.sources):
+            if group.keeps is not None:
+                self._merge(group.keeps, group, why)
+            else:
+                self._split(group, why)
+
+    def describe(self, entry: Entry, new: SourceRecord | None = None) -> None:
+        """Bring up to date what follows from the announcements of *entry*: all changed, or *new* was added."""
+        table = self._table
+        entry.invalidate_description()
+        sources = tuple(entry.sources.values()) if new is None else (new,)
+        if new is None:
+            entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
+            entry.silence_allowed = max([source.lasts for source in sources])
+            entry.is_denied = is_denied(sources)
+        else:
+            entry.silence_allowed = max(entry.silence_allowed, new.lasts)
+        concerned: set[str] = set()
+        for source in sources:
+            concerned |= table.topics.put(topic_use(source, entry.id))
+        if concerned:
+            self._refresh_conflicts(concerned)
+        table.outdated[entry.id] = None
+        table.unsaved.add(entry.id)
+        owner = ""
+        for source in sources:
+            if owner := self._topic_owner(entry, source):
+                break
+        if new is not None and not owner:
+            return
+        before, entry.topic_owner = entry.topic_owner, owner
+        if owner and owner != before:
+            why = f"{entry.id} wants to be told things where it listens"
+            table.note("conflict", table.entries[owner], why, entry.id)
+
+    def _tombstone(self, sources: dict[SourceKey, SourceRecord]) -> Tombstone | None:
+        for key, source in sources.items():
+            hardware = (found for found in source.sighting.identifiers if not found.startswith("id:"))
+            if (stone := self._table.tombstones.find(key, hardware)) is not None:
+                return stone
+        return None
+
+    def _drop(self, entry: Entry) -> None:
+        self._table.drop(entry)
+        self._liveness.discard(entry)
+
+    def _split(self, group: Regrouped, why: str) -> None:
+        for parent in group.parents:
+            for key in group.keys:
+                parent.sources.pop(key, None)
+        entry = self.appear({key: self._table.sources[key] for key in group.keys}, why)
+        for parent in group.parents:
+            self.describe(parent)
+            self._table.note("unmerged", parent, f"{entry.id} turned out to be another device", entry.id)
+
+    def _merge(self, entry: Entry, group: Regrouped, why: str) -> None:
+        table = self._table
+        sources = {key: table.sources[key] for key in group.keys}
+        new = sources.keys() - entry.sources.keys()
+        if not new and len(sources) == len(entry.sources):
+            return
+        for other in group.gone:
+            table.changes.note_removed(other, f"it is the same device as {entry.id}", entry.id)
+            self._drop(other)
+            entry.report_interval.join(other.report_interval)
+            if other.deadline > entry.deadline:
+                entry.deadline, entry.expires = other.deadline, other.expires
+            if other.freshness == "fresh" or entry.freshness == "stale":
+                entry.freshness = other.freshness
+        entry.sources = sources
+        table.owners.update(dict.fromkeys(sources, entry))
+        before = entry.evidence
+        self.describe(entry)
+        self._liveness.schedule(entry)
+        evidence = "; ".join(reason for reason in entry.evidence if reason not in before)
+        for other in group.gone:
+            table.note("merged", entry, evidence or why, other.id)
+        if new and not group.gone:
+            table.note("merged" if evidence else "changed", entry, evidence or "it announces more")
+
+    def _evidence(self, entry: Entry) -> Iterator[str]:
+        sources = self._table.sources
+        for number, (identifier, keys) in enumerate(self.identities.shared(entry.sources)):
+            if number >= _MAX_EVIDENCE:
+                return
+            yield f"same {identifier} in {' and '.join(sources[key].label for key in keys)}"
+
+    def _refresh_conflicts(self, concerned: Iterable[str]) -> None:
+        """Look again at devices that share a topic with one that came or went."""
+        table = self._table
+        for device_id in concerned:
+            entry = table.entries.get(device_id)
+            if entry is None:
+                continue
+            entry.invalidate_description()
+            table.outdated[device_id] = None
+            if entry.published_conflicts != entry.parts(table.topics).conflicts:
+                table.note("changed", entry, "what is disputed about it changed")
+
+    def _topic_owner(self, entry: Entry, source: SourceRecord) -> str:
+        """Return the device that keeps a topic from *source*; empty where none does."""
+        table = self._table
+        for part in source.sighting.parts:
+            for topic in part.writes:
+                owner = table.topics.owner(source.key, topic)
+                if owner and owner != entry.id and owner in table.entries:
+                    return owner
+        return ""

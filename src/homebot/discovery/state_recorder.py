@@ -1,0 +1,99 @@
+"""What a report does: values, events and reachability of a device are noted, made findable and published. Pure."""
+
+from __future__ import annotations
+
+from typing import final
+
+from homebot.devices.capabilities import EVENTS
+from homebot.devices.report import REACHABLE, Reading, Report
+from homebot.discovery.device_table import DeviceTable
+from homebot.discovery.entry import Entry
+from homebot.discovery.liveness import Liveness
+from homebot.discovery.source_record import SourceRecord, StoredValue
+from homebot.discovery.states import NOT_ANNOUNCED, has_capability, state_of, store_reachability, store_value
+from homebot.messages import Time
+
+__all__ = ["StateRecorder"]
+
+
+@final
+class StateRecorder:
+    """Takes in the reports of known devices.
+
+    Args:
+        table: The devices.
+        liveness: When each was heard.
+    """
+
+    __slots__ = ("_liveness", "_table")
+
+    def __init__(self, table: DeviceTable, liveness: Liveness) -> None:
+        self._table = table
+        self._liveness = liveness
+
+    def record(self, entry: Entry, source: SourceRecord, report: Report) -> None:
+        """Take in *report*, which came through *source*, an announcement of *entry*."""
+        live, now = not report.retained, self._liveness.now
+        shows_life = live and report.address != ""
+        before = self._reach(entry) if entry.is_denied else None
+        for reading in report.readings:
+            capability = reading.capability
+            if capability == REACHABLE:
+                before = before or self._reach(entry)
+                if report.address:
+                    store_reachability(entry, source, reading, report.received_at, now, live=live)
+                else:  # the device reports it no longer
+                    source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
+                shows_life = shows_life and reading.value.flag
+            elif capability in EVENTS:
+                if live:
+                    self._record_event(entry, source, reading, report.received_at)
+            elif (stored := store_value(source, reading, report, now)) is not None:
+                self._publish_value(entry, source, reading, stored)
+        if shows_life:
+            self._liveness.mark_seen(entry, source, report.received_at, "it spoke itself")
+        else:
+            entry.invalidate_device()
+        if before is not None and self._reach(entry) != before:
+            self._table.note("changed", entry, entry.reachability().why)
+
+    def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...]]:
+        """Return whether *entry* can be reached, and which of its parts cannot."""
+        return entry.reachability().state, entry.offline_parts(entry.parts(self._table.topics))
+
+    def _publish_value(self, entry: Entry, source: SourceRecord, reading: Reading, stored: StoredValue) -> None:
+        """Make a new value findable, and publish it."""
+        table = self._table
+        if stored is NOT_ANNOUNCED:
+            table.counters.unknown_parts += 1
+            return
+        is_sorted = entry.id not in table.outdated
+        if not (is_sorted or table.collects_states):
+            return
+        merged = entry.parts(table.topics)
+        number = merged.places.get((*source.key, reading.part))
+        if number is None:
+            return
+        part = merged.parts[number]
+        if is_sorted and len(part.routes) > 1:
+            table.outdated[entry.id] = None
+        elif is_sorted:
+            table.postings.tell(entry.id, part.id, part.part.service_type, reading.capability, stored.value)
+        if table.collects_states:
+            table.changes.note_state(entry, merged, state_of(part.id, reading, stored))
+
+    def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
+        """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
+        table, now = self._table, self._liveness.now
+        if not has_capability(source, reading.part, reading.capability):
+            table.counters.unknown_parts += 1
+            return
+        merged = entry.parts(table.topics)
+        number = merged.places.get((*source.key, reading.part))
+        value = reading.value.plain()
+        if number is None or not entry.is_new_event(number, reading.capability, value, source.key, now):
+            return
+        stored = StoredValue(value, stamp, stamp, live=True, heard=now)
+        source.events = {**source.events, (reading.part, reading.capability): stored}
+        if table.collects_states:
+            table.changes.note_state(entry, merged, state_of(merged.parts[number].id, reading, stored))
