@@ -1,14 +1,21 @@
-"""The API reference in ``docs/reference`` is whole: each public name is there, once."""
+"""The documentation keeps up with the code: every public name is in the reference, and no link is broken.
+
+``make docs`` checks headings and cross references as well.
+"""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
+import pytest
+
 import homebot
 import homebot.testing
 
-PAGES = Path(__file__).parent.parent / "docs" / "reference"
+ROOT = Path(__file__).parent.parent
+PAGES = ROOT / "docs" / "reference"
+GUIDES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("examples/**/*.md")]
 
 
 def test_every_public_name_is_in_the_reference_once() -> None:
@@ -18,3 +25,10 @@ def test_every_public_name_is_in_the_reference_once() -> None:
     public = [f"homebot.{name}" for name in homebot.__all__ if name != "__version__"]
     public += [f"homebot.testing.{name}" for name in homebot.testing.__all__]
     assert sorted(entries) == sorted(public)
+
+
+@pytest.mark.parametrize("guide", GUIDES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_link_to_a_file_leads_to_one(guide: Path) -> None:
+    """Files move; a guide that names one moves with it."""
+    links = re.findall(r"\]\((?![a-z]+:|#)([^)#\s]+)", guide.read_text())
+    assert [link for link in links if not (guide.parent / link).exists()] == []
