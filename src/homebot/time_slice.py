@@ -30,7 +30,7 @@ class TimeSlice:
 
     @property
     def is_over(self) -> bool:
-        """Whether it is somebody else's turn."""
+        """True if it is somebody else's turn."""
         return self._monotonic() >= self._ends
 
     async def pause(self) -> None:

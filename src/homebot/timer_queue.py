@@ -1,4 +1,4 @@
-"""When each of many things is due, and which is next. Pure: the owner of the clock asks what is due."""
+"""Queue of due times: when each of many things is due, and which is next. Pure: the owner of the clock asks it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a command asks for, checked against what the part can do. Pure."""
+"""Checks of a command's value against what the part can do. Pure."""
 
 from __future__ import annotations
 

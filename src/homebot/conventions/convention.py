@@ -1,4 +1,4 @@
-"""What a convention knows: how one family of devices uses MQTT. Pure: topics and payloads in, values out."""
+"""Port of a convention: the way in which one family of devices uses MQTT. Pure: topics and payloads in, values out."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class TopicDevice:
-    """What a topic tells about the device that uses it.
+    """A device as far as its topic describes it.
 
     Attributes:
         key: What the gateway calls the device; unique at the gateway.
@@ -111,7 +111,7 @@ class OfferPublisher(Protocol):
         ...
 
     def is_own_topic(self, topic: str) -> bool:
-        """Whether *topic* is one on which it announces; what comes there is no device."""
+        """Return whether *topic* is one on which it announces; what comes there is no device."""
         ...
 
     def publications(self, offer: ExposedDevice) -> tuple[Publication, ...]:

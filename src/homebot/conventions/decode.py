@@ -1,4 +1,4 @@
-"""What a message of a device tells, and the JSON and texts to read it from. Pure; nothing here raises."""
+"""Readings of a message, and the JSON and texts to take them from. Pure; nothing here raises."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a convention makes of a device's announcement: a description, with the codec of each part. Pure values."""
+"""Description of an announced device, as a convention gives it, with the codec of each part. Pure values."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Publication:
 
 
 class Codec(Protocol):
-    """How one part speaks and listens: pure, and bounded in time and memory whatever it is given."""
+    """The codec of one part: pure, and bounded in time and memory whatever it is given."""
 
     def topics(self) -> tuple[str, ...]:
         """Return the topic filters that it speaks on; wildcards only where the device declared them."""
@@ -135,7 +135,7 @@ class AvailabilitySource(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Availability:
-    """How a device tells whether it can be reached. Before the first word it is unknown.
+    """The topics on which a device reports whether it can be reached. Before the first message it is unknown.
 
     Attributes:
         sources: The topics; at least one.

@@ -52,7 +52,7 @@ class PartBuilder(Generic[MessageT]):
 
     @property
     def is_empty(self) -> bool:
-        """Whether it can do nothing at all, so far."""
+        """True if it can do nothing at all, so far."""
         return not self._capabilities
 
     def add_capability(

@@ -31,7 +31,7 @@ CodedWriter: TypeAlias = Callable[[PlainValue, str], tuple[Publication, ...]]
 
 
 class PayloadParser(Protocol[MessageT_co]):
-    """How a payload becomes what the readers of a part are given."""
+    """A function from a payload to what the readers of a part are given."""
 
     def __call__(self, payload: bytes, *, retained: bool) -> MessageT_co | None:
         """Return the message; None where the payload is none. Never raises."""
@@ -56,7 +56,7 @@ def json_object(payload: bytes, *, retained: bool) -> JsonMessage | None:
 
 
 class TableCodec(Generic[MessageT]):
-    """How one part speaks and listens; see :class:`homebot.conventions.description.Codec`.
+    """A codec made of tables; see :class:`homebot.conventions.description.Codec`.
 
     Args:
         opened: What the readers are given of a payload.

@@ -1,4 +1,4 @@
-"""What a device of the thesis's layout is, by the word of its topic alone. Pure.
+"""Part of a device of the thesis's layout, by the service type in its topic alone. Pure.
 
 Source: ``docs/house.md``, the table of devices. A word with several meanings means what can be told something, because
 every device of the layout listens: ``windows`` are windows with a motor.
@@ -19,7 +19,7 @@ __all__ = ["thesis_part"]
 
 @dataclass(frozen=True, slots=True)
 class _ServiceTypeKind:
-    """What devices of one type understand: capabilities that they say and are told, and that they only say."""
+    """The capabilities of devices of one type: those that they report and take, and those that they only report."""
 
     settable: tuple[str, ...] = ()
     readable: tuple[str, ...] = ()

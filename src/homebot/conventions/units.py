@@ -18,7 +18,7 @@ __all__ = ["SENSOR_TYPES", "Conversion", "Quantity", "celsius_bounds", "conversi
 
 
 class Conversion(NamedTuple):
-    """How a number becomes another unit's.
+    """A conversion of a number to another unit.
 
     Attributes:
         shift: Is taken from a number first.
@@ -40,7 +40,7 @@ _SAME = Conversion()
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """What a number says.
+    """The quantity of a number.
 
     Attributes:
         service_type: Of a part that measures only this.

@@ -17,7 +17,7 @@ ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers"]
 
 @dataclass(frozen=True, slots=True)
 class CapabilityType:
-    """What every capability of one name means.
+    """The meaning of every capability of one name.
 
     Attributes:
         name: The name, for example ``on_off``.

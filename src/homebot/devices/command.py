@@ -36,7 +36,7 @@ class Command(Message):
 
 
 class SendCommandResponse(Message):
-    """What became of a command at the gateway; that the device obeyed is not proven by it.
+    """The gateway's result for a command; it does not prove that the device obeyed.
 
     Attributes:
         success: Whether the network took it.

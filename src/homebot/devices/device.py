@@ -1,4 +1,4 @@
-"""What the directory knows of a device."""
+"""Messages about a device, as the directory knows it."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Route(Message):
     takes: tuple[str, ...] = EVERYTHING
 
     def can(self, capability: str) -> bool:
-        """Whether the part can be told *capability* by it."""
+        """Return whether the part can be told *capability* by it."""
         return self.takes == EVERYTHING or capability in self.takes
 
 
@@ -117,7 +117,7 @@ class Fact(Message):
 
 
 class Reachability(Message):
-    """Whether a device can be reached, by what it or its last will says.
+    """The reachability of a device, as it or its last will reports it.
 
     Attributes:
         state: ``yes``, ``no`` or ``unknown``.

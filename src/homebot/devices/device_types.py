@@ -14,7 +14,7 @@ __all__ = ["DEVICE_TYPES", "DeviceType", "wanted_types"]
 
 @dataclass(frozen=True, slots=True)
 class DeviceType:
-    """What a part may be.
+    """The type of a part.
 
     Attributes:
         name: The name, for example ``light``.

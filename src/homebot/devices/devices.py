@@ -1,4 +1,4 @@
-"""What an application does with devices: find them, follow them, listen to them, tell them something."""
+"""Access of an application to devices: find, follow, listen and command."""
 
 from __future__ import annotations
 
@@ -271,7 +271,7 @@ class Devices:
         return self._commands[gateway]
 
     def _why_not(self, gateway: str) -> str:
-        """Why *gateway* sends no commands, by its last word; empty where it does, or has not spoken yet."""
+        """Return why *gateway* sends no commands, by its last state; empty where it does, or reported none yet."""
         if gateway not in self._states:
             names = GatewayNames(gateway)
             self._states[gateway] = self._node.create_subscription(

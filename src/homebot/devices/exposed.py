@@ -1,4 +1,4 @@
-"""What homebot offers to other systems of the house, such as a Home Assistant: its robot, its apps, its switches.
+"""Exposure of homebot's own parts to other systems of the house, such as Home Assistant: its robot, apps, switches.
 
 An offer goes to a gateway that publishes offers, on ``/gateway/<name>/offers``, and what it says of itself on
 ``/gateway/<name>/offer_reports``. Both topics are latched. What the other system tells it to do comes on
@@ -39,7 +39,7 @@ class ExposedDevice(Message):
 
 
 class ExposedState(Message):
-    """What something offered says of itself.
+    """A reported state of something exposed.
 
     Attributes:
         id: Which offer.

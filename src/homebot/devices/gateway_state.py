@@ -1,4 +1,4 @@
-"""How a gateway is."""
+"""State of a gateway."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ONLY_OBSERVES = "the gateway only observes; start with --act, or set act = true"
 
 
 class GatewayState(Message):
-    """Whether a gateway reaches its protocol's world, and whether it may act there.
+    """The state of a gateway: whether it reaches its protocol's world, and whether it may act there.
 
     Attributes:
         state: ``active`` or ``unavailable``.

@@ -1,4 +1,4 @@
-"""Where a gateway listens no more often than it can afford, and what else it counted."""
+"""Health of gateways, the directory and the runtime: problems, counters, failures, quarantine."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Count(Message):
 
 
 class PartFailure(Message):
-    """What went wrong in one part of the program, as far as is known since it started.
+    """The failures of one part of the program, as far as is known since it started.
 
     Attributes:
         part: The part: a component's name, or a node's.
@@ -70,11 +70,11 @@ class PartFailure(Message):
 
 
 class HealthRequest(Message):
-    """How are you?"""
+    """A question for the health of a component."""
 
 
 class HealthResponse(Message):
-    """How a gateway is, the directory, or the runtime.
+    """The health of a gateway, the directory, or the runtime.
 
     Attributes:
         counts: What it took in, refused and dropped.

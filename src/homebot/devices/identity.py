@@ -1,4 +1,4 @@
-"""Who a device is: the set of its identifiers, each spelled in one way only. Pure.
+"""Identity of a device: the set of its identifiers, each spelled in one way only. Pure.
 
 An identifier is ``mac:aabbccddeeff``, ``eui64:00158d0001abcdef`` or ``id:<text as declared>``. A hardware address at
 the end of another identifier, as in ``zigbee2mqtt_0x00158d0001abcdef``, counts as well. One in its middle does not: a

@@ -1,4 +1,4 @@
-"""What the reader of a live query has been told, and what it is to be told next. Pure."""
+"""State of a live query: what its reader has been told, and what comes next. Pure."""
 
 from __future__ import annotations
 

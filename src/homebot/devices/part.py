@@ -1,4 +1,4 @@
-"""What a device consists of: the parts that can be used by themselves, and what each can do."""
+"""Parts of a device that can be used by themselves, with their capabilities."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class RawMessage(Message):
 
 
 class RawCommand(Message):
-    """What to tell a device.
+    """A payload for a device.
 
     Attributes:
         address: Where the device listens (MQTT: the topic).

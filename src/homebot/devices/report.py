@@ -1,4 +1,4 @@
-"""What a device says of itself, in the words of the vocabulary."""
+"""Report of a device: the values of its capabilities."""
 
 from __future__ import annotations
 

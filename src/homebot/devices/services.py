@@ -26,7 +26,7 @@ NEVER = Time(sec=2**31 - 1, nanosec=0)
 
 
 class GetIndexDataRequest(Message):
-    """Which devices offer a service?
+    """A question for the devices that offer a service.
 
     Attributes:
         service_type: For example ``lights``; empty for all.
@@ -64,7 +64,7 @@ class GetIndexDataResponse(Message):
 
 
 class FindDevicesRequest(Message):
-    """Which devices are there?
+    """A question for all devices.
 
     Attributes:
         service_type: For example ``lights``; empty for all. Canonical and advertised words find the same devices, see
@@ -90,7 +90,7 @@ class FindDevicesResponse(Message):
 
 
 class QueryDevicesRequest(Message):
-    """Which devices fit?
+    """A question for the devices that match a query.
 
     Attributes:
         query: A text query, for example ``light and dimmable in kitchen``; empty for all. See
@@ -137,7 +137,7 @@ class QueryDevicesResponse(Message):
 
 
 class GetChangesRequest(Message):
-    """What happened since?
+    """A question for the changes since a moment.
 
     Attributes:
         since: Number of the last change that the asker knows.
@@ -171,7 +171,7 @@ class ForgetDeviceRequest(Message):
 
 
 class AnnouncedOn(Message):
-    """Where a device was announced.
+    """The place at which a device was announced.
 
     Attributes:
         gateway: Which gateway heard it.
@@ -183,7 +183,7 @@ class AnnouncedOn(Message):
 
 
 class ForgetDeviceResponse(Message):
-    """What became of it. A device that is forgotten comes back when it speaks or is announced anew.
+    """The result of forgetting a device, which comes back when it sends a message or is announced again.
 
     Attributes:
         success: Whether there was such a device.
@@ -212,7 +212,7 @@ class SubscribeToTopicRequest(Message):
 
 
 class SubscribeToTopicResponse(Message):
-    """Where the messages will come.
+    """The topic on which the messages will come.
 
     Attributes:
         success: Whether they will.

@@ -1,4 +1,4 @@
-"""What a gateway tells of the devices it hears."""
+"""Sighting: a gateway's message about a device."""
 
 from __future__ import annotations
 
@@ -67,5 +67,5 @@ class Sighting(Message):
 
     @property
     def speaks_plainly(self) -> bool:
-        """Whether it says words on an address of its own, as in the thesis's layout."""
+        """True if it says words on an address of its own, as in the thesis's layout."""
         return bool(self.address) and read_text_address(self.address) is None

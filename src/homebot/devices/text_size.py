@@ -1,4 +1,4 @@
-"""How much memory the texts of a device take: all that a stranger can make long. Pure."""
+"""Memory of the texts of a device: all that a stranger can make long. Pure."""
 
 from __future__ import annotations
 

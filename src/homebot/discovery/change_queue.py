@@ -1,4 +1,4 @@
-"""What happened to devices and was not told yet. Pure."""
+"""Queue of changes of devices that were not published yet. Pure."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class ChangeQueue:
 
     @property
     def has_states(self) -> bool:
-        """Whether changes of states wait to be taken."""
+        """True if changes of states wait to be taken."""
         return bool(self._states)
 
     def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:

@@ -1,4 +1,4 @@
-"""Who sends commands where: a topic that belongs to one device is not another one's to use. Pure.
+"""Ownership of command topics: a topic that belongs to one device is not another one's to use. Pure.
 
 Anybody may announce anything, also a lamp whose command topic is a lock's. So it never counts who came first:
 
@@ -42,7 +42,7 @@ NOBODY = "*"
 
 
 class TopicUse(NamedTuple):
-    """What one announcement does with topics.
+    """The topics that one announcement uses.
 
     Attributes:
         key: The announcement.
@@ -69,11 +69,11 @@ class TopicUse(NamedTuple):
     is_native: bool = False
 
     def has(self, topic: str) -> bool:
-        """Whether *topic* is the device's own."""
+        """Return whether *topic* is the device's own."""
         return any(topic == prefix or topic.startswith(f"{prefix}/") for prefix in self.owns)
 
     def rank(self, topic: str) -> int:
-        """How well the place of the announcement names *topic*."""
+        """Return how well the place of the announcement names *topic*."""
         return score(place_of(self.announced_on), topic)
 
     def names(self) -> frozenset[str]:
@@ -327,7 +327,7 @@ def _below(node: _TopicNode, most: int | None = None) -> Iterator[_TopicNode]:
 
 
 def _verdicts(node: _TopicNode) -> dict[SourceKey, str]:
-    """Who may not use a topic, each with who has it."""
+    """List the announcements that may not use a topic, each with the one that owns it."""
     users = tuple(_all(node.users))
     if not users:
         return {}
@@ -360,7 +360,7 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
 
 
 def _owners(node: _TopicNode | None) -> tuple[TopicUse, ...]:
-    """Whose own the topic is; of those that are above each other the nearest."""
+    """Return the owners of the topic; of those that are above each other the nearest."""
     while node is not None:
         if node.owners:
             return tuple(_all(node.owners))
@@ -369,7 +369,7 @@ def _owners(node: _TopicNode | None) -> tuple[TopicUse, ...]:
 
 
 def _holders(node: _TopicNode) -> list[tuple[TopicUse, str]]:
-    """Who speaks on the topic, and who wants to be told things on one above it, with that topic."""
+    """Return those that publish on the topic, and those that take commands on one above it, with that topic."""
     found = [(one, node.topic) for one in _all(node.speakers)]
     above = node.parent
     while above is not None:

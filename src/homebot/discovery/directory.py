@@ -191,7 +191,7 @@ class Directory:
         return taken
 
     def _is_own(self, gateway: str, message: Sighting | Report) -> bool:
-        """Whether *gateway* speaks for itself; one that speaks for another is told of, and not believed."""
+        """Return whether *gateway* speaks for itself; one that speaks for another is told of, and not believed."""
         if message.gateway == gateway:
             return True
         if self._limit.allows(FOREIGN) is not None:
@@ -219,7 +219,7 @@ class Directory:
         self._wake_workers()
 
     def _heard_at(self, message: Sighting | Report) -> float:
-        """What a gateway keeps for late joiners may be old."""
+        """Return when *message* was heard: what a gateway keeps for late joiners may be old."""
         now = self._clock.monotonic()
         return min(message.heard_at or now, now)
 

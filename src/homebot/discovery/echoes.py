@@ -1,4 +1,4 @@
-"""Which of the events that are told by several routes are one. Pure."""
+"""Filter for events that arrive by several routes: equal ones are one. Pure."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Echoes:
         self._lately: OrderedDict[_What, _Lately] | None = None  # most devices have no events
 
     def is_new(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
-        """Whether an event was not told by another route already.
+        """Return whether an event was not told by another route already.
 
         Args:
             place: Which part of the device.

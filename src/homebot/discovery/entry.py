@@ -36,7 +36,7 @@ MAX_FACTS = 200
 
 @dataclass(slots=True, eq=False)
 class Entry:
-    """What the index keeps of a device.
+    """The index's record of a device.
 
     Attributes:
         id: Its id, for as long as the entry lives.
@@ -85,7 +85,7 @@ class Entry:
         return tuple(dict.fromkeys(one for one in found if not one.startswith("id:")))
 
     def is_confirmed(self) -> bool:
-        """Whether it was heard itself since the start."""
+        """Return whether it was heard itself since the start."""
         return any(claim.confirmed for claim in self.sources.values())
 
     def last_seen(self) -> Time:
@@ -155,7 +155,7 @@ class Entry:
         return offline_parts(self.sources, merged.places, {number: one.id for number, one in enumerate(merged.parts)})
 
     def is_new_event(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
-        """Whether an event was not told by another route already; see :meth:`Echoes.is_new`."""
+        """Return whether an event was not told by another route already; see :meth:`Echoes.is_new`."""
         if self.echoes is None:
             self.echoes = Echoes()
         return self.echoes.is_new(place, capability, value, route, now)
@@ -202,7 +202,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class _Description:
-    """What follows from the announcements alone."""
+    """The part of a record that follows from the announcements alone."""
 
     name: str
     names: tuple[str, ...]
@@ -309,7 +309,7 @@ def _endpoints(claims: Sequence[SourceRecord], main: DevicePart | None) -> tuple
 
 
 def _told_at(part: DevicePart, gateway: str) -> str:
-    """Where *part* is told words: by the first of the gateway's ways that takes any."""
+    """Return where *part* takes text: by the first of the gateway's ways that takes any."""
     ways = (one for one in part.routes if one.gateway == gateway and one.takes) if accepts_text(part.part) else ()
     return next((text_address(one.key, one.part) for one in ways), "")
 

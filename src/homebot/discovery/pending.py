@@ -1,4 +1,4 @@
-"""What belongs to no device now: reports that came before its announcement, and how forgotten ones announce. Pure."""
+"""Reports before their announcement, and announcements of forgotten devices: they belong to no device now. Pure."""
 
 from __future__ import annotations
 

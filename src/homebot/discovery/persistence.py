@@ -206,7 +206,7 @@ class IndexPersistence:
 
 @dataclass(frozen=True, slots=True)
 class _SavedState:
-    """What is in the file; the devices oldest first."""
+    """The content of the file; the devices oldest first."""
 
     entries: tuple[Entry, ...]
     tombstones: tuple[Tombstone, ...]

@@ -1,4 +1,4 @@
-"""Where an announcement was made, as far as that tells whose topics it may name. Pure.
+"""Place of an announcement, as far as it tells whose topics it may name. Pure.
 
 Who may publish where is the broker's to decide, and the place of an announcement is the one thing in it that its sender
 cannot choose freely: ``…/kitchen_lamp/config`` speaks for ``kitchen_lamp/set`` rather than ``…/intruder/config`` does.
@@ -31,7 +31,7 @@ _HEX = re.compile(r"(?:0x)?([0-9a-f]{12,16})")
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """What the place of an announcement says of who speaks.
+    """The place of an announcement, which hints at its sender.
 
     Attributes:
         levels: Whole levels of the topic that name somebody.
@@ -83,7 +83,7 @@ def names(place: Place) -> frozenset[str]:
 
 
 def is_called(place: Place, aliases: frozenset[str]) -> bool:
-    """Whether who speaks at *place* has one of these names of a device; see :func:`aliases_of`."""
+    """Return whether who speaks at *place* has one of these names of a device; see :func:`aliases_of`."""
     return not aliases.isdisjoint(place.levels) or not aliases.isdisjoint(place.numbers)
 
 
@@ -109,7 +109,7 @@ def _words_of(topic: str) -> tuple[frozenset[str], frozenset[str]]:
 
 
 def _is_name(level: str) -> bool:
-    """Whether a whole level names somebody: ``ems-esp`` does, ``light_1`` does not."""
+    """Return whether a whole level names somebody: ``ems-esp`` does, ``light_1`` does not."""
     return any(not word.isdigit() and word not in _COMMON and not is_generic(word) for word in _WORD.findall(level))
 
 

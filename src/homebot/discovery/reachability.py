@@ -1,4 +1,4 @@
-"""Whether a device and its parts can be reached, by what all of its announcements say. Pure."""
+"""Reachability of a device and its parts, by all of its announcements. Pure."""
 
 from __future__ import annotations
 

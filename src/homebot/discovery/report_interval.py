@@ -1,4 +1,4 @@
-"""How often a device speaks by itself, and how long its silence is therefore no bad sign. Pure."""
+"""Interval of a device's reports, and the silence that is no bad sign. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the directory answers when it is asked."""
+"""Services of the directory."""
 
 from __future__ import annotations
 

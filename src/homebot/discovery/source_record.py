@@ -60,7 +60,7 @@ class StoredValue:
 
 @dataclass(slots=True)
 class Reach:
-    """What was said of whether something can be reached.
+    """A report of whether something can be reached.
 
     Attributes:
         value: Whether it can; None for unknown.
@@ -77,7 +77,7 @@ class Reach:
 
 @dataclass(slots=True, eq=False)
 class SourceRecord:
-    """What one gateway heard under one key.
+    """The knowledge of one gateway under one key.
 
     Attributes:
         sighting: The newest sighting; the description counts.
@@ -117,7 +117,7 @@ class SourceRecord:
         self.is_online = any(one.value and one.live for one in reach.values())
 
     def reach_of(self, part: str) -> Reach | None:
-        """What was said of whether *part* can be reached, by itself or with the whole; None where nothing was."""
+        """Return the last reachability of *part*, by itself or with the whole; None where there was none."""
         return self.reach.get(part) or self.reach.get("")
 
     @property
@@ -127,7 +127,7 @@ class SourceRecord:
 
     @property
     def label(self) -> str:
-        """What people know it by, for example ``homeassistant:light/0x17_light``."""
+        """Name for people, for example ``homeassistant:light/0x17_light``."""
         sighting = self.sighting
         prefix = f"{sighting.convention}:"
         if not sighting.convention or sighting.key.startswith(prefix):
@@ -141,7 +141,7 @@ def preference(claim: SourceRecord) -> tuple[int, int]:
 
 
 def is_described_anew(before: Sighting, now: Sighting) -> bool:
-    """Whether *now* says anything else than *before*, but for when and why."""
+    """Return whether *now* says anything else than *before*, but for when and why."""
     return (
         before.name != now.name
         or before.service_type != now.service_type

@@ -1,4 +1,4 @@
-"""What devices tell of themselves, noted at the announcement through which they told it. Pure."""
+"""Reported states of devices, kept at the announcement through which they came. Pure."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NOT_ANNOUNCED = StoredValue(None, Time.from_seconds(0.0), Time.from_seconds(0.0)
 
 
 def has_capability(claim: SourceRecord, part_id: str, capability: str) -> bool:
-    """Whether a part with that capability was announced."""
+    """Return whether a part with that capability was announced."""
     for part in claim.sighting.parts:
         if part.id == part_id:
             return any(one.name == capability for one in part.capabilities)
@@ -74,7 +74,7 @@ def store_reachability(
 
 
 def is_denied(claims: Iterable[SourceRecord]) -> bool:
-    """Whether any of *claims* says that something cannot be reached."""
+    """Return whether any of *claims* says that something cannot be reached."""
     return any(one.value is False for claim in claims if claim.reach for one in claim.reach.values())
 
 

@@ -259,14 +259,14 @@ def _check(connection: sqlite3.Connection) -> None:
 
 
 def _is_damage(exc: sqlite3.Error) -> bool:
-    """Whether the file is at fault, rather than the disk or another program."""
+    """Return whether the file is at fault, rather than the disk or another program."""
     if not isinstance(exc, sqlite3.OperationalError):
         return isinstance(exc, sqlite3.DatabaseError)
     return "no such" in str(exc) or "already exists" in str(exc)
 
 
 def _is_text(device_id: str) -> bool:
-    """Whether it is no half of a surrogate pair, of which no row can be."""
+    """Return whether it is no half of a surrogate pair, of which no row can be."""
     return not any("\ud800" <= one <= "\udfff" for one in device_id)
 
 

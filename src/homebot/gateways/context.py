@@ -1,4 +1,4 @@
-"""What the program that runs a gateway gives it."""
+"""Context of a gateway, given by the program that runs it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class HostService(Generic[ServiceT_co]):
 
 @dataclass(frozen=True, slots=True)
 class GatewayContext:
-    """What a gateway is given beside its node and its settings; its clock is that of the node's graph.
+    """The surroundings of a gateway beside its node and its settings; its clock is that of the node's graph.
 
     Attributes:
         random: The source of random numbers; None for one of the gateway's own. A seeded one makes every run the same.

@@ -1,4 +1,4 @@
-"""Who wants the raw messages of which address, and how they get them."""
+"""Delivery of raw messages by address to those that want them."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class RawDelivery:
         self._no_patience_until: dict[str, float] = {}
 
     def has(self, address: str, listener: str) -> bool:
-        """Whether the node *listener*, as it is now on the graph, asked for *address* before."""
+        """Return whether the node *listener*, as it is now on the graph, asked for *address* before."""
         asker = self._askers.get(listener)
         return asker is not None and asker.node is self._node.graph.get_node(listener) and address in asker.addresses
 

@@ -1,4 +1,4 @@
-"""How long to wait before trying again: one policy, pure, the randomness handed in."""
+"""Delay before trying again: one policy, pure, the randomness handed in."""
 
 from __future__ import annotations
 

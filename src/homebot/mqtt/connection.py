@@ -45,7 +45,7 @@ _log = get_logger()
 
 @enum.unique
 class LinkPhase(enum.StrEnum):
-    """What the supervisor is doing."""
+    """The phase of the supervisor."""
 
     CONNECTING = "connecting"
     CONNECTED = "connected"
@@ -126,12 +126,12 @@ class MqttConnection:
 
     @property
     def status_topic(self) -> str | None:
-        """Where "online" and "offline" are said."""
+        """Topic for "online" and "offline"."""
         return self._status_topic
 
     @property
     def state(self) -> ConnectionState:
-        """What is going on now."""
+        """Current state of the connection."""
         return self._state
 
     @property

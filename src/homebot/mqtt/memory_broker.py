@@ -85,12 +85,12 @@ class MemoryBroker:
 
     @property
     def url(self) -> str:
-        """What to put into options: ``mqtt://memory:1883``."""
+        """Address for the options: ``mqtt://memory:1883``."""
         return f"mqtt://{self.host}:{self.port}"
 
     @property
     def running(self) -> bool:
-        """Whether it can be dialled."""
+        """True if it can be dialled."""
         return self._running
 
     @property

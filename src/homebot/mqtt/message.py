@@ -1,4 +1,4 @@
-"""What a client receives: one application message, as a value."""
+"""Received message of an application, as a value."""
 
 from __future__ import annotations
 

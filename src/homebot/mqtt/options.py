@@ -1,4 +1,4 @@
-"""Where a broker is and how to talk to it: one value, read once."""
+"""Address of a broker and options of the connection: one value, read once."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _MOST_ROUNDS = 100
 
 @final
 class SubscriptionSet:
-    """What is wanted, made and refused, by filter.
+    """The set of filters that are wanted, made and refused.
 
     Args:
         client: Makes them.
@@ -40,7 +40,7 @@ class SubscriptionSet:
 
     @property
     def refused(self) -> Mapping[str, str]:
-        """Why those of this link are refused that are; a copy."""
+        """Reasons of the filters of this link that are refused; a copy."""
         return dict(self._refused)
 
     def want(self, subscriptions: Iterable[MqttSubscription], *, every_link: bool) -> None:

@@ -1,4 +1,4 @@
-"""What the affordances of a thing are in the vocabulary: parts with capabilities. Pure."""
+"""Classification of a thing's affordances: parts with capabilities. Pure."""
 
 from __future__ import annotations
 

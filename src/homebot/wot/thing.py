@@ -40,13 +40,13 @@ class Form:
 
     @property
     def is_mqtt(self) -> bool:
-        """Whether it is about MQTT."""
+        """True if it is about MQTT."""
         return self.scheme in {"mqtt", "mqtts", "ws+mqtt"} or bool(self.topic or self.filter)
 
 
 @dataclass(frozen=True, slots=True)
 class DataSchema:
-    """What values may be.
+    """The constraints on a value.
 
     Attributes:
         type: Of the values; empty where nothing was said.

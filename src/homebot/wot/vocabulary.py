@@ -1,4 +1,4 @@
-"""What semantic types of things and properties mean in the vocabulary, and the other way round. Pure.
+"""Semantic types of things and properties, and our vocabulary for them, in both directions. Pure.
 
 Source: the schemas of WebThings, https://webthings.io/schemas, whose names most Thing Descriptions with semantics use.
 """

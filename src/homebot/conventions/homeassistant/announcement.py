@@ -41,7 +41,7 @@ class AnnouncedComponent:
 
 @dataclass(frozen=True, slots=True)
 class Announced:
-    """What one message announces.
+    """The content of one announcement.
 
     Attributes:
         is_migrating: Whether it says only that another form of announcement follows; then all else is empty.

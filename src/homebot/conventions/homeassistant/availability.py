@@ -1,4 +1,4 @@
-"""How a config says whether its device can be reached. Pure.
+"""Availability of a device, as its config declares it. Pure.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py`` and ``entity.py``.
 """

@@ -1,4 +1,4 @@
-"""What several components have alike: words, numbers, switches and buttons, each with its own topics. Pure."""
+"""Capabilities that several components share: texts, numbers, switches and buttons, each with its own topics. Pure."""
 
 from __future__ import annotations
 

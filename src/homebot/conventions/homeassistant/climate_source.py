@@ -1,4 +1,4 @@
-"""Where climate devices say their values. Pure.
+"""Sources of the values of climate devices. Pure.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/climate.py``.
 """

@@ -44,7 +44,7 @@ class TargetMode:
 
     @property
     def is_pair(self) -> bool:
-        """Whether the pair of targets counts, and not the single one."""
+        """True if the pair of targets counts, and not the single one."""
         return self.mode == "heat_cool"
 
 

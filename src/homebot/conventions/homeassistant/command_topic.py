@@ -1,4 +1,4 @@
-"""Where a command goes and how it is written. Pure."""
+"""Topic and payload of a command. Pure."""
 
 from __future__ import annotations
 

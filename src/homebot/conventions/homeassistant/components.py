@@ -1,4 +1,4 @@
-"""Which builder understands which component: one line each. Pure."""
+"""Table of the builder of each component. Pure."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ class _Steps:
 
     @property
     def variables(self) -> Mapping[str, object]:
-        """What every template of a cover may name."""
+        """Variables that every template of a cover may use."""
         return {
             "position_open": self.position.full,
             "position_closed": self.position.zero,

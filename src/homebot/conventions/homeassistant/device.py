@@ -1,4 +1,4 @@
-"""Who a config is about: the device's identifiers, name, room and facts. Pure.
+"""Device of a config: its identifiers, name, area and facts. Pure.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py``; ``child_device`` is from 2026.11.
 """
@@ -20,7 +20,7 @@ MAX_IDENTIFIERS = 64
 
 @dataclass(frozen=True, slots=True)
 class DeviceInfo:
-    """Who the device is.
+    """The device block of a config.
 
     Attributes:
         identifiers: See :func:`homebot.devices.identity.identifiers`; empty where the config tells none.

@@ -1,4 +1,4 @@
-"""What a lamp of schema ``basic`` says, each on its topic. Pure: the same messages in the same order tell the same.
+"""State of a lamp of schema ``basic``, each value on its own topic. Pure: equal messages give an equal state.
 
 Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_basic.py``.
 """
@@ -25,7 +25,7 @@ _BYTE = 255
 
 @dataclass(slots=True)
 class Remembered:
-    """What a lamp last said, where its commands need it: some are made of brightness and colour together.
+    """The last state of a lamp, for commands that need it: some are made of brightness and colour together.
 
     Attributes:
         brightness: 1 to 255; None before the first word.

@@ -1,4 +1,4 @@
-"""What a lamp is told, before its schema spells it; the same for all three schemas. Pure.
+"""Command to a lamp, before its schema writes it; the same for all three schemas. Pure.
 
 Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the service ``light.turn_on``.
 """
@@ -75,7 +75,7 @@ class WhiteRange:
 
 @dataclass(frozen=True, slots=True)
 class Lamp:
-    """What a lamp can do, and how it is told.
+    """The capabilities of a lamp, and the values that it takes.
 
     Attributes:
         modes: Its colour modes, as Home Assistant names them.
@@ -93,12 +93,12 @@ class Lamp:
 
     @property
     def has_level(self) -> bool:
-        """Whether its brightness can be set."""
+        """True if its brightness can be set."""
         return bool(self.modes - {"onoff"})
 
     @property
     def has_white(self) -> bool:
-        """Whether it has whites from warm to cold."""
+        """True if it has whites from warm to cold."""
         return "color_temp" in self.modes
 
     @property

@@ -64,7 +64,7 @@ class EntityTopics:
 
 @dataclass(frozen=True, slots=True)
 class PublishedState:
-    """What is told on one topic.
+    """The state that is published on one topic.
 
     Attributes:
         topic: The topic.

@@ -1,4 +1,4 @@
-"""Which entities a Home Assistant shall make of a part that is offered. Pure."""
+"""Entities that Home Assistant shall make of an exposed part. Pure."""
 
 from __future__ import annotations
 

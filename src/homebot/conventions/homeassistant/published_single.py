@@ -1,4 +1,4 @@
-"""What is offered one by one: switches, numbers, choices, buttons, sensors, events. Pure.
+"""Entities with one value each: switches, numbers, selects, buttons, sensors, events. Pure.
 
 Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: binary_sensor.py, button.py, event.py, number.py,
 scene.py, select.py, sensor.py, switch.py, tag.py, text.py.
@@ -128,7 +128,7 @@ _EVENTS = frozenset({"press", "scan"})
 
 
 def _event(capability: Capability, topics: EntityTopics) -> PublishedEntity:
-    """What happens is told as it happens, and not kept."""
+    """Build an event entity: its message is published as it happens, and not retained."""
     name = capability.name
     if name == "press" and capability.options:
         entity = PublishedEntity(topics, "event", name, {"event_types": list(capability.options)})

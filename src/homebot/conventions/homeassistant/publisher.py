@@ -28,7 +28,7 @@ _WATCHED = frozenset({"binary_sensor", "sensor"})
 
 @dataclass(frozen=True, slots=True)
 class _Order:
-    """Whose orders come on a topic, and how they are read."""
+    """The exposed part that takes the commands of a topic, and their reader."""
 
     offer_id: str
     part_id: str
@@ -57,7 +57,7 @@ class HomeAssistantPublisher:
         return (f"{self._base}/+/+/+/set",)
 
     def is_own_topic(self, topic: str) -> bool:
-        """Whether *topic* holds a config of this homebot, which it must not take for a device."""
+        """Return whether *topic* holds a config of this homebot, which it must not take for a device."""
         return topic.startswith(f"{self._prefix}/") and f"/{self._owner}/" in topic
 
     def publications(self, offer: ExposedDevice) -> tuple[Publication, ...]:

@@ -1,4 +1,4 @@
-"""What a sensor's class means: which capability it measures. Pure.
+"""Capabilities by the device class of a sensor. Pure.
 
 Source: Home Assistant core 2025.4, ``components/sensor/const.py``.
 """

@@ -21,7 +21,7 @@ DEVICE = "device"
 
 @dataclass(frozen=True, slots=True)
 class ConfigTopic:
-    """What the topic of a config says.
+    """The parts of a config's topic.
 
     Attributes:
         component: For example ``light``, or :data:`DEVICE`.

@@ -1,4 +1,4 @@
-"""What a text says that a template rendered, or that a device sent plainly. Pure; nothing here raises."""
+"""Readings of a text that a template rendered, or that a device sent as it is. Pure; nothing here raises."""
 
 from __future__ import annotations
 

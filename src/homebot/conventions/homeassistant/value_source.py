@@ -1,4 +1,4 @@
-"""Where a part says a value, and how the value is found in the message. Pure."""
+"""Source of a part's value: the topic, and the way to find the value in its message. Pure."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ValueSource:
 
     @property
     def problem(self) -> str:
-        """Why the template cannot be used; empty where it can."""
+        """Reason why the template cannot be used; empty where it can."""
         return self.template.problem if self.template is not None else ""
 
     def text(self, said: Said) -> str | None:

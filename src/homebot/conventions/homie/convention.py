@@ -50,12 +50,12 @@ class Homie:
 
     @property
     def dropped(self) -> int:
-        """How many devices or attributes were forgotten or not taken for want of room."""
+        """Number of devices or attributes that were forgotten or not taken for want of room."""
         return self._version4.dropped + self._version5.dropped
 
     @property
     def ignored(self) -> int:
-        """How many nodes and properties were illegal, of devices that were described without them."""
+        """Number of illegal nodes and properties, of devices that were described without them."""
         return self._version4.ignored + self._version5.ignored
 
     def filters(self) -> tuple[str, ...]:

@@ -42,7 +42,7 @@ class Document:
 
 
 def is_id(text: str) -> bool:
-    """Whether *text* is an id: small letters, digits and hyphens."""
+    """Return whether *text* is an id: small letters, digits and hyphens."""
     return _ID.fullmatch(text) is not None
 
 

@@ -29,7 +29,7 @@ _FIELDS = 3
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Which numbers a property takes.
+    """A range of numbers that a property takes.
 
     Attributes:
         least: Smallest; None where there is none.
@@ -42,7 +42,7 @@ class Range:
     step: float | None = None
 
     def holds(self, number: float) -> bool:
-        """Whether *number* lies within."""
+        """Return whether *number* lies within."""
         return (self.least is None or number >= self.least) and (self.most is None or number <= self.most)
 
     def kept(self, number: float) -> float:

@@ -1,4 +1,4 @@
-"""What a property that nobody declared seems to do, by its words and its form. Pure.
+"""Guesses at what an undeclared property does, by its name and its format. Pure.
 
 Source: the words and forms that Homie devices commonly use.
 """
@@ -28,18 +28,18 @@ def guess_role(node: HomieNode, prop: HomieProperty, kind: str, words: frozenset
 
 
 def is_opening(prop: HomieProperty) -> bool:
-    """Whether it tells how something opens and closes."""
+    """Return whether it tells how something opens and closes."""
     return prop.datatype == "enum" and {one.casefold() for one in prop.options} <= _OPENINGS
 
 
 def is_moving(prop: HomieProperty) -> bool:
-    """Whether it takes orders to open and to close."""
+    """Return whether it takes orders to open and to close."""
     options = {one.casefold() for one in prop.options}
     return prop.datatype == "enum" and bool(options & {"open", "up"}) and bool(options & {"close", "closed", "down"})
 
 
 def is_speed(prop: HomieProperty) -> bool:
-    """Whether its words are speeds of something that can stand still."""
+    """Return whether its words are speeds of something that can stand still."""
     options = {one.casefold() for one in prop.options}
     return prop.datatype == "enum" and not _STANDING.isdisjoint(options) and not is_moving(prop)
 
@@ -109,17 +109,17 @@ def _ordered_number(node: HomieNode, prop: HomieProperty, kind: str, words: froz
 
 
 def _is_share(prop: HomieProperty) -> bool:
-    """Whether its range is a part of a whole: it begins at 0 or 1, and ends where percent and bytes do."""
+    """Return whether its range is a part of a whole: it begins at 0 or 1, and ends where percent and bytes do."""
     return prop.unit in {"", "%"} and prop.range.least in {None, 0.0, 1.0} and prop.range.most in {None, *_ENDS}
 
 
 def _is_speed_range(prop: HomieProperty) -> bool:
-    """Whether its numbers are percent or steps, of which 0 is standing still."""
+    """Return whether its numbers are percent or steps, of which 0 is standing still."""
     return prop.unit in {"", "%"} and prop.range.least in {None, 0.0} and (prop.range.most or 0.0) <= max(_ENDS)
 
 
 def _is_room_temperature(prop: HomieProperty) -> bool:
-    """Whether it may be 20 °C: offsets and hystereses may not."""
+    """Return whether it may be 20 °C: offsets and hystereses may not."""
     unit = prop.unit.strip()
     return (unit in _CELSIUS and prop.range.holds(20.0)) or (unit in _FAHRENHEIT and prop.range.holds(68.0))
 

@@ -44,7 +44,7 @@ class HomieProperty:
 
     @property
     def is_number(self) -> bool:
-        """Whether its values are numbers."""
+        """True if its values are numbers."""
         return self.datatype in {"integer", "float"}
 
 

@@ -1,4 +1,4 @@
-"""What nodes call themselves, and what their properties mean then. Tables, pure.
+"""Types of nodes, and the meaning of their properties. Tables, pure.
 
 Source: hc-smarthome v2 and v1 (homie-homecontrol/hc-homie5-smarthome); homie5-device-profiles, draft.
 """

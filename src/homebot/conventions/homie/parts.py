@@ -1,4 +1,4 @@
-"""What a Homie device consists of. Pure.
+"""Parts of a Homie device. Pure.
 
 Each node's controls are one part, each value that it only tells another, and each further value that can be set a
 setting. The switch, the brightness and the colour of a lamp are one part, although they are nodes of their own. Of a
@@ -80,7 +80,7 @@ def _lamp(device: HomieDevice, nodes: tuple[NodeRoles, ...]) -> tuple[NodeRoles,
 
 
 def _may_be_of_a_lamp(node: NodeRoles) -> bool:
-    """Whether its kind says so, or nothing else: what switches a pump is not the switch of the lamp beside it."""
+    """Return whether its kind says so, or nothing else: a pump's switch is not that of the lamp beside it."""
     if node.kind:
         return node.kind == "switch" or node.kind in _lights()
     return words_in(node.node.type, node.node.id, node.node.name) <= _GENERAL
@@ -130,7 +130,7 @@ def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[BytesPart]:
 
 
 def _service_type(device: HomieDevice, node: NodeRoles, props: Mapping[str, HomieProperty]) -> str:
-    """What the controls of *node* are; empty where it has none, or only some that mean nothing alone."""
+    """Return the type of the controls of *node*; empty where it has none, or only some that mean nothing alone."""
     kind = KINDS[node.kind].service_type if node.kind else ""
     if props.keys() & _NEEDED.get(kind, frozenset()):
         is_outlet = declared_class(device.type) in _OUTLETS or _OUTLETS & words_in(node.node.type, node.node.id)

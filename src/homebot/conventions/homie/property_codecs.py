@@ -156,7 +156,7 @@ def percent_written(prop: HomieProperty, capability: str, percent: float) -> Pub
 
 
 def _ends(prop: HomieProperty) -> tuple[float, float]:
-    """What stands for 0 % and 100 %. A range from 1 leaves out the 0, which means off."""
+    """Return the numbers for 0 % and 100 %. A range from 1 leaves out the 0, which means off."""
     least = prop.range.least or 0.0
     most = _PERCENT if prop.range.most is None else prop.range.most
     if least == 1.0 and most > 1.0:
@@ -165,7 +165,7 @@ def _ends(prop: HomieProperty) -> tuple[float, float]:
 
 
 def _unread(capability: str, prop: HomieProperty, payload: bytes) -> Readings:
-    """What a payload tells that is no value: that the number is unknown, or nothing."""
+    """Read a payload that is no value: the number is unknown, or nothing is said."""
     return {capability: None} if is_unknown_number(prop, payload) else NO_READINGS
 
 

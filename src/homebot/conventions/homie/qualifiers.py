@@ -108,15 +108,15 @@ _OBJECTS = frozenset(
 
 
 def is_beside(words: frozenset[str]) -> bool:
-    """Whether *words* of a property say that it is not what its node is there for."""
+    """Return whether *words* of a property say that it is not what its node is there for."""
     return not words.isdisjoint(_BESIDE)
 
 
 def is_object(words: frozenset[str]) -> bool:
-    """Whether *words* of a property speak of a thing, so that a condition among them is only part of its name."""
+    """Return whether *words* of a property name a thing, so that a condition among them is only part of its name."""
     return not words.isdisjoint(_OBJECTS)
 
 
 def is_setting(words: frozenset[str]) -> bool:
-    """Whether *words* of a node say that nothing of it is what its device is there for."""
+    """Return whether *words* of a node say that nothing of it is what its device is there for."""
     return not words.isdisjoint(_SETTINGS)

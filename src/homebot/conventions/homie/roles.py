@@ -1,4 +1,4 @@
-"""What each property of a node does: as its kind declares, or as its shape suggests. Pure.
+"""Roles of a node's properties: as its type declares, or as their form suggests. Pure.
 
 Source: hc-smarthome v2.
 """
@@ -27,7 +27,7 @@ THERMOSTAT_ROLES = frozenset({"heating_setpoint", "cooling_setpoint", "thermosta
 
 @dataclass(frozen=True, slots=True)
 class Role:
-    """What a property does.
+    """The role of a property.
 
     Attributes:
         name: One of :data:`CONTROLS`, or the capability that it tells; empty for a setting.
@@ -42,7 +42,7 @@ class Role:
 
 @dataclass(frozen=True, slots=True)
 class NodeRoles:
-    """What a node's properties do.
+    """The properties of a node by their roles.
 
     Attributes:
         node: The node.
@@ -107,7 +107,7 @@ def _singled(node: HomieNode, suggested: Iterable[Role]) -> tuple[Role, ...]:
 
 
 def _is_borne_out(kind: str, props: Mapping[str, HomieProperty]) -> bool:
-    """Whether the forms of *props*, by role, bear out the *kind* that words suggested."""
+    """Return whether the forms of *props*, by role, bear out the *kind* that words suggested."""
     if kind == "fan":
         speed = props.get("fan_mode")
         return not props.keys().isdisjoint({"on_off", "fan_speed"}) or (speed is not None and is_speed(speed))

@@ -1,4 +1,4 @@
-"""What a number measures, by its unit and by the words around it. Tables, pure.
+"""Quantities of numbers, by their unit and by the words around them. Tables, pure.
 
 Source: Homie convention 5, Units; Homie 4.0, Property Attributes.
 """

@@ -1,4 +1,4 @@
-"""What a node tells besides its controls: its meters, its sensors and its settings. Pure."""
+"""Parts of a node besides its controls: its meters, its sensors and its settings. Pure."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def build_singles(node: NodeRoles) -> Iterator[BytesPart]:
 
 
 def _is_relative(prop: HomieProperty) -> bool:
-    """Whether it only takes orders that depend on what was before: commands are absolute."""
+    """Return whether it only takes orders that depend on what was before: commands are absolute."""
     return prop.datatype == "enum" and not prop.is_retained and set(prop.options) <= _RELATIVE
 
 

@@ -70,7 +70,7 @@ class Version4:
 
     @property
     def dropped(self) -> int:
-        """How many devices and attributes were forgotten or not taken for want of room."""
+        """Number of devices and attributes that were forgotten or not taken for want of room."""
         return self._devices.dropped + self._refused
 
     def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
@@ -175,7 +175,7 @@ def _check(attribute: str, text: str) -> None:
 
 
 def _may_be_complete(device: _Homie4Device, attribute: str) -> bool:
-    """Whether it is worth looking: not for every attribute of a device that is only beginning."""
+    """Return whether it is worth looking: not for every attribute of a device that is only beginning."""
     return (
         attribute == "$state"
         or device.is_described

@@ -28,7 +28,7 @@ _MAX_WAITING = 16_000_000
 
 @dataclass(slots=True)
 class _Homie5Device:
-    """What is known of one.
+    """The documents of one device.
 
     Attributes:
         state: Its state; empty while it is unknown.
@@ -65,7 +65,7 @@ class Version5:
 
     @property
     def dropped(self) -> int:
-        """How many devices or documents were forgotten or not taken for want of room."""
+        """Number of devices or documents that were forgotten or not taken for want of room."""
         return self._devices.dropped + self._refused
 
     def take(self, domain: str, device_id: str, attribute: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:

@@ -1,4 +1,4 @@
-"""What goes wrong with a template of a stranger."""
+"""Errors of a template from outside."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the expressions of a template do: each function here makes one that, given a run, gives its value.
+"""Expressions of a template: each function here makes one that, given a run, gives its value.
 
 Whatever costs more than a moment is counted with the run: a function, a method and an operator have the size of their
 values counted before, where that decides their cost, and the size of their result after.
@@ -67,7 +67,7 @@ def mapping(items: Sequence[tuple[Evaluate, Evaluate]]) -> Evaluate:
 
 
 def lookup(value: Evaluate, key: Evaluate) -> Evaluate:
-    """What a value holds at a key; see :func:`item`."""
+    """Return the value of a container at a key; see :func:`item`."""
     return lambda run: item(value(run), key(run))
 
 

@@ -1,4 +1,4 @@
-"""How much a template may be, may do and may make. What real devices announce stays far below all of it."""
+"""Limits on the size, the work and the output of a template. What real devices announce stays far below all of it."""
 
 from __future__ import annotations
 

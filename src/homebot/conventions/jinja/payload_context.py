@@ -27,7 +27,7 @@ class PayloadContext:
 
     @property
     def value_json(self) -> object:
-        """What the text says in JSON; :data:`UNDEFINED` where it is none that our border lets in."""
+        """JSON value of the text; :data:`UNDEFINED` where it is none that our border lets in."""
         if self._json is _UNREAD:
             try:
                 self._json = parse_json(self.value, MAX_LONG_STATE_BYTES)

@@ -1,4 +1,4 @@
-"""What the statements of a template do: each function here makes one that, given a run, writes or assigns."""
+"""Statements of a template: each function here makes one that, given a run, writes or assigns."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ __all__ = ["UNDEFINED", "Undefined"]
 
 
 class Undefined:
-    """What a name, a key or an index without a value gives.
+    """The value of a name, a key or an index that has none.
 
     It is false, empty and equal to its like, and its text is empty. Arithmetic, order, and looking into it raise
     :class:`UndefinedValueError`.

@@ -14,7 +14,7 @@ __all__ = ["Namespace", "item", "real", "text", "weigh", "whole"]
 
 @final
 class Namespace:
-    """What ``namespace()`` gives: the one value that a template may change."""
+    """The result of ``namespace()``: the one value that a template may change."""
 
     __slots__ = ("attributes",)
 

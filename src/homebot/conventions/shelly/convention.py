@@ -52,7 +52,7 @@ class Shelly:
 
     @property
     def dropped(self) -> int:
-        """How many devices or answers were forgotten or not taken for want of room."""
+        """Number of devices or answers that were forgotten or not taken for want of room."""
         return self._gen1.dropped + self._gen2.dropped
 
     def filters(self) -> tuple[str, ...]:
@@ -74,7 +74,7 @@ class Shelly:
             raise
 
     def _is_first(self, topic: str) -> bool:
-        """Whether *topic* is the first generation's; some give devices of the second a prefix among its topics."""
+        """Return whether *topic* is the first generation's; a prefix of the second may lie among its topics."""
         if not topic.startswith("shellies/") or topic.endswith("/events/rpc"):
             return False
         return not (topic.endswith("/online") and self._gen2.knows(topic.removesuffix("/online")))

@@ -55,7 +55,7 @@ class Gen1:
 
     @property
     def dropped(self) -> int:
-        """How many devices were forgotten or not taken for want of room."""
+        """Number of devices that were forgotten or not taken for want of room."""
         return self._devices.dropped
 
     def take(self, topic: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:

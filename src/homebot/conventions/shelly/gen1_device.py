@@ -21,7 +21,7 @@ __all__ = ["Gen1Device"]
 
 @dataclass(slots=True)
 class Gen1Device:
-    """What is known of one device.
+    """All that one device has published so far.
 
     Attributes:
         place: Where it speaks.

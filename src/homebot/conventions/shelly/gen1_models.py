@@ -1,4 +1,4 @@
-"""What each model of Shelly's first generation publishes from the start. A table, pure.
+"""Topics that each model of Shelly's first generation publishes from the start. A table, pure.
 
 What only appears with an accessory, such as ``ext_temperature/0``, is not here: it is taken when it is heard.
 

@@ -1,4 +1,4 @@
-"""What a Shelly of the first generation consists of, by the topics it publishes. Pure.
+"""Parts of a Shelly of the first generation, by the topics it publishes. Pure.
 
 Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0, ``lib/devices/gen1``.
 """
@@ -27,7 +27,7 @@ MAX_CHANNELS = 16
 
 
 def is_known_topic(suffix: str) -> bool:
-    """Whether *suffix*, a topic below the device's own, tells of a part."""
+    """Return whether *suffix*, a topic below the device's own, tells of a part."""
     if suffix in SENSORS or suffix in _WHOLE:
         return True
     match = _CHANNEL.fullmatch(suffix)

@@ -1,4 +1,4 @@
-"""What Shelly's first generation measures and watches. Pure.
+"""Meters and sensors of Shelly's first generation. Pure.
 
 Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0, ``lib/devices/gen1``.
 """

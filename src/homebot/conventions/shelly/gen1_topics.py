@@ -1,4 +1,4 @@
-"""Where a Shelly of the first generation speaks and listens. Pure."""
+"""Topics of a Shelly of the first generation. Pure."""
 
 from __future__ import annotations
 

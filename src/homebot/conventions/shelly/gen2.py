@@ -54,12 +54,12 @@ class Gen2:
         self._refused = 0
 
     def knows(self, prefix: str) -> bool:
-        """Whether a device of this generation was heard at *prefix*."""
+        """Return whether a device of this generation was heard at *prefix*."""
         return self._devices.get(prefix) is not None
 
     @property
     def dropped(self) -> int:
-        """How many devices or answers were forgotten or not taken for want of room."""
+        """Number of devices or answers that were forgotten or not taken for want of room."""
         return self._devices.dropped + self._refused
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
@@ -100,7 +100,7 @@ class Gen2:
     def _overheard(
         self, device: Gen2Device, components: Fields, topic: str, size: int
     ) -> tuple[AnnouncementEvent, ...]:
-        """What *device* tells without having answered, if ever it will."""
+        """Describe *device* by what it publishes without having answered, if ever it will."""
         asked = self._asked(device)
         kept = device.sizes.get("overheard", 0) + size
         if not device.overhears(components) or not self._has_room(device, "overheard", kept):
@@ -174,7 +174,7 @@ class Gen2:
         return True
 
     def _has_room(self, device: Gen2Device, kind: str, size: int) -> bool:
-        """Whether *size* bytes of *kind* may be kept of *device*; they count from now on."""
+        """Return whether *size* bytes of *kind* may be kept of *device*; they count from now on."""
         grown = size - device.sizes.get(kind, 0)
         if size > MAX_ANSWER_BYTES or self._kept + grown > _MAX_KEPT_BYTES:
             self._refused += 1

@@ -1,4 +1,4 @@
-"""What the answers and notifications of Shelly's second generation say, beside the state of components. Pure.
+"""Answers and notifications of Shelly's second generation, beside the state of components. Pure.
 
 Source: Shelly Gen2+ API, Shelly.GetDeviceInfo, Shelly.GetConfig, Shelly.GetStatus, Notifications.
 """
@@ -20,12 +20,12 @@ _CHANGES = frozenset({"component_added", "component_removed", "config_changed"})
 
 
 def is_prefix(prefix: str) -> bool:
-    """Whether topics may begin with *prefix*."""
+    """Return whether topics may begin with *prefix*."""
     return 0 < len(prefix) <= _LONGEST_PREFIX and prefix.isprintable() and not set(prefix) & set("+#$")
 
 
 def kind_of(result: Fields) -> str:
-    """Which question *result* answers; empty for another, such as a command."""
+    """Return the question that *result* answers; empty for another, such as a command."""
     if "mac" in result and "id" in result:
         return "info"
     system = fields_in(result, "sys")
@@ -42,14 +42,14 @@ def mac_in(prefix: str) -> str:
 
 
 def tells_change(params: Fields) -> bool:
-    """Whether the *params* of an event say that the device is set up anew."""
+    """Return whether the *params* of an event say that the device is set up anew."""
     events = params.get("events")
     listed = events[:_MOST_EVENTS] if isinstance(events, list) else ()
     return any(isinstance(one, dict) and one.get("event") in _CHANGES for one in listed if _is_named(one))
 
 
 def sleeps(status: Fields) -> bool:
-    """Whether a device is off the network most of the time, so that silence says nothing."""
+    """Return whether a device is off the network most of the time, so that silence says nothing."""
     period = to_number(fields_in(status, "sys").get("wakeup_period"))
     external = fields_in(fields_in(status, "devicepower:0"), "external")
     runs_on_battery = "devicepower:0" in status and external.get("present") is not True

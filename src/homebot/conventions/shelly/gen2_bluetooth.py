@@ -1,4 +1,4 @@
-"""What a Shelly hears by Bluetooth and tells as a gateway: devices that speak BTHome, each value a component. Pure.
+"""Bluetooth devices that a Shelly publishes as a gateway: they speak BTHome, and each value is a component. Pure.
 
 Source: Shelly Gen2+ API, components BTHomeDevice and BTHomeSensor; BTHome v2, object ids.
 """

@@ -35,7 +35,7 @@ _NO_FIELDS: Fields = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class Gen2Place:
-    """Where a device speaks and listens.
+    """The topics of a device of the second generation.
 
     Attributes:
         prefix: What its topics begin with.
@@ -68,17 +68,17 @@ class ShellyComponent:
 
     @property
     def kind(self) -> str:
-        """What it is, for example ``switch``."""
+        """Type of the component, for example ``switch``."""
         return self.key.partition(":")[0]
 
     @property
     def index(self) -> int:
-        """Which of its kind."""
+        """Number among the components of its type."""
         return int(self.key.partition(":")[2] or 0)
 
     @property
     def name(self) -> str:
-        """What people call it; empty where they do not."""
+        """Name that people gave it; empty where there is none."""
         name = self.config.get("name")
         return clean_text(name) if isinstance(name, str) else ""
 

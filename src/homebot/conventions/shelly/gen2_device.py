@@ -20,7 +20,7 @@ __all__ = ["Gen2Device", "looks"]
 
 @dataclass(slots=True)
 class Gen2Device:
-    """What one device answered so far.
+    """The answers of one device so far.
 
     Attributes:
         prefix: What its topics begin with.
@@ -53,11 +53,11 @@ class Gen2Device:
 
     @property
     def is_told(self) -> bool:
-        """Whether it told its whole status."""
+        """True if it told its whole status."""
         return "status" in self.sizes
 
     def overhears(self, components: Fields) -> bool:
-        """Whether *components* say something of it that is new; its values are not."""
+        """Return whether *components* say something of it that is new; its values are not."""
         return any(
             isinstance(fields, dict) and not fields.keys() <= fields_in(self.status, key).keys()
             for key, fields in components.items()

@@ -1,4 +1,4 @@
-"""What Shelly's second generation measures of the electricity through it, and its own heat. Pure.
+"""Electricity meters of Shelly's second generation, and its own temperature. Pure.
 
 Source: Shelly Gen2+ API, components PM1, EM, EM1, EMData, EM1Data, and the measurements of Switch, Cover and Light.
 """

@@ -1,4 +1,4 @@
-"""What a Shelly of the second generation consists of, by its components. Pure."""
+"""Parts of a Shelly of the second generation, by its components. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What Shelly's second generation measures and watches. Pure.
+"""Sensors of Shelly's second generation. Pure.
 
 Source: Shelly Gen2+ API, components Temperature, Humidity, Illuminance, DevicePower, Smoke, Flood, Presence, Voltmeter,
 Input.

@@ -112,7 +112,7 @@ _WATCHED: Mapping[str, tuple[str, str, str]] = {
 
 
 def _role(config: Fields) -> str:
-    """What a maker's service means by the value; empty for a user's own."""
+    """Return the meaning that a maker's service gives the value; empty for a user's own."""
     owner, role = config.get("owner"), config.get("role")
     is_makers = isinstance(owner, str) and owner.startswith("service:")
     return role if is_makers and isinstance(role, str) else ""

@@ -20,7 +20,7 @@ RELAY, LIGHT, SHUTTER = 1, 2, 3
 
 @dataclass(frozen=True, slots=True)
 class Tilt:
-    """How the slats of a shutter turn.
+    """The tilt of a shutter's slats.
 
     Attributes:
         least: The angle that is 0 %.
@@ -33,7 +33,7 @@ class Tilt:
 
 @dataclass(frozen=True, slots=True)
 class TasmotaConfig:
-    """What a device tells of itself.
+    """The discovery message of a device.
 
     Attributes:
         mac: Its hardware address, 12 upper-case digits.

@@ -20,7 +20,7 @@ __all__ = ["TasmotaTopics", "told_of_sensors"]
 
 @dataclass(frozen=True, slots=True)
 class TasmotaTopics:
-    """Where one device speaks and listens.
+    """The topics of one device.
 
     Attributes:
         config: What it told of itself.
@@ -40,12 +40,12 @@ class TasmotaTopics:
 
     @property
     def asks_state(self) -> tuple[Publication, ...]:
-        """What makes it tell its outputs; nothing for one that sleeps, because it would never hear it."""
+        """Commands that make it report its outputs; none for one that sleeps, because it would never receive them."""
         return self._ask("STATE", b"")
 
     @property
     def asks_sensors(self) -> tuple[Publication, ...]:
-        """What makes it tell its sensors; likewise."""
+        """Commands that make it report its sensors; likewise."""
         return self._ask("STATUS", b"10")
 
     def tell(self, command: str, argument: str | int = "") -> tuple[Publication, ...]:

@@ -1,4 +1,4 @@
-"""How fast a Tasmota lamp must fade so that one change takes a given time. Pure.
+"""Fade speed of a Tasmota lamp for which one change takes a given time. Pure.
 
 Tasmota's speed is the time of the whole way from dark to full, in half seconds. A shorter way takes a part of it, so
 that the speed depends on what the lamp shows now.
@@ -18,7 +18,7 @@ __all__ = ["Change", "Shown", "speed"]
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What a command changes.
+    """The change that a command makes.
 
     Attributes:
         on: Whether the lamp is on afterwards.
@@ -34,7 +34,7 @@ class Change:
 
 
 class Shown:
-    """What a lamp said last of itself. It forgets nothing, and holds four values."""
+    """The last reported state of a lamp. It forgets nothing, and holds four values."""
 
     __slots__ = ("_is_on", "_level", "_mired", "_rgb")
 

@@ -1,4 +1,4 @@
-"""What the names of Tasmota's sensor values are in our vocabulary: tables. Pure.
+"""Names of Tasmota's sensor values, and our capabilities for them: tables. Pure.
 
 Source: hatasmota 0.10.2, ``sensor.py``; Home Assistant core 2025.4, ``components/tasmota/sensor.py``.
 """

@@ -1,4 +1,4 @@
-"""Whether Zigbee devices can be reached: the bridge's own word and the device's, if the user switched that on. Pure.
+"""Availability of Zigbee devices: that of the bridge, and that of the device if the user switched it on. Pure.
 
 Source: zigbee2mqtt.io, Configuration > Device availability, and Usage > MQTT topics and messages > bridge/info.
 """
@@ -39,7 +39,7 @@ class StateWord:
 
 @dataclass(frozen=True, slots=True)
 class AvailabilityRule:
-    """Which devices of a bridge say whether they can be reached. Where they do not, the bridge's word stands alone.
+    """A rule for which devices of a bridge report their availability. For the others the bridge's alone counts.
 
     Attributes:
         is_on: Whether devices do.

@@ -118,7 +118,7 @@ _INTERVIEWED = ("", "SUCCESSFUL")
 
 
 def _facts(entry: Mapping[str, object], definition: Mapping[str, object]) -> dict[str, str]:
-    """What the bridge's database says counts before what the device says of itself."""
+    """Collect the facts of a device; the bridge's database counts before what the device reports."""
     told = {fact: _word(entry.get(key)) for fact, key in {**_ENTRY_FACTS, **_MORE_FACTS}.items()}
     known = {fact: _word(definition.get(key)) for fact, key in _DEFINITION_FACTS.items()}
     interview = _word(entry.get("interview_state"))

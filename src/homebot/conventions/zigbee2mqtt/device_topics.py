@@ -22,7 +22,7 @@ _MOST_SECONDS = 6_553.0
 
 @dataclass(frozen=True, slots=True)
 class Zigbee2MqttTopics:
-    """Where one device speaks and listens.
+    """The topics of one device.
 
     Attributes:
         said: Topic of its state, a JSON object of all that it tells.

@@ -1,4 +1,4 @@
-"""What a Zigbee device exposes: one entry of ``definition.exposes``, checked. Pure.
+"""Entry of ``definition.exposes`` of a Zigbee device, checked. Pure.
 
 Source: zigbee2mqtt.io, Usage > Exposes; Zigbee2MQTT 2.14.1.
 """
@@ -62,27 +62,27 @@ class Expose:
 
     @property
     def is_said(self) -> bool:
-        """Whether the device tells it by itself."""
+        """True if the device tells it by itself."""
         return bool(self.access & 1)
 
     @property
     def is_settable(self) -> bool:
-        """Whether it can be told."""
+        """True if it can be told."""
         return bool(self.access & 2)
 
     @property
     def is_gettable(self) -> bool:
-        """Whether it can be asked for."""
+        """True if it can be asked for."""
         return bool(self.access & 4)
 
     @property
     def suffix(self) -> str:
-        """What the properties of its endpoint end in."""
+        """Suffix of the properties of its endpoint."""
         return f"_{self.endpoint}" if self.endpoint else ""
 
     @cached_property
     def options(self) -> Mapping[str, Scalar]:
-        """What an enum may be: the value as the device spells it, by its text."""
+        """Options of an enum: the value as the device spells it, by its text."""
         return MappingProxyType({_option(value): value for value in self.values})
 
     def feature(self, *names: str) -> Expose | None:
@@ -138,7 +138,7 @@ def _read(entry: object, depth: int) -> Expose | None:
 
 
 def _category(entry: Mapping[str, object]) -> Category:
-    """What the definition wants for Home Assistant counts before what it says in general."""
+    """Return the category; the definition's entry for Home Assistant counts before its general one."""
     wanted = entry.get("homeassistant")
     if isinstance(wanted, dict) and isinstance(wanted.get("entityCategory"), str):
         return _CATEGORIES.get(wanted["entityCategory"], "")

@@ -1,4 +1,4 @@
-"""What a Zigbee device says or takes beside its main parts: sensors, buttons and settings. Pure.
+"""Values of a Zigbee device beside its main parts: sensors, buttons and settings. Pure.
 
 Source: zigbee2mqtt.io, Usage > Exposes > Generic.
 """

@@ -145,7 +145,7 @@ class _Zigbee2MqttLamp:
         return "" if has_white else next((mode for mode in _COLOR_MODES if _hue_saturation(mode, color)), "")
 
     def _read_color(self, message: JsonMessage) -> Readings:
-        """What a lamp shows now is named by ``color_mode``; the rest of the message is from before.
+        """Read the colour that ``color_mode`` names; the rest of the message is from before.
 
         Before its first one it shows what the message has alone.
         """

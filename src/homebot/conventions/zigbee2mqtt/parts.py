@@ -76,7 +76,7 @@ def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Ex
 
 
 def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
-    """What stands beside a part and belongs to it.
+    """Return the exposes that stand beside a part and belong to it.
 
     The effects of the lamp, how the motor of a cover turns, and whether a thermostat follows its program.
     """

@@ -25,7 +25,7 @@ _PAIR = 2
 
 
 def is_program(expose: Expose) -> bool:
-    """Whether *expose* says if a thermostat follows its program, is told by hand, or paused."""
+    """Return whether *expose* says if a thermostat follows its program, is told by hand, or paused."""
     is_whole = expose.is_said and expose.is_settable
     return expose.name == "operating_mode" and is_whole and set(expose.options) == {_MANUAL, *_MODES}
 

@@ -1,4 +1,4 @@
-"""What the names and units of Zigbee2MQTT's sensors are in our vocabulary: tables. Pure.
+"""Names and units of Zigbee2MQTT's sensors, and our capabilities for them: tables. Pure.
 
 Source: zigbee2mqtt.io, Usage > Exposes; zigbee-herdsman-converters 26.105.0 for the names in use.
 """

@@ -85,7 +85,7 @@ class Fan(Handle):
         await self.command("fan_speed", speed)
 
     def _mode_off(self) -> str | None:
-        """Which of its own speeds is off; None where none is."""
+        """Return the one of its own speeds that is off; None where there is none."""
         options = [word for one in self.capabilities if one.name == "fan_mode" and one.settable for word in one.options]
         return next((word for word in options if word.casefold() == _OFF), None)
 

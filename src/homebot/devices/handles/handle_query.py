@@ -1,4 +1,4 @@
-"""Which handles somebody wants: a kind, and what its parts must be. Pure."""
+"""Query for handles: a kind, and conditions on its parts. Pure."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _PLAIN_NUMBER = re.compile(r"-?\d{1,15}\.\d{1,15}")
 
 
 class CommonFilters(TypedDict, total=False):
-    """What can be asked of every kind.
+    """Filters that apply to every kind.
 
     Attributes:
         area: The room it is in, whatever the case and accents.

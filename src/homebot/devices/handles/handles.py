@@ -1,4 +1,4 @@
-"""Where an application's handles come from."""
+"""Factory of an application's handles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What opens and closes: coverings of windows, closures such as windows, doors and gates, and valves."""
+"""Handles for what opens and closes: coverings of windows, closures such as windows, doors and gates, and valves."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ __all__ = ["TrackedDevice"]
 
 
 class TrackedDevice:
-    """What is known of one device, shared by all handles of its parts.
+    """The known state of one device, shared by all handles of its parts.
 
     Args:
         device: The device.

@@ -22,7 +22,7 @@ _TEXTS = frozenset({"manufacturer", "model", "model_id", "serial_number"})
 
 @dataclass(frozen=True, slots=True)
 class Facets:
-    """What can be asked of a device.
+    """The properties of a device that queries can ask for.
 
     Attributes:
         id: Its id.

@@ -40,12 +40,12 @@ def words_of(text: str) -> tuple[str, ...]:
 
 
 def may_be_typo(word: str) -> bool:
-    """Whether a typo in *word* would be noticed and forgiven; not in a short word or a number."""
+    """Return whether a typo in *word* would be noticed and forgiven; not in a short word or a number."""
     return len(word) >= WORD_TYPO and word.isalpha()
 
 
 def is_typo(word: str, other: str) -> bool:
-    """Whether one letter more, less, changed or swapped with its neighbour makes *word* out of *other*.
+    """Return whether one letter more, less, changed or swapped with its neighbour makes *word* out of *other*.
 
     False for equal words, and for words of less than four letters or with digits: a typo there makes another word.
     """

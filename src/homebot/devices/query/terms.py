@@ -1,4 +1,4 @@
-"""What a query is made of, and whether a device fits it. Pure values."""
+"""Terms of a query, and their test against a device. Pure values."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class TypeIs:
     by_word: bool = True
 
     def wants(self, kind: tuple[str, str]) -> bool:
-        """Whether a part of the type and tag *kind* fits."""
+        """Return whether a part of the type and tag *kind* fits."""
         service_type, tag = kind
         if service_type not in self.types:
             return False
@@ -197,7 +197,7 @@ def type_is(word: str) -> TypeIs:
 
 
 def fits(query: Query, device: Facets) -> bool:
-    """Whether *device* fits *query*."""
+    """Return whether *device* fits *query*."""
     match query:
         case And(terms):
             return all(fits(term, device) for term in terms)
@@ -251,7 +251,7 @@ def _fits_whole(query: InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs |
 
 
 def compares(term: StateIs, value: PlainValue) -> bool:
-    """Whether *value* is as *term* wants it."""
+    """Return whether *value* is as *term* wants it."""
     wanted = term.value
     if value is None:
         return False
@@ -277,7 +277,7 @@ def compares(term: StateIs, value: PlainValue) -> bool:
 
 
 def word_fits(wanted: str, word: str) -> bool:
-    """Whether a device's *word* is the *wanted* one, begins with it, or is a typo away."""
+    """Return whether a device's *word* is the *wanted* one, begins with it, or is a typo away."""
     return word.startswith(wanted) or is_typo(wanted, word)
 
 

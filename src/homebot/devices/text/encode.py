@@ -83,7 +83,7 @@ def main_part(parts: tuple[Part, ...]) -> Part | None:
 
 
 def accepts_text(part: Part) -> bool:
-    """Whether the part can be told anything."""
+    """Return whether the part can be told anything."""
     return any(capability.settable for capability in part.capabilities)
 
 

@@ -1,4 +1,4 @@
-"""Where a device is told a word. Pure."""
+"""Address for text commands to a device. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which part of a device said a raw message. Pure."""
+"""Part of a device that sent a raw message. Pure."""
 
 from __future__ import annotations
 

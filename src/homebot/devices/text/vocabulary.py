@@ -1,4 +1,4 @@
-"""How values are spelt in plain words; see :mod:`homebot.devices.text.encode`. Pure."""
+"""Vocabulary of values in plain text; see :mod:`homebot.devices.text.encode`. Pure."""
 
 from __future__ import annotations
 

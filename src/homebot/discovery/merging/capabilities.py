@@ -1,4 +1,4 @@
-"""What a part can do by all the ways to it together. Pure."""
+"""Merged capabilities of a part, over all the ways to it. Pure."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _settable(part: Part) -> dict[str, None]:
 
 
 def _joined(best: Capability, other: Capability) -> Capability:
-    """What can be told decides, where one of the two cannot: its span and words are those of commands."""
+    """Join two capabilities; where only one is settable it decides: its range and options are those of commands."""
     if best == other:
         return best
     shown = other if other.settable and not best.settable else best

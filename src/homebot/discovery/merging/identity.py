@@ -1,4 +1,4 @@
-"""Which announcements are about one device: those that share an identifier which is specific enough. Pure.
+"""Grouping of announcements into devices: those that share an identifier which is specific enough. Pure.
 
 A radio address (``eui64:``) always is. A hardware address (``mac:``) is, unless it belongs to a host that speaks for
 several devices: announcements that are each of a whole device, or whose other identifiers have nothing in common. Any
@@ -40,7 +40,7 @@ _GENERIC = frozenset(_WORDS.split())
 
 
 def is_generic(word: str) -> bool:
-    """Whether many devices are called *word*, so that it names none of them."""
+    """Return whether many devices are called *word*, so that it names none of them."""
     return word in _GENERIC
 
 
@@ -49,7 +49,7 @@ _Sign: TypeAlias = tuple[str, str, tuple[str, ...], str]
 
 @dataclass(slots=True, eq=False)
 class Identity:
-    """Who speaks in one way about one device; announcements of the same voice are about one device.
+    """An identity; announcements of the same identity are about one device.
 
     Attributes:
         gateway: Where it is heard.
@@ -65,7 +65,7 @@ class Identity:
 
     @property
     def key_of(self) -> _Sign:
-        """What it is known by."""
+        """Key by which it is known."""
         return self.gateway, self.convention, self.identifiers, self.key
 
     @property
@@ -235,7 +235,7 @@ def _is_specific(identifier: str, holders: dict[Identity, None]) -> bool:
 
 
 def _share_a_host(one: Identity, other: Identity) -> bool:
-    """Whether a hardware address that both name is their host's: it speaks of both in the same way."""
+    """Return whether a hardware address that both name is their host's: it speaks of both in the same way."""
     if (one.gateway, one.convention) != (other.gateway, other.convention):
         return False
     if one.key or other.key:

@@ -1,4 +1,4 @@
-"""Which parts that different sources tell of are one part of the device. Pure.
+"""Matching of parts that different sources announce of one device. Pure.
 
 Two parts are one where they can do the same and one of these says so, the surest first, and says it of no other pair:
 
@@ -167,7 +167,7 @@ def _id_level(short: Candidate, long: Candidate, start: int) -> _Level | None:
 
 
 def _named_by_type(long: Candidate, start: int) -> int:
-    """How many words before *start* only say what kind of part it is, as in ``0x17_switch_child_lock``."""
+    """Count the words before *start* that only say what kind of part it is, as in ``0x17_switch_child_lock``."""
     for kind in (long.part.advertised, long.part.service_type):
         words = tuple(fold(kind).split())
         if words and long.words[max(0, start - len(words)) : start] == words:
@@ -225,7 +225,7 @@ def _is_plain(one: Candidate) -> bool:
 
 
 def _can_be_one(one: Part, other: Part) -> bool:
-    """Whether nothing contradicts in what the two can do, and what they are for."""
+    """Return whether nothing contradicts in what the two can do, and what they are for."""
     mine, theirs = _abilities(one), _abilities(other)
     shared = mine.keys() & theirs.keys()
     if (mine and theirs and not shared) or not all(_agree(mine[name], theirs[name]) for name in shared):
@@ -248,7 +248,7 @@ def _abilities(part: Part) -> dict[str, Capability]:
 
 
 def _agree(one: Capability, other: Capability) -> bool:
-    """Whether what both tell or take can be the same: in one unit, and where they are told words, in the same."""
+    """Return whether both can have the same values: in one unit, and with options in common where they have any."""
     if one.unit and other.unit and one.unit != other.unit:
         return False
     if not (one.settable and other.settable and one.options and other.options):
@@ -259,12 +259,12 @@ def _agree(one: Capability, other: Capability) -> bool:
 
 
 def _shared_ends(ids: set[tuple[str, ...]]) -> tuple[int, int]:
-    """How many words all *ids* begin with, and end with; none where there is one id only."""
+    """Count the words that all *ids* begin with, and end with; none where there is one id only."""
     return (_common(ids), _common({one[::-1] for one in ids})) if len(ids) > 1 else (0, 0)
 
 
 def _common(ids: set[tuple[str, ...]]) -> int:
-    """How many words all *ids* begin with, before the last word of the shortest."""
+    """Count the words that all *ids* begin with, before the last word of the shortest."""
     count = 0
     for column in zip(*(one[:-1] for one in ids), strict=False):
         if len(set(column)) > 1:

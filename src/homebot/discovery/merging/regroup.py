@@ -1,4 +1,4 @@
-"""Which device goes on under its id when announcements turn out to be about others than was thought. Pure."""
+"""Regrouping: the device that keeps its id when announcements turn out to be about others. Pure."""
 
 from __future__ import annotations
 

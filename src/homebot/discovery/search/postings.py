@@ -1,4 +1,4 @@
-"""What devices can be found by: for each thing that may be asked, the set of those that fit. Pure."""
+"""Postings: for each term that may be asked for, the set of devices that match. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of the devices that fit a query come first, and why. Pure."""
+"""Ranking of the devices that match a query, with reasons. Pure."""
 
 from __future__ import annotations
 

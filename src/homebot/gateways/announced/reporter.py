@@ -1,4 +1,4 @@
-"""What goes onto the graph of devices."""
+"""Publisher of a gateway's messages about devices."""
 
 from __future__ import annotations
 

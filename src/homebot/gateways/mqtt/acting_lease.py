@@ -1,4 +1,4 @@
-"""Which of several homebots of one home at one broker acts: the one that was there first. The others observe.
+"""Lease to act for one of several homebots of one home at one broker: the first has it. The others observe.
 
 Each that wants to act asks on ``homebot/acting/HOME`` on every new link, and acts at once unless another answers that
 it does. One that was answered asks again every few seconds: where the other is gone, nobody answers. There is nothing
@@ -39,7 +39,7 @@ _LONGEST = 1000
 
 
 class _Word(BaseModel):
-    """What is said on the topic."""
+    """The message on the lease's topic."""
 
     model_config = ConfigDict(frozen=True, extra="ignore")
 
@@ -81,14 +81,14 @@ class ActingLease:
 
     @property
     def trouble(self) -> str:
-        """What is wrong, in words; empty where nothing is."""
+        """Problem as text; empty where there is none."""
         if not self.rival:
             return ""
         where = f"home {self._home}" if self._home else "this broker"
         return f"another homebot ({self.rival}) acts on {where}; stop one of the two, or set act = false here"
 
     def owns(self, topic: str) -> bool:
-        """Whether what comes on *topic* is for :meth:`take`."""
+        """Return whether what comes on *topic* is for :meth:`take`."""
         return topic in {self._topic, self._connection.status_topic}
 
     def take(self, message: MqttMessage) -> None:
@@ -134,7 +134,7 @@ class ActingLease:
 
     @property
     def _is_sure(self) -> bool:
-        """Whether nobody answered on this link: while the one before was down another may have begun."""
+        """True if nobody answered on this link: while the one before was down another may have begun."""
         return self._sure_of is not None and self._sure_of is self._connection.state
 
     async def _ask_on_each_link(self) -> None:

@@ -1,4 +1,4 @@
-"""What the gateway remembers of each topic that a device speaks on."""
+"""Memory of each topic that a device publishes on."""
 
 from __future__ import annotations
 

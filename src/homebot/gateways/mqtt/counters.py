@@ -1,4 +1,4 @@
-"""What one gateway did since its start."""
+"""Counters of one gateway since its start."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["GatewayCounters"]
 
 @dataclass(slots=True)
 class GatewayCounters:
-    """What one gateway did since its start.
+    """The counters of one gateway since its start.
 
     Attributes:
         received: Messages of devices.

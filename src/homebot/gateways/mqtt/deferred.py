@@ -56,7 +56,7 @@ class DeferredMessages:
         return bool(self._topics)
 
     def waits_for(self, payer: str) -> bool:
-        """Whether a message waits for the budget of *payer*."""
+        """Return whether a message waits for the budget of *payer*."""
         return payer in self._own or payer in self._shared
 
     def add(self, message: MqttMessage, payer: str, *, is_like: bool) -> None:

@@ -60,7 +60,7 @@ T = TypeVar("T")
 
 
 class AnnouncedDevices:
-    """What one gateway does with its conventions.
+    """The engine of one gateway: from its conventions' announcements to devices.
 
     Args:
         gateway: The gateway.

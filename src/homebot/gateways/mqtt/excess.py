@@ -1,4 +1,4 @@
-"""How much longer announcements are than what they offer explains, and how much of that may stand. Pure.
+"""Excess length of announcements over what they offer, and its limits. Pure.
 
 A house with many devices has many announcements, each as long as the parts that it tells of. Who wants memory has long
 ones: of lists, of templates. Only what an announcement is longer than an honest one of as many parts counts here.

@@ -306,7 +306,7 @@ class MqttGateway(Gateway):
             return None
 
     def _is_layouts(self, topic: str) -> bool:
-        """Whether it comes by a subscription of a layout: what is there for conventions breaks no layout."""
+        """Return whether it comes by a subscription of a layout: what is there for conventions breaks no layout."""
         return any(topic_matches(one, topic) for one in self._filters)
 
     def _sight(self, channel: Channel, message: MqttMessage, stamp: Time) -> None:

@@ -22,7 +22,7 @@ _ALL = ("thesis", "homeassistant", "zigbee2mqtt", "tasmota", "shelly", "homie", 
 
 @dataclass(frozen=True, slots=True)
 class LoadedConventions:
-    """What a gateway understands.
+    """The conventions of a gateway.
 
     Attributes:
         layouts: Conventions in which the topic alone tells which device speaks.
@@ -40,7 +40,7 @@ def default_conventions() -> tuple[str, ...]:
 
 
 def any_announcing(names: Iterable[str]) -> bool:
-    """Whether devices announce themselves in one of the conventions *names*, as far as those can be loaded."""
+    """Return whether devices announce themselves in one of the conventions *names*, as far as those can be loaded."""
     return any(_has_settings(kind) for _, kind in _loadable(names))
 
 

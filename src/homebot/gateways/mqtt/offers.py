@@ -40,7 +40,7 @@ _QOS = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Offers:
-    """What one gateway publishes of homebot's own.
+    """The publications of what homebot exposes through one gateway.
 
     A gateway that only observes publishes nothing.
 
@@ -68,7 +68,7 @@ class Offers:
         return tuple(one for publisher in self._publishers for one in publisher.filters())
 
     def is_own_topic(self, topic: str) -> bool:
-        """Whether what comes on *topic* is our own, and no device."""
+        """Return whether what comes on *topic* is our own, and no device."""
         return any(publisher.is_own_topic(topic) for publisher in self._publishers)
 
     def take(self, message: MqttMessage) -> bool:
@@ -169,7 +169,7 @@ class Offers:
                     self._tribunal.log_limited(NOT_PUBLISHED, f"not published on {topic}: {exc}", topic=topic)
 
     def _next(self) -> Publication:
-        """What is there comes before what happens to it."""
+        """Return the next publication: what is there comes before what happens to it."""
         if not self._waiting:
             return self._events.popleft()
         topic = next(iter(self._waiting))

@@ -1,4 +1,4 @@
-"""Who breaks the rules of a gateway: told, counted, and listened to no more often than can be paid for."""
+"""Quarantine for peers that break the rules of a gateway: reported, counted, and read a little at a time."""
 
 from __future__ import annotations
 

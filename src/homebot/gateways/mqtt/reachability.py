@@ -1,4 +1,4 @@
-"""Whether a device can be reached, by what its availability topics say. Pure."""
+"""Reachability of a device, by its availability topics. Pure."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ReachabilityReader:
 
     @property
     def value(self) -> bool | None:
-        """Whether the device can be reached; None for unknown."""
+        """True if the device can be reached; None for unknown."""
         if self.availability.mode == "latest":
             return self._latest[0] if self._latest is not None else None
         known = [word[0] for word in self._words if word is not None]

@@ -24,7 +24,7 @@ _Readers: TypeAlias = tuple[tuple[str, AnnouncedPart | AvailabilityReader], ...]
 
 @dataclass(frozen=True, slots=True)
 class RegistryLimits:
-    """How much may stand at once.
+    """The limits on all announcements together.
 
     Attributes:
         claims: Announcements.
@@ -67,7 +67,7 @@ class TopicReaders:
 
 @dataclass(frozen=True, slots=True)
 class RegistryChange:
-    """What a new description changed.
+    """The changes that a new description makes.
 
     Attributes:
         claim: What stands now.

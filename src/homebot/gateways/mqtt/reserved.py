@@ -22,7 +22,7 @@ _BRIDGE_REQUEST = "/bridge/request/"
 
 @dataclass(frozen=True, slots=True)
 class _Rule:
-    """Why topics are reserved, and the convention for which they are not: it may want all that is below its prefix."""
+    """The reason why topics are reserved, and the convention that may use them all the same: all below its prefix."""
 
     why: str
     free_for: str = ""

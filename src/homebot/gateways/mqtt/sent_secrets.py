@@ -1,4 +1,4 @@
-"""What was sent with a code, so that it is not mirrored when the broker sends it back. Pure."""
+"""Messages that were sent with a code, and are not mirrored when the broker sends them back. Pure."""
 
 from __future__ import annotations
 

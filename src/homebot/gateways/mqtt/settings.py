@@ -37,7 +37,7 @@ Delivery = Literal["inbox", "mirror"]
 
 
 class MqttGatewaySettings(BaseModel):
-    """How to reach a broker, and what to do with what it says.
+    """The settings of the MQTT gateway: its broker, and its treatment of messages.
 
     Attributes:
         url: ``mqtt://[user[:password]@]host[:port]``, ``mqtts://…``, or ``embedded`` for homebot's own broker.

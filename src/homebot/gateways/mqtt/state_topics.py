@@ -1,4 +1,4 @@
-"""Which state topics are needed, and what therefore is to be subscribed to next. Pure."""
+"""State topics that are needed, and the subscriptions that follow. Pure."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class StateTopics:
             self._unwanted[topic_filter] = None
 
     def is_covered(self, topic_filter: str) -> bool:
-        """Whether what it matches comes by another filter; a subscription is then good for the kept message alone."""
+        """Return whether all it matches comes by another filter; subscribing then brings the retained message alone."""
         is_own = topic_filter in self._announcements or has_wildcard(topic_filter)
         return not is_own and bool(self._covering.match(topic_filter))
 

@@ -1,4 +1,4 @@
-"""What devices of a topic layout say in plain words, as reports for the graph.
+"""Reader of plain text states, of devices of a topic layout, as reports for the graph.
 
 Most words speak for themselves. Of a thermostat a number may be the room's temperature or its target: it is the target
 where it answers a command of ours with just that number.

@@ -1,4 +1,4 @@
-"""How much work may be spent on announcements that break the rules. Pure.
+"""Budget for the work on announcements that break the rules. Pure.
 
 MQTT does not tell who published a message, so that nobody can be shut out without shutting out the honest device that
 shares the topic. What is bounded is the work: a message that breaks the rules is paid for out of the budget of the
@@ -80,7 +80,7 @@ class WorkBudget:
 
     @property
     def quiet_at(self) -> float:
-        """When it is over if nothing more comes."""
+        """Time at which it is over if nothing more comes."""
         return max(self.deferred_at, self.spent_at) + CALM
 
     def left(self, now: float) -> float:
@@ -128,7 +128,7 @@ class WorkBudgets:
         return f"{level}/#" if level in self._levels else "#"
 
     def admits(self, payer: str, now: float) -> bool:
-        """Whether the budget of *payer* is not used up."""
+        """Return whether the budget of *payer* is not used up."""
         if now >= self._all_clean_at:
             return True
         if payer not in self._accepted:
@@ -173,7 +173,7 @@ class WorkBudgets:
         self._accepted.pop(topic, None)
 
     def resembles(self, topic: str, payload: bytes) -> bool:
-        """Whether *payload* begins and ends as what was last accepted on *topic*."""
+        """Return whether *payload* begins and ends as what was last accepted on *topic*."""
         known = self._accepted.get(topic)
         return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
 

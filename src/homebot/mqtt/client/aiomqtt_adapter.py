@@ -111,7 +111,7 @@ class AiomqttClient:
 
     @property
     def counters(self) -> MqttCounters:
-        """What happened so far."""
+        """Counters of the events so far."""
         return self._receiver.counters
 
     def connected(self) -> AbstractAsyncContextManager[SessionGrant]:
@@ -609,7 +609,7 @@ class _Link(aiomqtt.Client):
             self.put(bytes(answers))
 
     def _cut(self, error: OSError | None = None) -> LinkError | RefusedError:
-        """What the end of the socket means: with *error*, or in order."""
+        """Interpret the end of the socket: with *error*, or in order."""
         reason = LinkError("the broker closed the connection") if error is None else socket_error(error)
         if self._granted is not None or isinstance(reason, RefusedError):
             return reason

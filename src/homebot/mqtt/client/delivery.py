@@ -1,4 +1,4 @@
-"""Who owes what to whom: the acknowledgements of received messages, pure.
+"""Ledger of the acknowledgements of received messages, pure.
 
 QoS 1: PUBACK is sent when the message is settled, and only on the link it came by, because on a later link its packet
 identifier may stand for another message.

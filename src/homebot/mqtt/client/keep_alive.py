@@ -1,4 +1,4 @@
-"""When to ask a silent broker for a sign of life, and when to take it for dead. No I/O."""
+"""Timing of the keep-alive: when to ping a silent broker, and when to take it for dead. No I/O."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["KeepAlive", "LifeSign"]
 
 
 class LifeSign(Enum):
-    """What is to be done now."""
+    """The next step of the keep-alive."""
 
     WAIT = "wait"
     PING = "ping"

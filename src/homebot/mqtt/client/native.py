@@ -79,7 +79,7 @@ class MemoryClient:
 
     @property
     def counters(self) -> MqttCounters:
-        """What happened so far."""
+        """Counters of the events so far."""
         return self._receiver.counters
 
     def connected(self) -> AbstractAsyncContextManager[SessionGrant]:
@@ -214,7 +214,7 @@ class MemoryClient:
 
 
 class _NoUser:
-    """Whoever does not listen to the answers."""
+    """A user that does not listen to the answers."""
 
     def data_received(self, data: bytes) -> None:
         pass

@@ -40,7 +40,7 @@ def disconnect_packet(*, ends_session: bool) -> Disconnect:
 
 
 def session_of(answer: Connack, version: ProtocolVersion) -> SessionGrant:
-    """What the broker granted."""
+    """Return what the broker granted."""
     granted = answer.properties
     return SessionGrant(
         resumed=answer.session_present,

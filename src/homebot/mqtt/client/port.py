@@ -37,7 +37,7 @@ class MqttSubscription:
 
 @dataclass(frozen=True, slots=True)
 class SessionGrant:
-    """What the broker granted when the link was made.
+    """The session as the broker granted it when the link was made.
 
     Attributes:
         resumed: The broker still knew this client: its subscriptions stand, and unacknowledged messages follow.
@@ -70,7 +70,7 @@ class PublishResult:
 
 @dataclass(slots=True)
 class MqttCounters:
-    """What happened on all links of one client since it was made.
+    """Counters over all links of one client since it was made.
 
     Attributes:
         received: Messages put in the inbox.
@@ -97,7 +97,7 @@ class MqttClient(Protocol):
 
     @property
     def counters(self) -> MqttCounters:
-        """What happened so far."""
+        """Counters of the events so far."""
         ...
 
     def connected(self) -> AbstractAsyncContextManager[SessionGrant]:

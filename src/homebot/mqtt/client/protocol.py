@@ -111,7 +111,7 @@ class ClientProtocol:
 
     @property
     def is_alive(self) -> bool:
-        """Whether the link stands."""
+        """True if the link stands."""
         return self._lost is None
 
     def check_alive(self) -> None:

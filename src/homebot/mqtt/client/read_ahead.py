@@ -32,7 +32,7 @@ class ReadAhead:
 
     @property
     def is_full(self) -> bool:
-        """Whether nothing more should be read for now."""
+        """True if nothing more should be read for now."""
         return self.size >= self._most
 
     def put(self, data: bytes) -> None:

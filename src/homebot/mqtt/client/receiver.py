@@ -1,4 +1,4 @@
-"""What every adapter does with received packets: read, count, keep in books, put in the inbox; knows no library."""
+"""Treatment of received packets, the same for every adapter: read, count, record, put in the inbox."""
 
 from __future__ import annotations
 

@@ -36,14 +36,14 @@ def reason_text(code: int) -> str:
 
 
 def login_error(code: int) -> LinkError | RefusedError:
-    """What a CONNACK with *code* (0x80 or more) means."""
+    """Return the error for a CONNACK with *code* (0x80 or more)."""
     if code in _TRY_LATER:
         return LinkError(f"the broker said: {reason_text(code)}")
     return RefusedError("the login", reason_text(code), code)
 
 
 def disconnect_error(code: int) -> LinkError | RefusedError:
-    """What a DISCONNECT with *code* from the broker means."""
+    """Return the error for a DISCONNECT with *code* from the broker."""
     if code == ReasonCode.SESSION_TAKEN_OVER:
         return RefusedError("the connection", "session taken over, another client uses this client id", code)
     if code in _THROWN_OUT:

@@ -1,4 +1,4 @@
-"""What one client has asked its broker and not been answered yet, over all its links."""
+"""Requests of one client that the broker has not answered yet, over all its links."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Requests:
                 return self._last
 
     def begin_link(self, *, resumed: bool) -> tuple[Publish | Pubrel, ...]:
-        """What has to be said again on a new link: hand-shakes of QoS 2 that the broker still has."""
+        """Return the packets to send again on a new link: hand-shakes of QoS 2 that the broker still has."""
         if not resumed:
             self._open.clear()
         return tuple(

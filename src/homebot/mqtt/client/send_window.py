@@ -1,4 +1,4 @@
-"""How many own publishes may be open on one link at once; the others wait in their order."""
+"""Window of own publishes that may be open on one link at once; the others wait in their order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the failure of a socket means, in words; they do not name the broker, because whoever reports them does."""
+"""Text for the failures of a socket; it does not name the broker, because the caller does."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _TLS_WORDS: Final = (
 
 
 def socket_error(error: OSError) -> LinkError | RefusedError:
-    """What a failure of a socket means: a no of the TLS hand-shake is a no, all else is the link."""
+    """Return the error for a failure of a socket: a refused TLS hand-shake is a refusal, all else is the link."""
     if isinstance(error, ssl.SSLEOFError | ssl.SSLZeroReturnError):
         return LinkError("the broker closed the connection")
     if isinstance(error, ssl.SSLError):

@@ -1,4 +1,4 @@
-"""How a part of a thing speaks and listens. Pure."""
+"""Codec of a part of a thing. Pure."""
 
 from __future__ import annotations
 

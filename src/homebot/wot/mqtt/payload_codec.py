@@ -27,7 +27,7 @@ _MAX_TEXT = 500
 
 
 def is_spoken(content_type: str) -> bool:
-    """Whether payloads of this type are understood: JSON and plain text."""
+    """Return whether payloads of this type are understood: JSON and plain text."""
     kind = content_type.partition(";")[0].strip().casefold()
     return kind == PLAIN_WORDS or _JSON.fullmatch(kind) is not None
 
