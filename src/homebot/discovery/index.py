@@ -75,7 +75,7 @@ class DeviceIndex:
 
     @property
     def tells_states(self) -> bool:
-        """Whether changes of states are collected."""
+        """True if changes of states are collected."""
         return self._table.collects_states
 
     @tells_states.setter
@@ -164,7 +164,7 @@ class DeviceIndex:
 
     @property
     def has_states(self) -> bool:
-        """Whether changes of states wait to be taken."""
+        """True if changes of states wait to be taken."""
         return self._table.changes.has_states
 
     def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
@@ -194,7 +194,7 @@ class DeviceIndex:
 
     @property
     def postings(self) -> Postings:
-        """What the devices can be found by; up to date after :meth:`sort`."""
+        """Postings by which devices are found; up to date after :meth:`sort`."""
         return self._search.postings
 
     def sort(self, at_most: int | None = None) -> bool:
@@ -223,7 +223,7 @@ class DeviceIndex:
 
     @property
     def is_saved(self) -> bool:
-        """Whether there is an index file, so that it is noted what is not in it."""
+        """True if there is an index file, so that it is noted what is not in it."""
         return self._table.unsaved.is_enabled
 
     @is_saved.setter

@@ -1,4 +1,4 @@
-"""How long the silence of each device is no bad sign, and which one has been silent for too long. Pure."""
+"""Liveness of devices: the silence of each that is no bad sign, and those that have been silent for too long. Pure."""
 
 from __future__ import annotations
 

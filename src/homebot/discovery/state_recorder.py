@@ -1,4 +1,4 @@
-"""What a report does: values, events and reachability of a device are noted, made findable and published. Pure."""
+"""Recorder of reports: values, events and reachability of a device are noted, made findable and published. Pure."""
 
 from __future__ import annotations
 

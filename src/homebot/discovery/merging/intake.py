@@ -1,4 +1,4 @@
-"""What a sighting does to the index: an announcement is added, described again, heard again or withdrawn. Pure."""
+"""Intake of sightings: an announcement is added, described again, heard again or withdrawn. Pure."""
 
 from __future__ import annotations
 

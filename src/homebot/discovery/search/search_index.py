@@ -26,7 +26,7 @@ class SearchIndex:
 
     @property
     def postings(self) -> Postings:
-        """What the devices can be found by; up to date after :meth:`sort`."""
+        """Postings by which devices are found; up to date after :meth:`sort`."""
         return self._table.postings
 
     def find(self, query: Query) -> frozenset[str] | set[str]:
