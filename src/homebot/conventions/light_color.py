@@ -16,11 +16,13 @@ from typing import TypeAlias
 
 __all__ = [
     "CHANNELS",
+    "MIRED",
     "Channels",
     "KelvinRange",
     "from_hue_saturation",
     "kelvin_mired",
     "mired_bounds",
+    "nearest_mired_bounds",
     "to_hue_saturation",
     "white_kelvin",
 ]
@@ -37,7 +39,7 @@ CHANNELS: Mapping[str, str] = MappingProxyType({"hs": "hs", "xy": "xy", "rgb": "
 
 def kelvin_mired(value: float) -> int:
     """Return mired for kelvin and kelvin for mired; *value* is above 0."""
-    return math.floor(_MIRED / value)
+    return math.floor(MIRED / value)
 
 
 def mired_bounds(least: float, most: float) -> tuple[float, float]:
@@ -47,8 +49,13 @@ def mired_bounds(least: float, most: float) -> tuple[float, float]:
     numbers as well, or become some by rounding down.
     """
     coldest, warmest = math.floor(least), math.floor(most)
-    low, high = _MIRED // (warmest + 1) + 1, kelvin_mired(coldest)
+    low, high = MIRED // (warmest + 1) + 1, kelvin_mired(coldest)
     return (float(low), float(high)) if low <= high else (float(kelvin_mired(warmest)), float(high))
+
+
+def nearest_mired_bounds(least: float, most: float) -> tuple[float, float]:
+    """Return the lowest and the highest kelvin within *least* to *most* mired, at least 1, rounded to whole mired."""
+    return float(math.floor(MIRED / (most + 0.5)) + 1), float(math.ceil(MIRED / (least - 0.5)) - 1)
 
 
 def white_kelvin(value: float | None, *, in_kelvin: bool) -> float | None:
@@ -73,7 +80,7 @@ def to_hue_saturation(mode: str, channels: Channels, white: KelvinRange) -> tupl
     return round(hue * 360, 3), round(saturation * 100, 3)
 
 
-_MIRED = 1_000_000
+MIRED = 1_000_000
 _MOST_KELVIN = 1_000_000
 _LEAST_Y = 1e-11
 """To divide by; a smaller one, which no lamp means, would make infinity."""

@@ -14,7 +14,15 @@ from typing import NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
 
-__all__ = ["SENSOR_TYPES", "Conversion", "Quantity", "celsius_bounds", "conversion_of"]
+__all__ = [
+    "SENSOR_TYPES",
+    "Conversion",
+    "Quantity",
+    "celsius_bounds",
+    "conversion_of",
+    "to_celsius",
+    "to_fahrenheit",
+]
 
 
 class Conversion(NamedTuple):
@@ -71,6 +79,16 @@ def conversion_of(capability: str, unit: str) -> Conversion | None:
     if spelled == CAPABILITIES[capability].unit:
         return _SAME
     return _UNITS[capability].get(spelled) if capability in _UNITS else None
+
+
+def to_celsius(fahrenheit: float, digits: int = 6) -> float:
+    """Return °F in °C, rounded to *digits*."""
+    return round((fahrenheit - 32.0) / 1.8, digits)
+
+
+def to_fahrenheit(celsius: float, digits: int = 6) -> float:
+    """Return °C in °F, rounded to *digits*."""
+    return round(celsius * 1.8 + 32.0, digits)
 
 
 def celsius_bounds(low: float, high: float) -> tuple[float, float]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from homebot.conventions.light_color import MIRED, nearest_mired_bounds
+from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.wot.thing import Affordance
 from homebot.wot.units import unit_of
@@ -14,7 +16,7 @@ _SHARES = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
 """What goes from nothing to all, whatever the thing calls the two ends."""
 
 _PERCENT = 100.0
-_MIRED = 1_000_000.0
+_EXACT = 12
 _NO_RANGE = 1e15
 """Ends that lie so far apart are those of a number type, not of a device."""
 
@@ -27,9 +29,9 @@ def canonical(capability: str, affordance: Affordance, number: float) -> float |
         low, high = ends
         return min(max((number - low) / (high - low) * _PERCENT, 0.0), _PERCENT)
     if capability == "color_temperature" and unit_of(affordance.schema) == "mired":
-        return float(round(_MIRED / number)) if number >= 1 else None
+        return float(round(MIRED / number)) if number >= 1 else None
     if _is_fahrenheit(capability, affordance):
-        return round((number - 32) * 5 / 9, 6)
+        return to_celsius(number)
     return number
 
 
@@ -43,12 +45,12 @@ def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
         return ()
     is_own = "capability" in affordance.extension
     if not is_own and capability == "color_temperature" and unit_of(affordance.schema) == "mired" and low >= 1:
-        return math.floor(_MIRED / (high + 0.5)) + 1.0, math.ceil(_MIRED / (low - 0.5)) - 1.0
+        return nearest_mired_bounds(low, high)
     ends = [found for end in (low, high) if (found := canonical(capability, affordance, end)) is not None]
     if len(ends) < 2:  # one of them means nothing
         return ()
     if not is_own and _is_fahrenheit(capability, affordance):
-        return math.floor(round(min(ends) * 10, 6)) / 10, math.ceil(round(max(ends) * 10, 6)) / 10
+        return celsius_bounds(min(low, high), max(low, high))
     return min(ends), max(ends)
 
 
@@ -61,9 +63,9 @@ def on_the_wire(capability: str, affordance: Affordance, number: float) -> float
         low, high = ends
         found = low + number / _PERCENT * (high - low)
     elif capability == "color_temperature" and unit_of(affordance.schema) == "mired":
-        found = _MIRED / number if number >= 1 else math.nan
+        found = MIRED / number if number >= 1 else math.nan
     elif _is_fahrenheit(capability, affordance):
-        found = number * 9 / 5 + 32
+        found = to_fahrenheit(number, _EXACT)
     if not math.isfinite(found):
         return found
     least, most = affordance.schema.minimum, affordance.schema.maximum

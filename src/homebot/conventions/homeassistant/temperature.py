@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.payload import shown
-from homebot.conventions.units import celsius_bounds
+from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.errors import WireError
 
 __all__ = ["Limits", "Thermometer", "read_thermometer"]
@@ -27,11 +27,11 @@ class Thermometer:
 
     def celsius(self, number: float) -> float:
         """Return the device's *number* in °C."""
-        return round((number - 32.0) / 1.8, 6) if self.is_fahrenheit else number
+        return to_celsius(number) if self.is_fahrenheit else number
 
     def number(self, celsius: float) -> float:
         """Return a temperature in °C as the device's number."""
-        return round(celsius * 1.8 + 32.0, 6) if self.is_fahrenheit else celsius
+        return to_fahrenheit(celsius) if self.is_fahrenheit else celsius
 
     def limits(self, config: DiscoveryConfig, least: float, most: float) -> Limits:
         """Return the config's ``min_temp`` and ``max_temp``; *least* and *most*, in °C, stand for missing ones."""

@@ -7,7 +7,6 @@ Source: homie5-device-profiles, Light; hc-smarthome v2, switch, level and color.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -17,6 +16,7 @@ from homebot.conventions.description import Publication
 from homebot.conventions.homie.model import HomieProperty
 from homebot.conventions.homie.property_codecs import add_flag, percent_of, percent_written
 from homebot.conventions.homie.values import publication, read_color, read_plain, spell_color, spell_plain
+from homebot.conventions.light_color import MIRED, nearest_mired_bounds
 from homebot.conventions.part_builder import BytesPart
 from homebot.devices.value import PlainValue
 
@@ -26,7 +26,6 @@ LIGHT_ROLES = ("on_off", "level", "color", "color_temperature")
 """What a lamp may have, each once."""
 
 _KELVIN = (1000.0, 40_000.0)
-_MIRED = 1_000_000.0
 
 
 def add_light(part: BytesPart, props: Mapping[str, HomieProperty]) -> None:
@@ -108,12 +107,12 @@ def _add_white(part: BytesPart, lamp: _HomieLamp, white: HomieProperty) -> None:
         value = read_plain(white, payload)
         if not isinstance(value, float) or value <= 0:
             return NO_READINGS
-        return {"color_temperature": value if is_kelvin else float(round(_MIRED / value))}
+        return {"color_temperature": value if is_kelvin else float(round(MIRED / value))}
 
     def warm(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         least, most = bounds or _KELVIN
         kelvin = require_number("color_temperature", value, least, most, "K")
-        told = white.range.kept(round(kelvin if is_kelvin else _MIRED / kelvin, digits))
+        told = white.range.kept(round(kelvin if is_kelvin else MIRED / kelvin, digits))
         return (publication(white, spell_plain(white, "color_temperature", told)), *lamp.switched(on=True))
 
     bounds = _white_bounds(white, is_kelvin=is_kelvin)
@@ -136,4 +135,4 @@ def _white_bounds(white: HomieProperty, *, is_kelvin: bool) -> tuple[float, floa
         return ()
     if is_kelvin:
         return least, most
-    return float(math.floor(_MIRED / (most + 0.5)) + 1), float(math.ceil(_MIRED / (least - 0.5)) - 1)
+    return nearest_mired_bounds(least, most)

@@ -12,7 +12,7 @@ from homebot.conventions.homie.values import is_unknown_number, publication, rea
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import shown
 from homebot.conventions.table_codec import Writer
-from homebot.conventions.units import Conversion, celsius_bounds, conversion_of
+from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -30,6 +30,7 @@ __all__ = [
 _FAHRENHEIT = frozenset({"F", "°F"})
 _PERCENT = 100.0
 _ANY_CELSIUS = (-273.15, 1e6)
+_DIGITS = 3
 
 
 def add_plain(part: BytesPart, capability: str, prop: HomieProperty) -> None:
@@ -105,12 +106,12 @@ def add_temperature(part: BytesPart, capability: str, prop: HomieProperty) -> No
         value = read_plain(prop, payload)
         if not isinstance(value, float):
             return _unread(capability, prop, payload)
-        return {capability: _celsius(value) if is_fahrenheit else value}
+        return {capability: to_celsius(value, _DIGITS) if is_fahrenheit else value}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         least, most = bounds or _ANY_CELSIUS
         celsius = require_number(capability, value, least, most, "°C")
-        told = round(celsius * 1.8 + 32, 3) if is_fahrenheit else celsius
+        told = to_fahrenheit(celsius, _DIGITS) if is_fahrenheit else celsius
         return (publication(prop, spell_plain(prop, capability, prop.range.kept(told) if bounds else told)),)
 
     ends = _bounds(prop)
@@ -167,10 +168,6 @@ def _ends(prop: HomieProperty) -> tuple[float, float]:
 def _unread(capability: str, prop: HomieProperty, payload: bytes) -> Readings:
     """Read a payload that is no value: the number is unknown, or nothing is said."""
     return {capability: None} if is_unknown_number(prop, payload) else NO_READINGS
-
-
-def _celsius(fahrenheit: float) -> float:
-    return round((fahrenheit - 32) / 1.8, 3)
 
 
 def _bounds(prop: HomieProperty) -> tuple[float, float] | tuple[()]:
