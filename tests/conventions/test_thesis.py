@@ -6,35 +6,35 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.conventions.description import TextEndpoint
+from homebot.conventions.thesis import Thesis, ThesisSettings
 from homebot.errors import WireError
-from homebot.gateways.mqtt import ThesisLayout
 from homebot.mqtt.topics import topic_matches, validate_filter
 
 LEVEL = st.text(st.characters(exclude_characters="/+#\0", exclude_categories=["Cs"]), min_size=1, max_size=20)
 
 
 @pytest.fixture
-def layout() -> ThesisLayout:
-    return ThesisLayout("home425")
+def layout() -> Thesis:
+    return Thesis(ThesisSettings(root="home425"))
 
 
-def test_a_lamp_speaks_on_out_and_listens_on_in(layout: ThesisLayout) -> None:
+def test_a_lamp_speaks_on_out_and_listens_on_in(layout: Thesis) -> None:
     """The thesis's own example."""
     lamp = layout.announced("home425/lights/roomlights405/out")
 
     assert lamp is not None
-    assert (lamp.key, lamp.name, lamp.service_type) == ("lights/roomlights405", "roomlights405", "lights")
-    assert lamp.address == "home425/lights/roomlights405/out"
-    assert lamp.command_address == "home425/lights/roomlights405/in"
+    assert (lamp.key, lamp.name) == ("lights/roomlights405", "roomlights405")
+    assert lamp.text == TextEndpoint("lights", "home425/lights/roomlights405/out", "home425/lights/roomlights405/in")
 
 
 @pytest.mark.parametrize("channel", ["in", "status", "OUT"])
-def test_other_channels_are_no_devices(layout: ThesisLayout, channel: str) -> None:
+def test_other_channels_are_no_devices(layout: Thesis, channel: str) -> None:
     """Above all a command on ``in`` must not make a device."""
     assert layout.announced(f"home425/lights/lamp/{channel}") is None
 
 
-def test_another_home_is_nobodys_mistake(layout: ThesisLayout) -> None:
+def test_another_home_is_nobodys_mistake(layout: Thesis) -> None:
     """Nor is one whose name only begins like ours."""
     assert layout.announced("home426/lights/lamp/out") is None
     assert layout.announced("home4257/lights/lamp/out") is None
@@ -52,9 +52,7 @@ def test_another_home_is_nobodys_mistake(layout: ThesisLayout) -> None:
         ("home425/lights/lamp/", "empty level where CHANNEL"),
     ],
 )
-def test_a_topic_that_breaks_the_layout_is_named_with_the_reason(
-    layout: ThesisLayout, topic: str, problem: str
-) -> None:
+def test_a_topic_that_breaks_the_layout_is_named_with_the_reason(layout: Thesis, topic: str, problem: str) -> None:
     """The message holds the topic and what is wrong with it."""
     with pytest.raises(WireError, match=problem) as caught:
         layout.announced(topic)
@@ -62,7 +60,7 @@ def test_a_topic_that_breaks_the_layout_is_named_with_the_reason(
 
 
 @pytest.mark.parametrize("device_id", ["Küche 1", "0x00158d", "日本", "a-b.c"])
-def test_odd_device_ids_are_devices_all_the_same(layout: ThesisLayout, device_id: str) -> None:
+def test_odd_device_ids_are_devices_all_the_same(layout: Thesis, device_id: str) -> None:
     """What MQTT allows in a level is allowed in a name."""
     device = layout.announced(f"home425/lights/{device_id}/out")
     assert device is not None
@@ -71,22 +69,24 @@ def test_odd_device_ids_are_devices_all_the_same(layout: ThesisLayout, device_id
 
 def test_without_a_root_every_home_is_heard_and_named_in_the_key() -> None:
     """Two homes on one broker may have lamps of the same name."""
-    device = ThesisLayout("").announced("villa/lights/lamp/out")
+    device = Thesis(ThesisSettings()).announced("villa/lights/lamp/out")
     assert device is not None
-    assert (device.key, device.command_address) == ("villa/lights/lamp", "villa/lights/lamp/in")
+    assert device.text is not None
+    assert (device.key, device.text.command_address) == ("villa/lights/lamp", "villa/lights/lamp/in")
 
 
 @pytest.mark.parametrize("root", ["home425", "", "building/7"])
 @given(service_type=LEVEL, device_id=LEVEL)
 def test_our_own_commands_match_no_filter_and_every_device_does(root: str, service_type: str, device_id: str) -> None:
     """So a command cannot come back as if a device had spoken, on any MQTT version."""
-    layout = ThesisLayout(root)
+    layout = Thesis(ThesisSettings(root=root))
     filters = layout.filters()
     for one in filters:
         validate_filter(one)
     device = layout.announced(f"{root or 'home'}/{service_type}/{device_id}/out")
 
     assert device is not None
-    if not device.address.startswith("$"):
-        assert sum(topic_matches(one, device.address) for one in filters) == 1
-    assert not any(topic_matches(one, device.command_address) for one in filters)
+    assert device.text is not None
+    if not device.text.address.startswith("$"):
+        assert sum(topic_matches(one, device.text.address) for one in filters) == 1
+    assert not any(topic_matches(one, device.text.command_address) for one in filters)

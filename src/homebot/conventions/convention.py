@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
 
 from pydantic import BaseModel
 
-from homebot.conventions.description import AnnouncementEvent, Publication
-from homebot.devices import KeyValue
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, Publication
 from homebot.devices.command import Command
 from homebot.devices.exposed import ExposedDevice
-from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 
 __all__ = [
@@ -21,49 +18,9 @@ __all__ = [
     "PublishingConvention",
     "ReservingConvention",
     "SlicedConvention",
-    "TopicDevice",
-    "TopicLayout",
+    "TextConvention",
     "TroubledConvention",
 ]
-
-
-@dataclass(frozen=True, slots=True)
-class TopicDevice:
-    """A device as far as its topic describes it.
-
-    Attributes:
-        key: What the gateway calls the device; unique at the gateway.
-        name: What people call it.
-        service_type: What it offers.
-        address: The topic it speaks on.
-        command_address: The topic it listens on; empty when it takes no commands.
-        metadata: Further facts.
-        part: What it is in the words of the vocabulary, where that is known; it then says and takes plain words.
-    """
-
-    key: str
-    name: str
-    service_type: str
-    address: str
-    command_address: str
-    metadata: tuple[KeyValue, ...] = ()
-    part: Part | None = None
-
-
-class TopicLayout(Protocol):
-    """A convention in which a topic alone tells which device speaks there, and what it says are plain words."""
-
-    def filters(self) -> tuple[str, ...]:
-        """Return the topic filters to subscribe to; no command topic of the convention may match them."""
-        ...
-
-    def announced(self, topic: str) -> TopicDevice | None:
-        """Return the device that speaks on *topic*, or None when the topic is none of this convention's.
-
-        Raises:
-            WireError: The topic belongs to this convention but breaks its rules.
-        """
-        ...
 
 
 class Convention(Protocol):
@@ -74,7 +31,7 @@ class Convention(Protocol):
     no input or output, and the same messages in the same order give the same result.
 
     Attributes:
-        Settings: The model of its table.
+        Settings: The model of its table; a field ``root`` is by default the home of the gateway.
         name: Its name, for example ``homeassistant``.
         rejected: Announcements that broke its rules, so far.
     """
@@ -126,6 +83,23 @@ class OfferPublisher(Protocol):
 
     def take(self, topic: str, payload: bytes) -> tuple[Command, ...]:
         """Return the commands that a message on one of the filters is, in this order; none where it is none."""
+        ...
+
+
+@runtime_checkable
+class TextConvention(Protocol):
+    """A convention whose devices say and take text, so that the topic alone tells who speaks there and what it is.
+
+    Its filters are subscribed to at QoS 1, since states come there; no command topic may match them. It is given the
+    first message on a topic, and no other as long as the device is there; see :attr:`DeviceAnnounced.text`.
+    """
+
+    def announced(self, topic: str) -> DeviceAnnounced | None:
+        """Return the device that speaks on *topic*, or None when the topic is none of this convention's.
+
+        Raises:
+            WireError: The topic belongs to this convention but breaks its rules.
+        """
         ...
 
 

@@ -22,6 +22,7 @@ __all__ = [
     "DeviceWithdrawn",
     "Publication",
     "TakesCode",
+    "TextEndpoint",
 ]
 
 AvailabilityMode: TypeAlias = Literal["all", "any", "latest"]
@@ -147,6 +148,21 @@ class Availability:
 
 
 @dataclass(frozen=True, slots=True)
+class TextEndpoint:
+    """Where a device says and takes text by itself.
+
+    Attributes:
+        service_type: What it offers, in its own word.
+        address: The topic that it speaks on, and nobody else does.
+        command_address: The topic that it listens on.
+    """
+
+    service_type: str
+    address: str
+    command_address: str
+
+
+@dataclass(frozen=True, slots=True)
 class DeviceAnnounced:
     """A device as one announcement describes it. A later one with the same key takes its place.
 
@@ -164,6 +180,8 @@ class DeviceAnnounced:
         owns: Topics that the device has for itself with all that is below them, because it was announced there or the
             bridge that speaks for it names its devices so; never because the announcement says so.
         implies_alive: Whether the announcement is a sign of life of the device itself when it comes live.
+        text: Where it says and takes text; its one part does, whose service type is empty where the vocabulary has
+            none. It is announced by the first message on that topic, whatever it says, and gone with an empty one.
     """
 
     key: str
@@ -177,6 +195,12 @@ class DeviceAnnounced:
     availability: Availability | None = None
     owns: tuple[str, ...] = ()
     implies_alive: bool = False
+    text: TextEndpoint | None = None
+
+    @property
+    def full_key(self) -> str:
+        """What a gateway calls it; a device that says text needs no convention to be told from others."""
+        return self.key if self.text is not None else f"{self.convention}:{self.key}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,11 +211,13 @@ class DeviceWithdrawn:
         key: Which; see :class:`DeviceAnnounced`.
         why: The reason, in words.
         is_final: Whether the device is known to be gone. Otherwise its new announcement may follow in a moment.
+        device: What is gone, where that is known: a directory may know it though the gateway does not.
     """
 
     key: str
     why: str
     is_final: bool = False
+    device: DeviceAnnounced | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -136,7 +136,7 @@ def by_discovery(**device: object) -> Iterator[DeviceAnnounced]:
 
 def sighting(one: DeviceAnnounced) -> Sighting:
     """As the gateway publishes it."""
-    claim = StoredAnnouncement("mqtt", f"{one.convention}:{one.key}", one)
+    claim = StoredAnnouncement("mqtt", one.full_key, one)
     begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
     return claim.sighting("updated", "it was announced", at=begin, until=end, heard_at=0.0, confirmed=False)
 

@@ -84,7 +84,7 @@ def found(heard: Sequence[object]) -> list[DeviceAnnounced]:
 
 def sighting(one: DeviceAnnounced) -> Sighting:
     """As the gateway publishes it."""
-    claim = StoredAnnouncement("mqtt", f"{one.convention}:{one.key}", one)
+    claim = StoredAnnouncement("mqtt", one.full_key, one)
     begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
     return claim.sighting("updated", "it was announced", at=begin, until=end, heard_at=0.0, confirmed=False)
 

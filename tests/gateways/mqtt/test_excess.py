@@ -18,7 +18,6 @@ from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, excess_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
-from homebot.mqtt.filter_tree import FilterIndex
 
 REAL = Path(__file__).parents[2] / "conventions" / "zigbee2mqtt" / "both_announcements.jsonl"
 ORIGIN = {"name": "Zigbee2MQTT", "sw": "2.1.1", "url": "https://www.zigbee2mqtt.io"}
@@ -46,9 +45,7 @@ def described(key: str, *options: str, parts: int = 1) -> DeviceAnnounced:
 
 
 def empty() -> AnnouncementRegistry:
-    return AnnouncementRegistry(
-        "mqtt", (), StateTopics(()), FilterIndex(), RegistryLimits(excess=MOST, excess_each=MOST_EACH)
-    )
+    return AnnouncementRegistry("mqtt", (), StateTopics(()), RegistryLimits(excess=MOST, excess_each=MOST_EACH))
 
 
 def test_what_real_devices_announce_fits_in_the_largest_house() -> None:

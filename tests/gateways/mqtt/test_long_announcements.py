@@ -11,7 +11,7 @@ from homebot.conventions.convention import Convention
 from homebot.errors import WireError
 from homebot.gateways.mqtt.loaded_conventions import default_conventions, find_conventions
 
-CONVENTIONS = find_conventions(default_conventions(), {}, "").conventions
+CONVENTIONS = find_conventions(default_conventions(), {}, "")
 LONG = b'{"a":[' + b"1," * (15 * 1024 * 1024) + b"1]}"
 BOUND = 0.1
 """Seconds of the processor; to parse it takes several times as long."""

@@ -15,7 +15,6 @@ from homebot.discovery.index import DeviceIndex
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.messages import Time
-from homebot.mqtt.filter_tree import FilterIndex
 
 DEVICES, PARTS = 400, 300
 
@@ -48,7 +47,7 @@ def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> f
     """Return what each of *count* devices takes, in bytes."""
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
     claims, index = (
-        AnnouncementRegistry("mqtt", (convention,), StateTopics(()), FilterIndex()),
+        AnnouncementRegistry("mqtt", (convention,), StateTopics(())),
         DeviceIndex(forget_after=1e6),
     )
     at, until = Time.from_seconds(1e9), Time.from_seconds(2e9)

@@ -23,7 +23,6 @@ from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.broker import BrokerLimits
-from homebot.mqtt.filter_tree import FilterIndex
 
 REAL = Path(__file__).parents[2] / "conventions" / "zigbee2mqtt" / "both_announcements.jsonl"
 ALL_MODELS = 4_478
@@ -62,7 +61,7 @@ STEPS = st.lists(st.tuples(st.sampled_from("abcdef"), st.none() | st.tuples(st.i
 @given(STEPS)
 def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, tuple[int, tuple[str, ...]] | None]]) -> None:
     """What is one too many is refused and leaves all as it was; what is gone counts no more."""
-    claims = AnnouncementRegistry("mqtt", (), StateTopics(()), FilterIndex(), RegistryLimits(memory=MOST))
+    claims = AnnouncementRegistry("mqtt", (), StateTopics(()), RegistryLimits(memory=MOST))
     standing: dict[str, DeviceAnnounced] = {}
     for key, wanted in steps:
         if wanted is None:

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, Publication
+from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, Publication, TextEndpoint
+from homebot.conventions.text_codec import TextCodec
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
 from homebot.gateways.mqtt.state_topics import StateTopics
-from homebot.mqtt.filter_tree import FilterIndex
 from homebot.mqtt.topics import topic_matches
 
 KEYS = ("one", "two", "three")
@@ -57,7 +57,7 @@ def described(key: str, *filters: tuple[str, ...], online: tuple[str, ...] = ())
 
 def empty(bounds: RegistryLimits = RegistryLimits()) -> tuple[AnnouncementRegistry, StateTopics]:  # noqa: B008 - a frozen value
     topics = StateTopics(())
-    return AnnouncementRegistry("mqtt", (), topics, FilterIndex(), bounds), topics
+    return AnnouncementRegistry("mqtt", (), topics, bounds), topics
 
 
 FILTER_SETS = st.lists(st.sampled_from(FILTERS), max_size=3).map(tuple)
@@ -164,3 +164,31 @@ def test_the_streams_of_a_device_are_bounded() -> None:
     claim = claims.put(described("one", ("s/+",))).claim
     names = {claim.report_stream(f"s/{number}") for number in range(1000)}
     assert len(names) == len(claim.report_streams) == 101
+
+
+def text_device(key: str, topic: str, convention: str = "text") -> DeviceAnnounced:
+    part = Part(id="", service_type="light", reads=(f"{topic}/out",), writes=(f"{topic}/in",))
+    endpoint = TextEndpoint("lights", f"{topic}/out", f"{topic}/in")
+    return DeviceAnnounced(
+        key, convention, (), key, (DescribedPart(part, TextCodec(part)),), f"{topic}/out", text=endpoint
+    )
+
+
+def test_a_device_that_says_text_is_found_by_both_of_its_topics_as_long_as_it_stands() -> None:
+    claims, topics = empty()
+    claim = claims.put(text_device("lights/lamp", "h/lights/lamp")).claim
+    route = claims.route("h/lights/lamp/out")
+    assert route is not None
+    assert (route.text, route.voices, route.texts) == (claim.parts[""], (), ())
+    assert claims.codecs["h/lights/lamp/in"] is claim.parts[""].described.codec
+    assert len(topics) == 0
+    claims.remove("lights/lamp")
+    assert (claims.route("h/lights/lamp/out"), claims.codecs) == (None, {})
+
+
+def test_the_key_of_a_device_that_says_text_cannot_be_taken_by_another_convention() -> None:
+    claims, _ = empty()
+    claims.put(described("lamp", ("s/a",)))
+    with pytest.raises(WireError, match="'test:lamp' is what test calls a device already"):
+        claims.put(text_device("test:lamp", "test:lamp"))
+    assert claims.route("test:lamp/out") is None

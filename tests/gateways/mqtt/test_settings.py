@@ -50,9 +50,15 @@ def test_a_wrong_value_is_refused_with_file_key_and_reason(table: dict[str, obje
 
 def test_a_convention_has_a_table_of_its_own() -> None:
     given = settings(conventions=["thesis", "homeassistant"], homeassistant={"prefixes": ["ha"]})
-    understood = find_conventions(given.conventions, given.tables, "home425")
-    assert len(understood.layouts) == 1
-    assert understood.conventions[0].filters()[0].startswith("ha/")
+    thesis, discovery = find_conventions(given.conventions, given.tables, "home425")
+    assert thesis.filters()[0].startswith("home425/")
+    assert discovery.filters()[0].startswith("ha/")
+
+
+def test_the_home_of_the_layout_is_that_of_the_gateway_unless_its_table_names_another() -> None:
+    given = settings(conventions=["thesis"], thesis={"root": "villa"})
+    (thesis,) = find_conventions(given.conventions, given.tables, "home425")
+    assert thesis.filters()[0] == "villa/+/+/out"
 
 
 def test_all_conventions_of_homebot_are_understood_by_default() -> None:

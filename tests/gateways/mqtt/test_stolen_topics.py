@@ -46,12 +46,11 @@ RESERVED = (
 
 @lru_cache(maxsize=1)
 def understood() -> ReservedTopics:
-    found = find_conventions(default_conventions(), {}, "home425")
-    return ReservedTopics(found.conventions, found.layouts)
+    return ReservedTopics(find_conventions(default_conventions(), {}, "home425"))
 
 
 def fresh(name: str) -> Convention:
-    return find_conventions((name,), {}, "").conventions[0]
+    return find_conventions((name,), {}, "")[0]
 
 
 @lru_cache(maxsize=1)
@@ -107,7 +106,7 @@ class House:
         now, later = Time.from_seconds(1.0), Time.from_seconds(1e6)
         for one in announcements:
             described, _ = understood().without(one)
-            claim = StoredAnnouncement("mqtt", f"{described.convention}:{described.key}", described)
+            claim = StoredAnnouncement("mqtt", described.full_key, described)
             house.parts.update({(claim.key, part.part.id): part for part in described.parts})
             house.index.observe(claim.sighting("appeared", "", at=now, until=later, heard_at=1.0, confirmed=True))
         return house

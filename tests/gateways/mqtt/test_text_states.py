@@ -6,9 +6,10 @@ from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 from typing import Any, TypeAlias
 
+import anyio
 import pytest
 
-from homebot.devices import RawCommand
+from homebot.devices import RawCommand, RawMessage
 from homebot.devices.report import Report
 from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest
 from homebot.devices.value import PlainValue
@@ -112,7 +113,7 @@ async def test_a_command_goes_out_as_a_word(
         ("lights/lamp", "", "level", 101.0, "this part takes"),
         ("lights/lamp", "second", "on_off", True, "it has no part 'second'"),
         ("motions/hall", "", "occupancy", True, "this part takes nothing"),
-        ("coffee/maker", "", "on_off", True, "it has no part ''"),
+        ("coffee/maker", "", "on_off", True, "this part takes nothing"),
         ("lights/nobody", "", "on_off", True, "no device is announced by that key"),
     ],
 )
@@ -164,3 +165,50 @@ async def test_listening_to_a_device_of_the_layout_brings_its_own_bytes(make_hou
         answer = await client.call(SubscribeToTopicRequest(topic=LAMP, listener=house.watcher.full_name, since=START))
         assert answer.success
         assert [one.payload for one in answer.missed] == [b"on"]
+
+
+async def test_the_topic_of_a_device_may_be_the_state_topic_of_an_announced_one_too(make_house: MakeHouse) -> None:
+    """Each understands what it can; the bytes are handed on once."""
+    both = ("tests.gateways.mqtt.conftest:SimpleConvention", "thesis")
+    async with make_house(conventions=both) as house:
+        await house.announce("shadow", state=LAMP)
+        await house.say(LAMP, "on_off=on")
+        client = house.watcher.create_client(SubscribeToTopic, house.gateway.names.subscribe)
+        answer = await client.call(SubscribeToTopicRequest(topic=LAMP, listener=house.watcher.full_name))
+        inbox = house.watcher.create_subscription(RawMessage, answer.data_topic, qos_profile=10)
+        await house.say(LAMP, "off")
+        assert {one.key for one in house.sighted()} == {"simple:shadow", KEY}
+        assert house.told() == [("simple:shadow", {"lamp.on_off": True}, False), (KEY, {".on_off": False}, False)]
+        raw = inbox.take()
+        assert raw is not None
+        assert (raw.key, raw.payload, inbox.take()) == (KEY, b"off", None)
+
+
+async def test_no_topic_of_the_layout_is_subscribed_to_by_itself(make_house: MakeHouse) -> None:
+    """The filters of the layout bring everything, at QoS 1, and a second subscription would bring it twice."""
+    async with make_house(**THESIS) as house:
+        await house.say(LAMP, "on")
+        assert len(house.gateway._described._topics) == 0
+
+
+async def test_what_an_app_publishes_where_devices_speak_is_no_device(make_house: MakeHouse) -> None:
+    async with make_house(**THESIS) as house:
+        raw = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
+        await raw.send(RawCommand(address=LAMP, payload="on"))
+        await house.say("home425/lights/other/out", "on")
+        assert [one.key for one in house.sighted()] == ["lights/other"]
+
+
+async def test_a_message_that_the_broker_had_kept_is_no_sign_of_life(make_house: MakeHouse) -> None:
+    """Not even when it comes again on a new link, minutes later."""
+
+    async def before(devices: MqttConnection) -> None:
+        await devices.publish(LAMP, b"on", qos=1, retain=True)
+
+    async with make_house(before, **THESIS) as house:
+        assert [one.confirmed for one in house.sighted()] == [False]
+        await anyio.sleep(100)
+        await house.cut()
+        assert house.sighted() == []
+        await house.say(LAMP, "on")
+        assert [(one.kind, one.confirmed) for one in house.sighted()] == [("updated", True)]

@@ -14,7 +14,7 @@ from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssist
 from homebot.conventions.homie import Homie, HomieSettings
 from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
-from homebot.conventions.thesis_parts import thesis_part
+from homebot.conventions.thesis.parts import thesis_part
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.text.decode import decode_text
 from homebot.devices.value import PlainValue
@@ -114,7 +114,6 @@ def thing() -> Read:
 
 def thesis() -> Read:
     part = thesis_part("temperatures", "h/temperatures/x/out", "h/temperatures/x/in")
-    assert part is not None
     return lambda said: dict(decode_text(said, part))
 
 

@@ -10,6 +10,7 @@ from homebot.devices import RawMessage
 __all__ = ["PartTexts", "missed"]
 
 _KEPT = 10
+_KEPT_PAYLOAD = 4096
 _MOMENT = 5.0
 """Seconds for which an event is told to who comes to listen: the first makes its device known, and is heard late."""
 
@@ -19,7 +20,7 @@ class PartTexts:
     """The last texts of one part of a device.
 
     Attributes:
-        kept: Its last 10 states as text and when each came, for a listener that comes later.
+        kept: Its last 10 states as text, of at most 4 KiB, and when each came, for a listener that comes later.
         events: Likewise of texts that tell what happened; they are good for a moment only.
     """
 
@@ -27,7 +28,9 @@ class PartTexts:
     events: tuple[tuple[float, RawMessage], ...] = field(default=(), init=False)
 
     def keep(self, message: RawMessage, now: float, *, is_event: bool) -> None:
-        """Remember a text that came at *now* on the monotonic clock."""
+        """Remember a text that came at *now* on the monotonic clock, unless it is long."""
+        if len(message.payload) > _KEPT_PAYLOAD:
+            return
         if is_event:
             self.events = (*self.events[1 - _KEPT :], (now, message))
         else:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Literal, TypeAlias
 
+from homebot.conventions.description import TextEndpoint
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.part import Part
 from homebot.devices.text.encode import accepts_text, main_part, text_address
@@ -77,23 +78,29 @@ def sighting_template(
     convention: str = "",
     owns: tuple[str, ...] = (),
     announced_on: str = "",
+    text: TextEndpoint | None = None,
 ) -> Sighting:
     """Return what all sightings of a device have in common; its addresses are those of its main part's texts.
+
+    One that says *text* by itself has the addresses, and the service type, of that.
 
     Raises:
         pydantic.ValidationError: A value is none that a sighting can have.
     """
     main = main_part(parts)
-    address = "" if main is None else text_address(key, main.id)
+    if text is None:
+        address = "" if main is None else text_address(key, main.id)
+        is_told = main is not None and accepts_text(main)
+        text = TextEndpoint("" if main is None else main.service_type, address, address if is_told else "")
     checked = Sighting(
         gateway=gateway,
         key=key,
         kind="updated",
         why="",
         name=name,
-        service_type="" if main is None else main.service_type,
-        address=address,
-        command_address=address if main is not None and accepts_text(main) else "",
+        service_type=text.service_type,
+        address=text.address,
+        command_address=text.command_address,
         metadata=tuple(_fact(fact, value) for fact, value in metadata.items()),
         convention=convention,
         identifiers=identifiers,

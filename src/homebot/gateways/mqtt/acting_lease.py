@@ -60,6 +60,7 @@ class ActingLease:
 
     Attributes:
         rival: What the homebot is called that acts instead; empty while none does.
+        topics: Those on which homebots talk to each other; what comes there is for :meth:`take`.
     """
 
     def __init__(
@@ -69,6 +70,7 @@ class ActingLease:
         self._connection = connection
         self._home = home
         self._topic = f"homebot/acting/{home or '_'}"
+        self.topics = frozenset({self._topic, connection.status_topic})
         self._wants = gateway.acts
         self._id = secrets.token_hex(8) if random is None else f"{random.getrandbits(64):016x}"
         self._name = name[:100]
@@ -86,10 +88,6 @@ class ActingLease:
             return ""
         where = f"home {self._home}" if self._home else "this broker"
         return f"another homebot ({self.rival}) acts on {where}; stop one of the two, or set act = false here"
-
-    def owns(self, topic: str) -> bool:
-        """Return whether what comes on *topic* is for :meth:`take`."""
-        return topic in {self._topic, self._connection.status_topic}
 
     def take(self, message: MqttMessage) -> None:
         """Take what homebots say to each other. What was kept is of before."""

@@ -20,7 +20,7 @@ class AnnouncedPart(PartTexts):
     Attributes:
         claim: Whose part it is.
         described: The part.
-        address: Its words address.
+        address: Where it is listened to: its words address, or the topic on which it says text by itself.
     """
 
     claim: StoredAnnouncement
@@ -62,24 +62,26 @@ class StoredAnnouncement(ReportedDevice):
     subscriptions: list[tuple[str, AnnouncedPart | AvailabilityReader]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        described, text = self.described, self.described.text
         self.parts = {
-            one.part.id: AnnouncedPart(self, one, text_address(self.key, one.part.id)) for one in self.described.parts
+            one.part.id: AnnouncedPart(self, one, text_address(self.key, one.part.id) if text is None else text.address)
+            for one in described.parts
         }
         told = [("", self.described.availability), *((one.part.id, one.availability) for one in self.described.parts)]
         self.reachability = {part: ReachabilityReader(one) for part, one in told if one is not None and one.sources}
-        described = self.described
         # Made here, so that what cannot be told is found at once.
         self.template = sighting_template(
             self.gateway,
             self.key,
             name=described.name,
-            parts=tuple(one.part for one in described.parts),
+            parts=tuple(one.part for one in described.parts if one.part.service_type),
             metadata=described.facts,
             identifiers=described.identifiers,
             area=described.area,
-            convention=described.convention,
+            convention=described.convention if text is None else "",
             owns=described.owns,
-            announced_on=described.topic,
+            announced_on=described.topic if text is None else "",
+            text=text,
         )
 
     def take_over_state(self, before: StoredAnnouncement) -> None:

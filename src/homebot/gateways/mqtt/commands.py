@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from homebot.conventions.description import Publication, TakesCode
 from homebot.devices.command import Command, SendCommandResponse
-from homebot.devices.text.encode import decode_command, encode_command
+from homebot.devices.text.encode import decode_command
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError, RefusedError, WrongCodeError
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.announcement import AnnouncedPart
-from homebot.gateways.mqtt.channels import Channel, Channels
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
-from homebot.gateways.mqtt.text_states import TextStateReader
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.topics import validate_topic
 
@@ -26,9 +24,7 @@ class CommandServer:
     """The way from commands to publications.
 
     Args:
-        claims: Who can be told, of the described devices.
-        channels: Of those that a layout knows, which are told words.
-        plain: Hears what those answer.
+        claims: Who can be told.
         connection: Where it is published.
         tribunal: Judges conventions that fail.
         counters: Of the gateway.
@@ -40,8 +36,6 @@ class CommandServer:
     def __init__(
         self,
         claims: AnnouncementRegistry,
-        channels: Channels,
-        plain: TextStateReader,
         connection: MqttConnection,
         tribunal: PeerQuarantine,
         counters: GatewayCounters,
@@ -50,8 +44,6 @@ class CommandServer:
         gateway: Gateway,
     ) -> None:
         self._claims = claims
-        self._channels = channels
-        self._plain = plain
         self._connection = connection
         self._tribunal = tribunal
         self._counters = counters
@@ -65,9 +57,9 @@ class CommandServer:
         try:
             self._permit(command.key)
             is_able = False
-            publications = self._publications(
-                command.key, command.part, command.capability, command.value.plain(), command.transition, command.code
-            )
+            voice = self._voice(command.key, command.part)
+            value = command.value.plain()
+            publications = self._written(voice, command.capability, value, command.transition, command.code)
             is_able = True
             if command.code:
                 publications = tuple(self._secrets.keep(one) for one in publications)
@@ -98,28 +90,6 @@ class CommandServer:
     def _permit(self, key: str) -> None:
         if not self._gateway.acts:
             raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
-
-    def _publications(
-        self, key: str, part_id: str, capability: str, value: PlainValue, transition: float, code: str
-    ) -> tuple[Publication, ...]:
-        channel = self._channels.of(key)
-        if channel is not None and self._claims.get(key) is None:
-            if code:
-                raise RefusedError(f"a command to {key[:100]}", "it takes no code")
-            return (self._said(channel, part_id, capability, value),)
-        return self._written(self._voice(key, part_id), capability, value, transition, code)
-
-    def _said(self, channel: Channel, part_id: str, capability: str, value: PlainValue) -> Publication:
-        """There is no word for a transition."""
-        device = channel.device
-        if device.part is None or device.part.id != part_id:
-            raise RefusedError(f"a command to {device.key[:100]}", f"it has no part {part_id[:100]!r}")
-        if not device.command_address:
-            raise RefusedError(f"a command to {device.key[:100]}", "it takes none")
-        said = encode_command(capability, value, device.part)
-        validate_topic(device.command_address)
-        self._plain.told(device.command_address, said)
-        return Publication(device.command_address, said.encode(errors="replace"), qos=1)
 
     def _voice(self, key: str, part_id: str) -> AnnouncedPart:
         what = f"a command to {key[:100]}"

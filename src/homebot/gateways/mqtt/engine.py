@@ -17,7 +17,7 @@ from homebot.conventions.convention import (
     Convention,
     OfferPublisher,
     PublishingConvention,
-    TopicLayout,
+    TextConvention,
     TroubledConvention,
 )
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
@@ -25,12 +25,12 @@ from homebot.devices import RawMessage
 from homebot.devices.command import SendCommand
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.text.encode import read_text_address
+from homebot.errors import WireError
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader
-from homebot.gateways.mqtt.channels import Channels
 from homebot.gateways.mqtt.commands import CommandServer
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.intake import AnnouncementHandler
@@ -44,12 +44,11 @@ from homebot.gateways.mqtt.spare_memory import LONG, SpareMemory
 from homebot.gateways.mqtt.state_reader import StateReader
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.gateways.mqtt.subscriber import Subscriber
-from homebot.gateways.mqtt.text_states import TextStateReader
 from homebot.gateways.raw_delivery import RawDelivery
 from homebot.isolation import run_as
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.filter_tree import FilterIndex
 from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.topics import validate_topic
 
 __all__ = ["AnnouncedDevices"]
 
@@ -65,9 +64,6 @@ class AnnouncedDevices:
     Args:
         gateway: The gateway.
         conventions: Its conventions.
-        layouts: Its layouts.
-        other_filters: What it subscribes to beside their announcements.
-        channels: The devices that a layout knows, which commands go to as well.
         listeners: Who wants what its devices say.
         connection: Its connection.
         counters: Its counters.
@@ -79,7 +75,6 @@ class AnnouncedDevices:
         commands: Brings commands to them.
         offers: What homebot itself offers to others.
         lease: Says whether another homebot acts instead.
-        plain: Hears the words of devices that a layout knows.
         secrets: Knows what was sent with a code.
         tribunal: Judges those who break the rules.
     """
@@ -88,9 +83,6 @@ class AnnouncedDevices:
         self,
         gateway: Gateway,
         conventions: tuple[Convention, ...],
-        layouts: tuple[TopicLayout, ...],
-        other_filters: tuple[str, ...],
-        channels: Channels,
         listeners: RawDelivery,
         connection: MqttConnection,
         counters: GatewayCounters,
@@ -105,21 +97,21 @@ class AnnouncedDevices:
         self._counters = counters
         self._listeners = listeners
         self._board = DeviceReporter(gateway, stale_after)
-        self.plain = TextStateReader(self._board, counters)
         self._timekeeper = Scheduler(gateway.node.graph.clock)
         self.tribunal = PeerQuarantine(gateway, self._board, self._timekeeper, counters, self.filters())
         self._spare_memory = SpareMemory(self._timekeeper)
-        self._topics = StateTopics(self.filters(), other_filters)
+        self._topics = StateTopics(self.filters(), self.text_filters())
         self._claims = AnnouncementRegistry(
-            gateway.node.name, conventions, self._topics, _tree(other_filters), RegistryLimits(memory=max_memory)
+            gateway.node.name, conventions, self._topics, RegistryLimits(memory=max_memory)
         )
+        self.route = self._claims.route
         self._last_words = LastMessageCache()
         self._taking = anyio.Lock(fast_acquire=True)  # else each announcement is subscribed to by itself
         self._deferred_some = anyio.Event()
         self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
         self._states = StateReader(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
         self._subscriber = Subscriber(self._topics, self._claims, conventions, self.tribunal, counters)
-        reserved = ReservedTopics(conventions, layouts)
+        reserved = ReservedTopics(conventions)
         self._announcements = AnnouncementHandler(
             gateway.node.graph.clock,
             self._claims,
@@ -135,8 +127,6 @@ class AnnouncedDevices:
         self.secrets = SentSecrets()
         self.commands = CommandServer(
             self._claims,
-            channels,
-            self.plain,
             connection,
             self.tribunal,
             counters,
@@ -150,7 +140,13 @@ class AnnouncedDevices:
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of all announcements."""
-        return tuple(dict.fromkeys(one for convention in self.conventions for one in convention.filters()))
+        found = (one for one in self.conventions if not isinstance(one, TextConvention))
+        return tuple(dict.fromkeys(one for convention in found for one in convention.filters()))
+
+    def text_filters(self) -> tuple[str, ...]:
+        """Return the filters of all that devices say as text."""
+        found = (one for one in self.conventions if isinstance(one, TextConvention))
+        return tuple(dict.fromkeys(one for convention in found for one in convention.filters()))
 
     async def serve(self) -> None:
         """Subscribe, ask and keep the time until cancelled."""
@@ -167,21 +163,29 @@ class AnnouncedDevices:
         """Let time have passed; once before each batch of messages."""
         self._board.refresh_time()
 
-    def route(self, topic: str) -> TopicReaders | None:
-        """Return who reads *topic*; None for nobody."""
-        return self._claims.route(topic)
-
-    async def hear(self, message: MqttMessage, route: TopicReaders, *, raw: bool) -> None:
+    async def hear(self, message: MqttMessage, route: TopicReaders, *, raw: bool = True) -> None:
         """Take a message on a topic that *route* leads from; whom it makes known reads it as well.
+
+        An empty one takes a device that says text out of the house.
 
         Args:
             message: The message.
             route: Who reads it.
             raw: Whether to hand its bytes to those who listen to the topic itself.
         """
+        if route.texts:
+            self._announcements.take_text(message, route.texts)
+            route = self.route(message.topic) or route
         if route.conventions:
             await self.take(message, route)
             route = self.route(message.topic) or route
+        if route.text is not None:
+            raw = False
+            if message.payload:
+                self._counters.received += 1
+                await self._states.read_text(message, route.text)
+            else:
+                self._announcements.clear(route.text.claim)
         if not route.voices and not route.witnesses:
             return
         if raw:
@@ -218,19 +222,35 @@ class AnnouncedDevices:
             self.tick()
             await self.take(message, route)
 
-    def known(self, address: str) -> tuple[str, str] | None:
+    def expect_answer(self, topic: str, command: bytes) -> None:
+        """Note that *command* is published on *topic*, where a part may listen whose answer is the same text."""
+        codec = self._claims.codecs.get(topic)
+        if codec is not None:
+            codec.expect(command)
+
+    def speaker(self, address: str) -> tuple[str, str]:
         """Return key and name of the device that speaks on *address*, a topic or a words address.
 
-        A words address may be listened to before its device is announced. None for an address of nobody.
+        A device that says text may be listened to before it does, and a words address before its device is announced.
+
+        Raises:
+            WireError: No device speaks there, or the topic breaks a rule.
+            InvalidNameError: It is none.
         """
         if (part := read_text_address(address)) is not None:
             voice = self._claims.voice(*part)
             return part[0], part[0] if voice is None else voice.claim.described.name
-        route = self._claims.route(address)
-        if route is None or not route.voices:
-            return None
-        claim = route.voices[0].claim
-        return claim.key, claim.described.name
+        validate_topic(address)
+        route = self.route(address)
+        if route is not None:
+            for voice in (route.text, *route.voices):
+                if voice is not None:
+                    return voice.claim.key, voice.claim.described.name
+            for convention in route.texts:
+                device = convention.announced(address) if isinstance(convention, TextConvention) else None
+                if device is not None:
+                    return device.full_key, device.name
+        raise WireError(f"topic {address!r} is none that a device speaks on")
 
     def missed_by(self, topic: str, since: float) -> tuple[RawMessage, ...]:
         """Return what a new listener wants of what was said on *topic* from *since* on, on the monotonic clock."""
@@ -238,6 +258,8 @@ class AnnouncedDevices:
             voice = self._claims.voice(*part)
             return voice.missed_by(since, self._board.now) if voice is not None else ()
         route, word = self._claims.route(topic), self._last_words.get(topic)
+        if route is not None and route.text is not None:
+            return route.text.missed_by(since, self._board.now)
         if route is None or not route.voices or word is None or (not word.retained and word.heard_at < since):
             return ()
         message = self._raw(route.voices[0], topic, word.payload, retained=word.retained)
@@ -351,10 +373,3 @@ def _publishers(
 def _new(after: tuple[T, ...], before: tuple[T, ...]) -> tuple[T, ...]:
     known = {id(one) for one in before}
     return tuple(one for one in after if id(one) not in known)
-
-
-def _tree(filters: tuple[str, ...]) -> FilterIndex[str]:
-    tree: FilterIndex[str] = FilterIndex()
-    for one in filters:
-        tree.add(one, one)
-    return tree

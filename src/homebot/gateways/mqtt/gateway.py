@@ -10,24 +10,21 @@ import platform
 import re
 from collections.abc import Iterable
 from functools import partial
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 import anyio
 import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.conventions.convention import TopicDevice
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
-from homebot.devices import RawCommand, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.encode import read_text_address
-from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, WireError
-from homebot.gateways.announced.reporter import REFRESH, stamps
+from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.gateways.mqtt.acting_lease import ActingLease
-from homebot.gateways.mqtt.channels import Channel, Channels
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.embedded_broker import EMBEDDED_BROKER
 from homebot.gateways.mqtt.engine import AnnouncedDevices
@@ -38,19 +35,16 @@ from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.gateways.raw_delivery import RawDelivery, begin_of
 from homebot.graph import EntityKind, Node
 from homebot.isolation import run_as
-from homebot.messages import Time
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.topics import topic_matches, validate_topic
+from homebot.mqtt.topics import validate_topic
 
 __all__ = ["GatewayCounters", "MqttGateway"]
 
-REJECTED = "gateway.message_rejected"
-GHOST = "gateway.retained_only"
 OVERSIZE = "gateway.oversize"
 COMMAND_REFUSED = "gateway.command_refused"
 COMMAND_FAILED = "gateway.command_failed"
@@ -100,10 +94,6 @@ class MqttGateway(Gateway):
         self.counters = GatewayCounters()
         self._settings = settings
         self._clock = node.graph.clock
-        understood = find_conventions(settings.conventions, settings.tables, settings.root)
-        self._layouts = understood.layouts
-        self._filters = self._layout_filters()
-        self._channels = Channels(self._layouts)
         self._listeners = RawDelivery(node, self.names, inboxes=settings.delivery == "inbox")
         # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
         status_topic = f"homebot/{_topic_level(computer)}/{node.name}/status"
@@ -113,10 +103,7 @@ class MqttGateway(Gateway):
         self._lease = ActingLease(self, self._connection, settings.root, f"{node.name} on {computer}", random)
         self._described = AnnouncedDevices(
             self,
-            understood.conventions,
-            understood.layouts,
-            self._layout_filters(),
-            self._channels,
+            find_conventions(settings.conventions, settings.tables, settings.root),
             self._listeners,
             self._connection,
             self.counters,
@@ -124,7 +111,6 @@ class MqttGateway(Gateway):
             self._lease,
             settings.max_memory,
         )
-        self._plain = self._described.plain
         self._warn = self._described.tribunal.log_limited
         node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
@@ -180,13 +166,13 @@ class MqttGateway(Gateway):
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the link and handle what comes until cancelled; ready when the first try to connect has ended."""
-        layouts, announcements = self._layout_filters(), self._described.filters()
+        texts, announcements = self._described.text_filters(), self._described.filters()
         async with self._connection as connection, anyio.create_task_group() as tasks:
-            await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in layouts))
+            await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in texts))
             await connection.subscribe(
                 *(MqttSubscription(one, no_local=True) for one in announcements), every_link=True
             )
-            report = LinkReport(self, connection, self._listening_to(), (*layouts, *announcements))
+            report = LinkReport(self, connection, self._listening_to(), (*texts, *announcements))
             receive = partial(self._receive, connection)
             for work in (report.watch, self._described.serve, self._lease.serve, self._watch_nodes, receive):
                 tasks.start_soon(run_as, self.node.full_name, work)
@@ -202,9 +188,6 @@ class MqttGateway(Gateway):
             await self._handle(batch)
             connection.ack(batch)
 
-    def _layout_filters(self) -> tuple[str, ...]:
-        return tuple(one for layout in self._layouts for one in layout.filters())
-
     def _listening_to(self) -> str:
         return f"home {self._settings.root}" if self._settings.root else "every home"
 
@@ -218,63 +201,31 @@ class MqttGateway(Gateway):
                     while changes.take() is not None:
                         pass
                     for address in self._listeners.drop_nodes_that_left():
-                        if self._channels.get(address) is None:
-                            self._listeners.tidy(address)
+                        self._listeners.tidy(address)
 
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
-        stamp, _ = stamps(self._clock.now(), self._settings.stale_after)
-        now = self._clock.monotonic()
-        self._described.tick()
+        described, lease, sent = self._described, self._lease, self._described.secrets.sent
+        described.tick()
         work = 0
         for message in batch:
             work += 1
             if work >= _TURN:
                 work = 0
                 await anyio.lowlevel.checkpoint()
-            if self._lease.owns(message.topic):
-                self._lease.take(message)
+            topic = message.topic
+            if topic in lease.topics:
+                lease.take(message)
                 continue
-            if self._described.secrets.is_one(message.topic, message.payload):
+            if topic in sent and described.secrets.is_one(topic, message.payload):
                 continue  # it has a code, which nobody who listens here is to see
-            route, channel = self._described.route(message.topic), self._channels.get(message.topic)
+            route = described.route(topic)
             if len(message.payload) > self._settings.max_payload:
                 work += await self._take_long(message, route)
-                continue
-            if route is not None or channel is None:
-                work += 0 if route is None else _ANNOUNCEMENT * len(route.conventions) + len(route.voices)
-                channel = await self._hear(message, route, channel)
-            if channel is None:
-                continue
-            if not message.payload:
-                self._forget(channel, stamp)
-                continue
-            self.counters.received += 1
-            if now >= channel.refresh_at or (channel.retained_only and not message.retain):
-                self._sight(channel, message, stamp)
-                channel.refresh_at = now + REFRESH
-            if message.payload != channel.last_payload and channel.decoder is not None:
-                self._plain.hear(channel, message)
-            raw = RawMessage(
-                gateway=self.node.name,
-                key=channel.device.key,
-                address=message.topic,
-                payload=message.payload,
-                retained=message.retain,
-                received_at=stamp,
-            )
-            channel.keep(raw, now)
-            for listener in tuple(channel.listeners):  # one may come or go while another is waited for
-                await self._listeners.deliver(listener, raw, wait_if_full=message.qos > 0)
-
-    async def _hear(self, message: MqttMessage, route: TopicReaders | None, channel: Channel | None) -> Channel | None:
-        """Let all hear *message* that understand more than topics; return its channel, which may be new."""
-        if channel is None and (route is None or route.is_shared):
-            if self._described.offers.take(message):
-                return None
-            channel = self._open(message)
-        if route is not None:
-            await self._described.hear(message, route, raw=channel is None)
-        return channel
+            elif route is None:
+                described.offers.take(message)
+            else:
+                work += _ANNOUNCEMENT * len(route.conventions) + len(route.voices)
+                await described.hear(message, route)
 
     async def _take_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
         """Only what comes where devices are announced may be longer than the rest; return how much work it was."""
@@ -291,103 +242,17 @@ class MqttGateway(Gateway):
         self._warn(OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", topic=message.topic)
         return work
 
-    def _open(self, message: MqttMessage) -> Channel | None:
-        try:
-            device = self._channels.announced(message.topic) if self._is_layouts(message.topic) else None
-            if device is None:
-                return None
-            return self._channels.open(message.topic, device, self._listeners.of(message.topic))
-        except WireError as exc:
-            self.counters.rejected += 1
-            self._warn(REJECTED, f"not a device's message: {exc}", topic=message.topic)
-            return None
-        except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-            self._described.tribunal.record_plugin_failure(message.topic, "of the topic's layout", exc)
-            return None
-
-    def _is_layouts(self, topic: str) -> bool:
-        """Return whether it comes by a subscription of a layout: what is there for conventions breaks no layout."""
-        return any(topic_matches(one, topic) for one in self._filters)
-
-    def _sight(self, channel: Channel, message: MqttMessage, stamp: Time) -> None:
-        is_new = channel.refresh_at == 0.0
-        if channel.retained_only and not message.retain:
-            channel.last_payload = b""  # the same word is worth more now
-        channel.retained_only = message.retain and (is_new or channel.retained_only)
-        if is_new and message.retain:
-            self._warn(
-                GHOST,
-                f"{channel.device.key} is known only from a message that the broker kept; it may be gone",
-                topic=message.topic,
-            )
-        self.publish_sighting(
-            self._sighting(
-                "appeared" if is_new else "updated",
-                "the broker keeps a message of it" if message.retain else f"it spoke on {message.topic}",
-                channel.device,
-                stamp,
-                confirmed=not message.retain,
-            )
-        )
-
-    def _forget(self, channel: Channel, stamp: Time) -> None:
-        """An empty message clears what the broker keeps: the device was taken out of the house."""
-        self._channels.close(channel.device.address)
-        self._listeners.tidy(channel.device.address)
-        self._plain.forget(channel)
-        self.publish_sighting(self._sighting("removed", "its topic was cleared", channel.device, stamp, confirmed=True))
-
-    def _sighting(
-        self,
-        kind: Literal["appeared", "updated", "removed"],
-        why: str,
-        device: TopicDevice,
-        stamp: Time,
-        *,
-        confirmed: bool,
-    ) -> Sighting:
-        at, until = stamps(stamp.to_seconds(), self._settings.stale_after)
-        return Sighting(
-            gateway=self.node.name,
-            key=device.key,
-            kind=kind,
-            why=why,
-            name=device.name,
-            service_type=device.service_type,
-            address=device.address,
-            command_address=device.command_address,
-            metadata=device.metadata,
-            parts=() if device.part is None else (device.part,),
-            owns=_own_topics(device),
-            seen_at=at,
-            expires_at=until,
-            confirmed=confirmed,
-            heard_at=self._clock.monotonic(),
-        )
-
     async def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
         try:
-            key, name = self._speaker(request.topic)
+            key, name = self._described.speaker(request.topic)
             is_new = not self._listeners.has(request.topic, request.listener)
             publisher = self._listeners.add(request.topic, key, name, request.listener)
         except HomebotError as exc:
             return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
-        channel = self._channels.get(request.topic)
         missed: tuple[RawMessage, ...] = ()
         if is_new:
-            since = begin_of(request.since, self._clock)
-            missed = channel.missed_by(since) if channel else self._described.missed_by(request.topic, since)
+            missed = self._described.missed_by(request.topic, begin_of(request.since, self._clock))
         return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
-
-    def _speaker(self, address: str) -> tuple[str, str]:
-        """Key and name of the device that speaks on *address*."""
-        if (described := self._described.known(address)) is not None:
-            return described
-        validate_topic(address)
-        device = self._channels.announced(address)
-        if device is None:
-            raise WireError(f"topic {address!r} is none that a device speaks on")
-        return device.key, device.name
 
     async def _send(self, command: RawCommand) -> None:
         try:
@@ -408,17 +273,9 @@ class MqttGateway(Gateway):
         if not self.acts:
             raise RefusedError("the command", self.observes_because)
         payload = command.payload.encode()
-        self._plain.told(command.address, command.payload)
+        self._described.expect_answer(command.address, payload)
         await self._connection.publish(command.address, payload, qos=command.qos, retain=command.retain)
         await self._described.overhear(MqttMessage(command.address, payload, command.qos, retain=False))
-
-
-def _own_topics(device: TopicDevice) -> tuple[str, ...]:
-    """In a layout the topic alone says whose it is, and so are those beside it."""
-    place = device.address.rpartition("/")[0]
-    if place and device.command_address.rpartition("/")[0] == place:
-        return (place,)
-    return (device.address, device.command_address) if device.command_address else (device.address,)
 
 
 def _topic_level(text: str) -> str:

@@ -25,6 +25,8 @@ from homebot.time_slice import TimeSlice
 __all__ = ["AnnouncementHandler"]
 
 REJECTED = "gateway.announcement_rejected"
+TEXT_REJECTED = "gateway.message_rejected"
+RETAINED_ONLY = "gateway.retained_only"
 NOT_READ = "gateway.state_topic_refused"
 RESERVED = "gateway.command_topic_refused"
 AMBIGUOUS = "gateway.announcement_ambiguous"
@@ -125,6 +127,33 @@ class AnnouncementHandler:
                 AMBIGUOUS, f"{message.topic} says {keys} twice; what it says last counts", topic=message.topic
             )
 
+    def take_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
+        """Take *message* as the first text of a device; the first of *conventions* that knows its topic is believed.
+
+        Anybody may say text, so that a topic which breaks a rule is told and counted, and charged to nobody.
+        """
+        for convention in conventions:
+            try:
+                told = convention.take(message.topic, message.payload, retained=message.retain)
+                for event in told:
+                    if isinstance(event, DeviceAnnounced):
+                        self._describe(event, message, 0)
+                    elif isinstance(event, DeviceWithdrawn):
+                        self._withdraw(convention, event)
+            except WireError as exc:
+                self._counters.rejected += 1
+                self._tribunal.log_limited(TEXT_REJECTED, f"not a device's message: {exc}", topic=message.topic)
+                return
+            except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
+                self._tribunal.record_plugin_failure(message.topic, convention.name, exc)
+                return
+            if told:
+                return
+
+    def clear(self, claim: StoredAnnouncement) -> None:
+        """Take the device out: an empty message clears what the broker keeps of it."""
+        self._remove(claim, "its topic was cleared")
+
     async def _take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         for convention in conventions:
             steps = _steps(convention, message)
@@ -186,9 +215,11 @@ class AnnouncementHandler:
             self._counters.topics_refused += 1
             self._tribunal.log_limited(NOT_READ, f"{claim.key} is not heard in full: {problem}", topic=message.topic)
         is_live = described.implies_alive and not message.retain
+        if described.text is not None and message.retain and before is None:
+            words = f"{claim.key} is known only from a message that the broker kept; it may be gone"
+            self._tribunal.log_limited(RETAINED_ONLY, words, topic=message.topic)
         if before is None:
-            why = f"the broker keeps its announcement on {message.topic}" if message.retain else "it was announced"
-            self._board.publish_sighting(claim, "appeared", why, confirmed=is_live)
+            self._board.publish_sighting(claim, "appeared", _why(claim, message), confirmed=is_live)
         elif not claim.publishes_the_same(before):
             self._board.publish_sighting(claim, "updated", "it is described anew", confirmed=is_live)
         elif not message.retain and self._board.now >= claim.refresh_at:
@@ -201,8 +232,12 @@ class AnnouncementHandler:
             before.let_go()
 
     def _withdraw(self, convention: Convention, withdrawn: DeviceWithdrawn) -> None:
-        claim = self._claims.get(f"{convention.name}:{withdrawn.key}")
+        device = withdrawn.device
+        claim = self._claims.get(f"{convention.name}:{withdrawn.key}" if device is None else device.full_key)
         if claim is None:
+            if device is not None:
+                unknown = StoredAnnouncement(self._claims.gateway, device.full_key, device)
+                self._board.publish_sighting(unknown, "removed", withdrawn.why, confirmed=True)
             return
         if withdrawn.is_final or not self._timekeeper.plan(
             ("gone", claim.key), GRACE, partial(self._remove_in_time, claim.key, withdrawn.why)
@@ -223,6 +258,13 @@ class AnnouncementHandler:
         self._board.dispose_all(claim)
         claim.let_go()
         self._on_removal()
+
+
+def _why(claim: StoredAnnouncement, message: MqttMessage) -> str:
+    """Why it is there."""
+    if claim.described.text is not None:
+        return "the broker keeps a message of it" if message.retain else f"it spoke on {message.topic}"
+    return f"the broker keeps its announcement on {message.topic}" if message.retain else "it was announced"
 
 
 def _is_sliced(convention: Convention) -> TypeGuard[SlicedConvention]:

@@ -3,34 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
 
-from homebot.conventions.convention import Convention, TopicLayout
+from homebot.conventions.convention import Convention, TextConvention
 from homebot.errors import PluginError
 from homebot.plugins import load_plugin, plugin_names
 
-__all__ = ["GROUP", "LoadedConventions", "any_announcing", "check_tables", "default_conventions", "find_conventions"]
+__all__ = ["GROUP", "any_announcing", "check_tables", "default_conventions", "find_conventions"]
 
 GROUP = "homebot.mqtt_conventions"
 
 _ALL = ("thesis", "homeassistant", "zigbee2mqtt", "tasmota", "shelly", "homie", "thing")
-
-
-@dataclass(frozen=True, slots=True)
-class LoadedConventions:
-    """The conventions of a gateway.
-
-    Attributes:
-        layouts: Conventions in which the topic alone tells which device speaks.
-        conventions: Those in which devices announce themselves.
-    """
-
-    layouts: tuple[TopicLayout, ...]
-    conventions: tuple[Convention, ...]
 
 
 def default_conventions() -> tuple[str, ...]:
@@ -40,31 +26,30 @@ def default_conventions() -> tuple[str, ...]:
 
 
 def any_announcing(names: Iterable[str]) -> bool:
-    """Return whether devices announce themselves in one of the conventions *names*, as far as those can be loaded."""
-    return any(_has_settings(kind) for _, kind in _loadable(names))
+    """Return whether devices describe themselves in one of the conventions *names*, as far as those can be loaded."""
+    return any(not issubclass(kind, TextConvention) for _, kind in _loadable(names))
 
 
-def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: str) -> LoadedConventions:
+def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: str) -> tuple[Convention, ...]:
     """Load and make the conventions *names*.
 
     Args:
         names: Entry-point names, or ``module:Class``.
         tables: The settings of some of them, by name, as :func:`check_tables` takes them.
-        root: The home, for layouts.
+        root: The home of the gateway, which is that of a convention whose table names no other.
 
     Raises:
         PluginError: One cannot be found or loaded.
         ValidationError: A table is wrong.
     """
-    layouts: list[TopicLayout] = []
     conventions: list[Convention] = []
     for name in dict.fromkeys(names):
         kind = load_plugin(GROUP, name)
-        if _has_settings(kind):
-            conventions.append(kind(_checked(kind.Settings, tables.get(_table_name(name, kind), {}))))
-        else:
-            layouts.append(kind(root))
-    return LoadedConventions(tuple(layouts), tuple(conventions))
+        table = tables.get(_table_name(name, kind), {})
+        if "root" in kind.Settings.model_fields and isinstance(table, dict):
+            table = {"root": root, **table}
+        conventions.append(kind(_checked(kind.Settings, table)))
+    return tuple(conventions)
 
 
 def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[InitErrorDetails]:
@@ -74,8 +59,7 @@ def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[I
     """
     models: dict[str, type[BaseModel]] = {}
     for name, kind in _loadable(names):
-        if _has_settings(kind):
-            models[_table_name(name, kind)] = kind.Settings
+        models[_table_name(name, kind)] = kind.Settings
     problems: list[InitErrorDetails] = []
     for key, table in tables.items():
         if key not in models:
@@ -99,10 +83,6 @@ def _loadable(names: Iterable[str]) -> Iterator[tuple[str, type[Any]]]:
             yield name, load_plugin(GROUP, name)
         except PluginError:
             continue
-
-
-def _has_settings(kind: type[object]) -> bool:
-    return hasattr(kind, "take") and hasattr(kind, "Settings")
 
 
 def _table_name(name: str, kind: type[Convention]) -> str:

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from homebot.conventions.convention import Convention
+from homebot.conventions.convention import Convention, TextConvention
 from homebot.conventions.description import DeviceAnnounced
+from homebot.conventions.text_codec import TextCodec
 from homebot.errors import WireError
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, Excess, excess_of
@@ -54,15 +55,17 @@ class TopicReaders:
 
     Attributes:
         conventions: Those that devices announce themselves to there.
+        texts: Those that may know who says text there; none as long as one does.
+        text: The part that says text there.
         witnesses: Devices whose availability is told there.
-        voices: Parts that speak there, those of one device together.
-        is_shared: Whether what the gateway subscribes to beside its conventions matches the topic too.
+        voices: Parts that speak there, those of one device together, but for that one.
     """
 
     conventions: tuple[Convention, ...]
-    witnesses: tuple[AvailabilityReader, ...]
-    voices: tuple[AnnouncedPart, ...]
-    is_shared: bool
+    texts: tuple[Convention, ...] = ()
+    text: AnnouncedPart | None = None
+    witnesses: tuple[AvailabilityReader, ...] = ()
+    voices: tuple[AnnouncedPart, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +92,11 @@ class AnnouncementRegistry:
         gateway: Its name.
         conventions: The conventions.
         topics: Counts which state topics are needed.
-        others: What the gateway subscribes to beside its conventions.
         bounds: How much may stand at once.
+
+    Attributes:
+        gateway: Its name.
+        codecs: How parts say text, by the topics on which they are told.
     """
 
     def __init__(
@@ -98,18 +104,19 @@ class AnnouncementRegistry:
         gateway: str,
         conventions: tuple[Convention, ...],
         topics: StateTopics,
-        others: FilterIndex[str],
         bounds: RegistryLimits = _BOUNDS,
     ) -> None:
-        self._gateway = gateway
+        self.gateway = gateway
+        self.codecs: dict[str, TextCodec] = {}
         self._topics = topics
-        self._others = others
         self._bounds = bounds
         self._announcements_by_key: dict[str, StoredAnnouncement] = {}
         self._parts = 0
         self._excess = Excess(bounds.excess, bounds.excess_each)
         self._memory = MemoryAccount(bounds.memory)
         self._announcements: FilterIndex[Convention] = FilterIndex()
+        self._text_conventions = frozenset(one for one in conventions if isinstance(one, TextConvention))
+        self._texts: dict[str, AnnouncedPart] = {}
         for convention in conventions:
             for topic_filter in convention.filters():
                 self._announcements.add(topic_filter, convention)
@@ -158,13 +165,14 @@ class AnnouncementRegistry:
             WireError: It has more than 1,000 parts, is one device or part too many, too long, or there is no more
                 memory for it. What stood before stays.
         """
-        key = f"{described.convention}:{described.key}"
+        key = described.full_key
         before = self._announcements_by_key.get(key)
         self._check_room(described, before)
         excess = excess_of(described, length)
         self._excess.check(described.key, excess, 0 if before is None else before.excess)
-        claim = StoredAnnouncement(self._gateway, key, described, excess)
+        claim = StoredAnnouncement(self.gateway, key, described, excess)
         refused, readers = self._register_readers(claim)
+        self._register_text(claim)
         if before is not None:
             claim.take_over_state(before)
             self._unregister_readers(before)
@@ -186,6 +194,8 @@ class AnnouncementRegistry:
         return len(self._announcements_by_key)
 
     def _check_room(self, described: DeviceAnnounced, before: StoredAnnouncement | None) -> None:
+        if before is not None and before.described.convention != described.convention:
+            raise WireError(f"{described.full_key!r} is what {before.described.convention} calls a device already")
         count = len(described.parts)
         if count > self._bounds.parts_each:
             raise WireError(f"{described.key!r} has {count} parts, more than {self._bounds.parts_each:,}")
@@ -216,7 +226,24 @@ class AnnouncementRegistry:
                 readers.append((topic_filter, reader))
         return tuple(refused), tuple(readers)
 
+    def _register_text(self, claim: StoredAnnouncement) -> None:
+        """What it says comes by the filters of its convention, so that its topic is not subscribed to."""
+        if (text := claim.described.text) is not None:
+            for voice in claim.parts.values():
+                self._texts[text.address] = voice
+                if isinstance(voice.described.codec, TextCodec):
+                    self.codecs[text.command_address] = voice.described.codec
+            self._forget_routes(text.address)
+
+    def _unregister_text(self, claim: StoredAnnouncement) -> None:
+        text = claim.described.text
+        if text is not None and self._texts.get(text.address) in claim.parts.values():
+            del self._texts[text.address]
+            self.codecs.pop(text.command_address, None)
+            self._forget_routes(text.address)
+
     def _unregister_readers(self, claim: StoredAnnouncement) -> None:
+        self._unregister_text(claim)
         self._parts -= len(claim.described.parts)
         self._excess.total -= claim.excess
         self._memory.drop(claim.described)
@@ -238,18 +265,20 @@ class AnnouncementRegistry:
     def _find(self, topic: str) -> TopicReaders | None:
         conventions = self._announcements.match(topic)
         readers = self._readers.match(topic)
-        if not conventions and not readers:
+        text = self._texts.get(topic)
+        texts: tuple[Convention, ...] = ()
+        if not self._text_conventions.isdisjoint(conventions):
+            if text is None:
+                texts = tuple(one for one in conventions if one in self._text_conventions)
+            conventions = tuple(one for one in conventions if one not in self._text_conventions)
+        if not readers and text is None:  # announcements are many, and few of them come again
+            if conventions or texts:
+                return TopicReaders(conventions, texts)
             route = None
         else:
-            is_shared = bool(self._others.match(topic))
-            if not readers:  # announcements are many, and few of them come again
-                return TopicReaders(conventions, (), (), is_shared)
-            route = TopicReaders(
-                conventions,
-                tuple(one for one in readers if isinstance(one, AvailabilityReader)),
-                tuple(one for one in readers if isinstance(one, AnnouncedPart)),
-                is_shared,
-            )
+            witnesses = tuple(one for one in readers if isinstance(one, AvailabilityReader))
+            voices = tuple(one for one in readers if isinstance(one, AnnouncedPart))
+            route = TopicReaders(conventions, texts, text, witnesses, voices)
         if len(self._routes) >= _MAX_ROUTES:
             self._routes.clear()
         self._routes[topic] = route
@@ -274,7 +303,7 @@ def _is_new(witness: AvailabilityReader, before: StoredAnnouncement) -> bool:
 
 def _readings(claim: StoredAnnouncement) -> Iterator[tuple[str, AnnouncedPart | AvailabilityReader]]:
     """Each filter that something of *claim* is read on, with what is."""
-    for voice in claim.parts.values():
+    for voice in claim.parts.values() if claim.described.text is None else ():
         for topic_filter in dict.fromkeys(voice.described.codec.topics()):
             yield topic_filter, voice
     for part, reachability in claim.reachability.items():

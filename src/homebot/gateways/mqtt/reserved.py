@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from homebot.conventions.convention import Convention, ReservingConvention, TopicLayout
+from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.devices.part import Part
 from homebot.errors import WireError
@@ -32,14 +32,16 @@ class ReservedTopics:
     """Knows the topics that are reserved at one gateway.
 
     Args:
-        conventions: Its conventions: where devices announce themselves, nobody is told anything.
-        layouts: Its layouts: nor where their devices speak.
+        conventions: Its conventions: where devices announce themselves, or say text, nobody is told anything.
     """
 
-    def __init__(self, conventions: Iterable[Convention], layouts: Iterable[TopicLayout]) -> None:
-        self._layouts = tuple(layouts)
+    def __init__(self, conventions: Iterable[Convention]) -> None:
+        self._texts: list[TextConvention] = []
         self._rules: FilterIndex[_Rule] = FilterIndex()
         for one in conventions:
+            if isinstance(one, TextConvention):
+                self._texts.append(one)
+                continue
             narrow = _Rule(f"it is for announcements to {one.name}")
             wide = replace(narrow, free_for=one.name)
             for topic_filter in one.filters():
@@ -59,7 +61,7 @@ class ReservedTopics:
         for rule in self._rules.match(topic):
             if not convention or rule.free_for != convention:
                 return rule.why
-        return "another device speaks there" if any(_speaks(one, topic) for one in self._layouts) else ""
+        return "another device speaks there" if any(_speaks(one, topic) for one in self._texts) else ""
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
         """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
@@ -86,8 +88,8 @@ def _only_read(part: Part) -> Part:
     return part.model_copy(update={"capabilities": capabilities, "writes": ()})
 
 
-def _speaks(layout: TopicLayout, topic: str) -> bool:
+def _speaks(convention: TextConvention, topic: str) -> bool:
     try:
-        return layout.announced(topic) is not None
+        return convention.announced(topic) is not None
     except WireError:
         return False

@@ -6,7 +6,6 @@ from dataclasses import replace
 from hashlib import blake2b
 from secrets import token_bytes
 
-from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import Publication
 
 __all__ = ["SentSecrets"]
@@ -16,20 +15,27 @@ MAX_TOPICS = 1_000
 
 
 class SentSecrets:
-    """The last message with a code on each topic, as a keyed hash; the code itself is not kept."""
+    """The last message with a code on each topic, as a keyed hash; the code itself is not kept.
+
+    Attributes:
+        sent: The hashes by topic.
+    """
 
     def __init__(self) -> None:
+        self.sent: dict[str, bytes] = {}
         self._key = token_bytes(32)
-        self._sent: BoundedDict[bytes] = BoundedDict(MAX_TOPICS)
 
     def keep(self, publication: Publication) -> Publication:
         """Note *publication*, and return it as it may be sent: no broker shall keep a code."""
-        self._sent.add(publication.topic, self._hash(publication.payload))
+        self.sent.pop(publication.topic, None)
+        while len(self.sent) >= MAX_TOPICS:
+            del self.sent[next(iter(self.sent))]
+        self.sent[publication.topic] = self._hash(publication.payload)
         return replace(publication, retain=False)
 
     def is_one(self, topic: str, payload: bytes) -> bool:
         """Tell whether a message is one that we sent with a code."""
-        sent = self._sent.get(topic)
+        sent = self.sent.get(topic)
         return sent is not None and sent == self._hash(payload)
 
     def _hash(self, payload: bytes) -> bytes:

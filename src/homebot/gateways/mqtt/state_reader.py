@@ -98,6 +98,27 @@ class StateReader:
             await self._deliver_text(voice, told[0], message)
         self._report(claim, readings, message)
 
+    async def read_text(self, message: MqttMessage, part: AnnouncedPart) -> None:
+        """Take *message* as the text that *part* says by itself, and hand it on as it is."""
+        claim, now = part.claim, self._board.now
+        if not message.retain and (now >= claim.refresh_at or not claim.is_confirmed):
+            self._board.publish_sighting(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
+        told = self._decode(part, message)
+        if told is not None:
+            self._counters.reports += 1
+            self._tell(claim, told[1], message)
+        raw = RawMessage(
+            gateway=claim.gateway,
+            key=claim.key,
+            address=message.topic,
+            payload=message.payload,
+            retained=message.retain,
+            received_at=self._board.stamp,
+        )
+        part.keep(raw, now, is_event=False)
+        for listener in self._listeners.now(message.topic):
+            await self._listeners.deliver(listener, raw, wait_if_full=message.qos > 0)
+
     def _read_availability(
         self, source: AvailabilitySource, claim: StoredAnnouncement, message: MqttMessage
     ) -> bool | None:

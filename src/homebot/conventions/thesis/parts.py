@@ -72,18 +72,15 @@ _CLEARED: Mapping[frozenset[str], tuple[str, str]] = MappingProxyType(
 """Type and tag of what may mean several things."""
 
 
-def thesis_part(service_type: str, address: str, command_address: str) -> Part | None:
-    """Return what a device is that calls itself *service_type*; None for a word that means none of these.
+def thesis_part(service_type: str, address: str, command_address: str) -> Part:
+    """Return what a device is that calls itself *service_type*; without a type for a word that means none of these.
 
     Args:
         service_type: As it stands in the topic, for example ``lights``.
         address: Where the device speaks.
         command_address: Where it listens.
     """
-    found = _found(service_type)
-    if found is None:
-        return None
-    name, tag, capabilities = found
+    name, tag, capabilities = _found(service_type)
     takes_commands = any(one.settable for one in capabilities)
     return Part(
         id="",
@@ -98,13 +95,13 @@ def thesis_part(service_type: str, address: str, command_address: str) -> Part |
 
 
 @lru_cache(maxsize=1000)
-def _found(service_type: str) -> tuple[str, str, tuple[Capability, ...]] | None:
+def _found(service_type: str) -> tuple[str, str, tuple[Capability, ...]]:
     meant = wanted_types(service_type)
     name, tag = _CLEARED.get(meant, (next(iter(meant)) if len(meant) == 1 else "", ""))
     if tag == "door" and "garage" in service_type.casefold():
         tag = "garage_door"
     kind = _KINDS.get(name)
     if kind is None:
-        return None
+        return "", "", ()
     settable = tuple(Capability(name=one, settable=True) for one in kind.settable)
     return name, tag, settable + tuple(Capability(name=one) for one in kind.readable)

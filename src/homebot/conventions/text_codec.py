@@ -1,0 +1,70 @@
+"""A codec of parts that say and take plain text, see :mod:`homebot.devices.text`. Pure."""
+
+from __future__ import annotations
+
+from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.description import Publication
+from homebot.devices.part import Part
+from homebot.devices.text.decode import decoder_for
+from homebot.devices.text.encode import decode_command, encode_command
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+__all__ = ["TextCodec"]
+
+_LONGEST = 1000
+"""Bytes of a payload that may be a word."""
+
+
+class TextCodec:
+    """How a part says and takes text; see :class:`homebot.conventions.description.Codec`.
+
+    A text is read when it is another one than before, and once more when it is live and was kept by the broker before.
+    Of a thermostat a number may be the temperature of the room or the target: it is the target where it answers a
+    command with just that number.
+
+    Args:
+        part: The part; it reports on the first topic of its ``reads``, and is told on the first of its ``writes``.
+    """
+
+    __slots__ = ("_awaited", "_decode", "_last", "_part", "_was_retained")
+
+    def __init__(self, part: Part) -> None:
+        self._part = part
+        self._decode = decoder_for(part.capabilities).decode
+        self._last = self._awaited = b""
+        self._was_retained = False
+
+    def topics(self) -> tuple[str, ...]:
+        """Return the topic that the part speaks on."""
+        return self._part.reads
+
+    def read(self, topic: str, payload: bytes, *, retained: bool) -> Readings:
+        """Return what *payload* tells that the one before did not."""
+        del topic
+        if payload == self._last and (retained or not self._was_retained):
+            return NO_READINGS
+        if len(payload) > _LONGEST:
+            return NO_READINGS
+        self._last, self._was_retained = payload, retained
+        told = self._decode(payload)
+        return self._as_answer(told) if payload == self._awaited and told else told
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
+        """Return what to publish so that *capability* becomes *value*; there is no text for a transition."""
+        del transition
+        said = encode_command(capability, value, self._part).encode(errors="replace")
+        self.expect(said)
+        return (Publication(self._part.writes[0], said, qos=1),)
+
+    def expect(self, command: bytes) -> None:
+        """Note that the part was told *command*, so that its answer may be the same text."""
+        self._awaited = command if len(command) <= _LONGEST else b""
+
+    def _as_answer(self, told: Readings) -> Readings:
+        command, self._awaited = self._awaited, b""
+        try:
+            name, value = decode_command(command.decode(), self._part)
+        except (RefusedError, UnicodeDecodeError):
+            return told
+        return told if name in told else {name: value}

@@ -1,0 +1,74 @@
+"""A part that says and takes text: what it tells, how it is told, and which answer is to a command."""
+
+from __future__ import annotations
+
+import pytest
+
+from homebot.conventions.description import Publication
+from homebot.conventions.text_codec import TextCodec
+from homebot.conventions.thesis.parts import thesis_part
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+
+def codec(service_type: str) -> TextCodec:
+    return TextCodec(thesis_part(service_type, "x/out", "x/in"))
+
+
+def read(part: TextCodec, payload: bytes, *, retained: bool = False) -> dict[str, PlainValue]:
+    return dict(part.read("x/out", payload, retained=retained))
+
+
+def test_it_speaks_on_its_own_topic() -> None:
+    assert codec("lights").topics() == ("x/out",)
+
+
+def test_the_same_text_again_is_no_news_until_another_one_came() -> None:
+    lamp = codec("lights")
+    assert [read(lamp, one) for one in (b"on", b"on", b"off", b"on")] == [
+        {"on_off": True},
+        {},
+        {"on_off": False},
+        {"on_off": True},
+    ]
+
+
+def test_what_the_broker_had_kept_is_news_when_the_device_says_it() -> None:
+    lamp = codec("lights")
+    told = [read(lamp, b"on", retained=one) for one in (True, True, False, False, True)]
+    assert [bool(one) for one in told] == [True, False, True, False, False]
+
+
+@pytest.mark.parametrize("payload", [b"2" * 5000, b"\xff", b"purple", b"1e999"])
+def test_what_is_no_text_of_the_part_tells_nothing(payload: bytes) -> None:
+    assert read(codec("lights"), payload) == {}
+
+
+def test_a_part_of_no_known_type_tells_nothing_and_takes_nothing() -> None:
+    coffee = codec("coffee")
+    assert read(coffee, b"on") == {}
+    with pytest.raises(RefusedError, match="this part takes nothing"):
+        coffee.write("on_off", value=True)
+
+
+def test_a_command_is_its_text_on_the_topic_where_the_part_listens() -> None:
+    assert codec("lights").write("level", 40.0, transition=3.0) == (Publication("x/in", b"0.4", qos=1),)
+
+
+def test_the_number_that_a_thermostat_was_just_told_is_its_target_once() -> None:
+    hall = codec("thermostats")
+    hall.write("heating_setpoint", 21.0)
+    assert [read(hall, one) for one in (b"18.5", b"21", b"20", b"21")] == [
+        {"local_temperature": 18.5},
+        {"heating_setpoint": 21.0},
+        {"local_temperature": 20.0},
+        {"local_temperature": 21.0},
+    ]
+
+
+@pytest.mark.parametrize("command", [b"\xff", b"brew", b"7" * 5000])
+def test_a_command_that_the_part_does_not_know_changes_no_answer(command: bytes) -> None:
+    hall = codec("thermostats")
+    hall.expect(command)
+    assert read(hall, b"19") == {"local_temperature": 19.0}
+    assert read(hall, command) == {}
