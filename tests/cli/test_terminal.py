@@ -11,15 +11,22 @@ import struct
 import subprocess
 import sys
 import termios
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from typing import TYPE_CHECKING, cast
 
 import pytest
 from rich.cells import cell_len
+from tests.cli.conftest import _lamp
 
+from homebot.cli import main
 from homebot.cli.table import to_lines, to_table
 from homebot.cli.terminal import print_line, print_rows, print_table, progress
+from homebot.clock import Clock, ManualClock
+from homebot.devices import QUERY_DEVICES, Found, QueryDevices
+from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
+from homebot.graph import Graph, Node
+from homebot.messages import Time
 from homebot.output import clean_output
 
 if TYPE_CHECKING:
@@ -124,12 +131,12 @@ def test_nothing_from_outside_is_markup_or_steers_the_terminal() -> None:
 
 def test_colours_are_for_states_and_not_where_they_are_not_wanted(monkeypatch: pytest.MonkeyPatch) -> None:
     with on_terminal() as terminal:
-        print_table(("SAYS", "STATE"), [("fresh", "fresh, unreachable")])
+        print_table(("STATE", "AVAILABILITY"), [("fresh", "fresh, unreachable")], in_colour="AVAILABILITY")
         assert "\x1b[31mfresh, unreachable\x1b[0m" in terminal.getvalue()
         assert terminal.getvalue().count("\x1b[3") == 1
         monkeypatch.setenv("NO_COLOR", "1")
         terminal.truncate(0)
-        print_table(("SAYS", "STATE"), [("fresh", "fresh, unreachable")])
+        print_table(("STATE", "AVAILABILITY"), [("fresh", "fresh, unreachable")], in_colour="AVAILABILITY")
         assert "\x1b[3" not in terminal.getvalue()
         monkeypatch.setenv("TERM", "dumb")
         terminal.truncate(0)
@@ -189,3 +196,30 @@ def test_a_command_whose_output_is_piped_does_not_load_rich(homebot: Homebot) ->
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=20)
     assert done.stdout.splitlines()[-1] == "True False"
+
+
+def test_a_long_list_of_devices_shows_how_far_it_is(
+    homebot_with: Callable[[Callable[[Graph], Node], Clock], Homebot], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And leaves the table alone on the screen."""
+    homebot = homebot_with(_crowded, ManualClock(1_800_000_000))
+    monkeypatch.setenv("COLUMNS", "100")
+    with on_terminal() as terminal:
+        assert main(["--door", homebot.door, "devices"]) == 0
+    before, _, table = terminal.getvalue().rpartition("\x1b[2K")
+    assert [share for share in (" 67%", "100%") if share in before] == [" 67%", "100%"]
+    assert len(table.splitlines()) == 1 + 601
+    assert table.count("\x1b[32mfresh") == 601
+
+
+def _crowded(graph: Graph) -> Node:
+    node = Node(graph, "discovery")
+
+    def query(request: QueryDevicesRequest) -> QueryDevicesResponse:
+        shown = range(601)[request.offset : request.offset + request.limit]
+        lamp = _lamp(Time(sec=1_700_000_000, nanosec=0))
+        found = [Found(device=lamp.model_copy(update={"id": f"{one:03}"}), score=1.0, reasons=()) for one in shown]
+        return QueryDevicesResponse(success=True, results=tuple(found), total=601)
+
+    node.create_service(QueryDevices, QUERY_DEVICES, query)
+    return node

@@ -28,7 +28,7 @@ _STYLES: Final = (
     ("unconfirmed", "dim"),
     ("fresh", "green"),
 )
-"""How a device's state begins to look, by the first word that is in it."""
+"""How a device's availability is shown, by the first of these words that is in it."""
 
 
 def is_terminal(stream: TextIO | None = None) -> bool:
@@ -37,7 +37,12 @@ def is_terminal(stream: TextIO | None = None) -> bool:
 
 
 def print_table(
-    head: Sequence[str], rows: Sequence[Sequence[str]], *, if_any: Sequence[str] = (), if_room: Sequence[str] = ()
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    *,
+    if_any: Sequence[str] = (),
+    if_room: Sequence[str] = (),
+    in_colour: str = "",
 ) -> None:
     """Print *rows* below *head*, in columns.
 
@@ -48,6 +53,7 @@ def print_table(
         rows: As many cells each.
         if_any: Columns to leave out where no row has anything in them.
         if_room: Columns that a terminal goes without where it is too narrow for all; the first goes first.
+        in_colour: The column that says how fresh devices are and whether they can be reached.
     """
     head, rows = without_empty(if_any, head, rows)
     if not is_terminal():
@@ -56,7 +62,10 @@ def print_table(
     from rich.table import Table  # noqa: PLC0415 - for a terminal alone
 
     console = _console(sys.stdout)
-    shown = [[_text(cell, _style(name, cell)) for name, cell in zip(head, row, strict=True)] for row in rows]
+    shown = [
+        [_text(cell, _style(cell) if name == in_colour else "") for name, cell in zip(head, row, strict=True)]
+        for row in rows
+    ]
     kept = _fitting(head, shown, if_room, console.width)
     table = Table(box=None, pad_edge=False, padding=(0, _GAP, 0, 0), header_style="bold")
     for place in kept:
@@ -124,8 +133,9 @@ def _console(stream: TextIO) -> Console:
     """Return rich's way to *stream*, behind the filter that would show its own escapes as text."""
     from rich.console import Console  # noqa: PLC0415 - as above
 
-    raw = stream.raw if isinstance(stream, CleanText) else stream
-    return Console(file=raw, highlight=False, markup=False, emoji=False)
+    while isinstance(stream, CleanText):
+        stream = stream.raw
+    return Console(file=stream, highlight=False, markup=False, emoji=False)
 
 
 def _text(cell: str, style: str = "") -> Text:
@@ -134,8 +144,8 @@ def _text(cell: str, style: str = "") -> Text:
     return Text(printable(cell), style)
 
 
-def _style(column: str, cell: str) -> str:
-    return next((style for word, style in _STYLES if word in cell), "") if column == "STATE" else ""
+def _style(cell: str) -> str:
+    return next((style for word, style in _STYLES if word in cell), "")
 
 
 def _fitting(head: Sequence[str], rows: Sequence[Sequence[Text]], if_room: Sequence[str], width: int) -> list[int]:

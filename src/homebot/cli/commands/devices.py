@@ -25,6 +25,7 @@ __all__ = ["list_devices"]
 
 _HEAD = ("DEVICE", "TYPE", "AREA", "STATE", "GATEWAY", "COMMAND TOPIC", "AVAILABILITY", "LAST SEEN")
 _IF_ANY = ("AREA", "STATE", "COMMAND TOPIC")
+_IF_ROOM = ("GATEWAY", "COMMAND TOPIC")
 _WRONG_COMMAND_LINE = 2
 
 
@@ -46,7 +47,7 @@ def list_devices(options: argparse.Namespace) -> int:
         else:
             now = await house_time(door)
             rows = [_row(one, now) for one in devices]
-            print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("GATEWAY", "COMMAND TOPIC"))
+            print_table(_HEAD, rows, if_any=_IF_ANY, if_room=_IF_ROOM, in_colour="AVAILABILITY")
         return 0
 
     code = with_client(options, run)

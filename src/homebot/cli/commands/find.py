@@ -47,10 +47,10 @@ def _show(found: QueryDevicesResponse, *, why: bool) -> None:
     ]
     reasons = [one.reasons for one in found.results]
     if not why:
-        print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("NAME",))
+        print_table(_HEAD, rows, if_any=_IF_ANY, if_room=("NAME",), in_colour="AVAILABILITY")
     elif is_terminal():
         rows = [(*row, "; ".join(some)) for row, some in zip(rows, reasons, strict=True)]
-        print_table((*_HEAD, "WHY"), rows, if_any=_IF_ANY, if_room=("NAME",))
+        print_table((*_HEAD, "WHY"), rows, if_any=_IF_ANY, if_room=("NAME",), in_colour="AVAILABILITY")
     else:
         head, *lines = to_table(*without_empty(_IF_ANY, _HEAD, rows)).splitlines()
         print(head)
