@@ -9,9 +9,9 @@ from typing import final
 from homebot.devices import Device, DeviceChange, State, StateChange
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind
-from homebot.discovery.command_topics import TopicOwnership
 from homebot.discovery.entry import Entry
 from homebot.discovery.merging.parts import MergedParts
+from homebot.discovery.topics.ownership import TopicOwnership
 
 __all__ = ["ChangeQueue"]
 

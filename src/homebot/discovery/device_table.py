@@ -8,11 +8,11 @@ from typing import final
 from homebot.devices import Device
 from homebot.devices.device import ChangeKind
 from homebot.discovery.change_queue import ChangeQueue
-from homebot.discovery.command_topics import TopicOwnership
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstones
 from homebot.discovery.search.postings import Postings
 from homebot.discovery.source_record import SourceKey, SourceRecord
+from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.discovery.unsaved import UnsavedDevices
 
 __all__ = ["DeviceTable", "IndexCounters"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from homebot.devices import (
@@ -19,13 +19,13 @@ from homebot.devices import (
 from homebot.devices.device_types import wanted_types
 from homebot.devices.text.encode import accepts_text, text_address
 from homebot.devices.value import PlainValue, Value
-from homebot.discovery.command_topics import TopicOwnership
 from homebot.discovery.echoes import Echoes
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
 from homebot.discovery.reachability import offline_parts, reachability
 from homebot.discovery.report_interval import ReportInterval
 from homebot.discovery.source_record import SourceKey, SourceRecord, StoredValue, preference
+from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
 
 __all__ = ["MAX_FACTS", "Entry"]
@@ -91,7 +91,7 @@ class Entry:
     def last_seen(self) -> Time:
         """Return when it was last heard of: when it spoke, or else was announced."""
         if len(self.sources) == 1:
-            return self.best().seen_at
+            return next(iter(self.sources.values())).seen_at
         confirmed = [claim for claim in self.sources.values() if claim.confirmed]
         return max(confirmed or self.sources.values(), key=lambda one: (one.heard_at, _moment(one.seen_at))).seen_at
 
@@ -101,8 +101,10 @@ class Entry:
 
     def invalidate_description(self) -> None:
         """Its announcements changed, or what is disputed about it."""
-        self.known_ids = self.part_ids()
-        self._device = self._description = None
+        if self._description is not None:
+            self.known_ids = self.part_ids()
+            self._description = None
+        self._device = None
 
     def part_ids(self) -> PartIds:
         """Return the ids that its parts have, and those that they had in announcements that are gone."""
@@ -137,8 +139,8 @@ class Entry:
                 facts=described.facts,
                 reachable=self.reachability(),
                 offline_parts=self.offline_parts(described.merged),
-                states=self._newest(described.merged, [claim.values for claim in self.sources.values()]),
-                events=self._newest(described.merged, [claim.events for claim in self.sources.values()]),
+                states=self._newest(described.merged, events=False),
+                events=self._newest(described.merged, events=True),
                 evidence=self.evidence,
                 conflicts=described.merged.conflicts,
             )
@@ -167,35 +169,35 @@ class Entry:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
 
-    def _newest(self, merged: MergedParts, said: Sequence[Mapping[tuple[str, str], StoredValue]]) -> tuple[State, ...]:
-        """The newest of what all routes to a part told; what came live counts more than what the broker had kept.
+    def _newest(self, merged: MergedParts, *, events: bool) -> tuple[State, ...]:
+        """Return the newest of what all routes to each part reported; what came live before what the broker had kept.
 
         Args:
             merged: The parts.
-            said: What each of the announcements told.
+            events: Whether to return events rather than values.
         """
-        if not any(said):
-            return ()
         newest: dict[tuple[int, str], StoredValue] = {}
-        for (gateway, key), values in zip(self.sources, said, strict=True):
-            for (part, capability), told in values.items():
+        for (gateway, key), source in self.sources.items():
+            for (part, capability), stored in (source.events if events else source.values).items():
                 place = merged.places.get((gateway, key, part))
                 if place is None:
                     continue
                 known = newest.get((place, capability))
-                if known is None or _weight(told) > _weight(known):
-                    newest[place, capability] = told
+                if known is None or _weight(stored) > _weight(known):
+                    newest[place, capability] = stored
+        if not newest:
+            return ()
         return tuple(
             [
                 State.of_checked(
                     part=merged.parts[place].id,
                     capability=capability,
-                    value=Value.of(told.value),
-                    since=told.since,
-                    told_at=told.told_at,
-                    live=told.live,
+                    value=Value.of(stored.value),
+                    since=stored.since,
+                    told_at=stored.told_at,
+                    live=stored.live,
                 )
-                for (place, capability), told in newest.items()
+                for (place, capability), stored in newest.items()
             ]
         )
 
@@ -220,24 +222,34 @@ def _describe(claims: tuple[SourceRecord, ...], topics: TopicOwnership, known_id
     ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
     merged = merge_parts(ordered, topics, known_ids)
     main = main_part(merged.parts)
-    names = tuple(dict.fromkeys(one.sighting.name for one in ordered))
     first = ordered[0].sighting
+    is_single = len(ordered) == 1
     return _Description(
-        name=names[0],
-        names=names,
+        name=first.name,
+        names=(first.name,) if is_single else tuple(dict.fromkeys(source.sighting.name for source in ordered)),
         service_type=first.service_type if main is None or first.speaks_plainly else main.part.service_type,
         service_types=_service_types(ordered, merged.parts),
-        area=next((one.sighting.area for one in ordered if one.sighting.area), ""),
-        identifiers=tuple(dict.fromkeys(found for one in ordered for found in one.sighting.identifiers)),
-        metadata=first.metadata if len(ordered) == 1 else _metadata(ordered),
+        area=first.area or next((source.sighting.area for source in ordered if source.sighting.area), ""),
+        identifiers=_identifiers(ordered),
+        metadata=first.metadata if is_single else _metadata(ordered),
         facts=_facts(ordered),
         endpoints=_endpoints(ordered, main),
         merged=merged,
     )
 
 
+def _identifiers(sources: Sequence[SourceRecord]) -> tuple[str, ...]:
+    found: dict[str, None] = {}
+    for source in sources:
+        found.update(dict.fromkeys(source.sighting.identifiers))
+    return tuple(found)
+
+
 def _service_types(claims: Sequence[SourceRecord], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
-    if parts:
+    if len(parts) == 1:
+        part = parts[0].part
+        found = [part.service_type, part.advertised] if part.advertised else [part.service_type]
+    elif parts:
         shown = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
         found = [one.service_type for one in shown] + [one.advertised for one in shown if one.advertised]
     else:
@@ -285,17 +297,20 @@ def _endpoints(claims: Sequence[SourceRecord], main: DevicePart | None) -> tuple
     found: dict[str, Endpoint] = {}
     if main is not None:
         said = {claim.key: claim.sighting for claim in claims}
+        accepts = accepts_text(main.part)
         for route in main.routes:
+            if route.gateway in found:
+                continue
             sighting = said[route.gateway, route.key]
             if sighting.speaks_plainly:
                 address, command_address = sighting.address, sighting.command_address
             else:
                 address = text_address(route.key, route.part)
-                command_address = _told_at(main, route.gateway)
+                command_address = address if accepts and route.takes else _command_address(main, route.gateway)
             endpoint = Endpoint.of_checked(
                 gateway=route.gateway, key=route.key, address=address, command_address=command_address
             )
-            found.setdefault(route.gateway, endpoint)
+            found[route.gateway] = endpoint
     for claim in claims if not found else ():
         sighting = claim.sighting
         if sighting.gateway not in found:
@@ -308,8 +323,8 @@ def _endpoints(claims: Sequence[SourceRecord], main: DevicePart | None) -> tuple
     return tuple(found.values())
 
 
-def _told_at(part: DevicePart, gateway: str) -> str:
-    """Return where *part* takes text: by the first of the gateway's ways that takes any."""
+def _command_address(part: DevicePart, gateway: str) -> str:
+    """Return where *part* takes text: by the first of the gateway's routes that takes any."""
     ways = (one for one in part.routes if one.gateway == gateway and one.takes) if accepts_text(part.part) else ()
     return next((text_address(one.key, one.part) for one in ways), "")
 

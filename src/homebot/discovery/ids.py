@@ -18,11 +18,12 @@ __all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "new_id"]
 MAX_TOMBSTONES = 10_000
 """Devices that went and are remembered; the oldest is forgotten."""
 
+_NO_LETTERS = re.compile(r"[^a-z0-9]+")
 _LONGEST_SLUG = 60
 _SHORTEST_SUFFIX = 4
 
 
-def new_id(sighting: Sighting, *taken: Container[str]) -> str:
+def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> str:
     """Return the id of a new device.
 
     The key, as in the thesis, for a device that its topic alone tells of; else its name in plain letters. Where that is
@@ -30,25 +31,26 @@ def new_id(sighting: Sighting, *taken: Container[str]) -> str:
 
     Args:
         sighting: How it was announced.
-        taken: Ids that were given to other devices.
+        known: Ids of the devices that are known.
+        gone: Ids of those that went.
     """
     if not sighting.identifiers and (sighting.speaks_plainly or not sighting.parts):
         found = sighting.key
-        while any(found in ids for ids in taken):
+        while found in known or found in gone:
             found = f"{found}@{sighting.gateway}"
         return found
-    slug = re.sub(r"[^a-z0-9]+", "_", fold(sighting.name))[:_LONGEST_SLUG].strip("_") or "device"
-    if all(slug not in ids for ids in taken):
+    slug = _NO_LETTERS.sub("_", fold(sighting.name))[:_LONGEST_SLUG].strip("_") or "device"
+    if slug not in known and slug not in gone:
         return slug
     identity = _identity(sighting)
     for length in range(_SHORTEST_SUFFIX, len(identity) + 1):
         found = f"{slug}_{identity[-length:]}"
-        if all(found not in ids for ids in taken):
+        if found not in known and found not in gone:
             return found
     number = 2
-    while any(f"{slug}_{identity}_{number}" in ids for ids in taken):
+    while (found := f"{slug}_{identity}_{number}") in known or found in gone:
         number += 1
-    return f"{slug}_{identity}_{number}"
+    return found
 
 
 def _identity(sighting: Sighting) -> str:
@@ -108,10 +110,12 @@ class Tombstones:
 
     def find(self, key: SourceKey, identifiers: Iterable[str]) -> Tombstone | None:
         """Return the device that *key* announced, or that has one of the hardware addresses among *identifiers*."""
-        found = self._by_key.get(key)
-        if found is None:
-            found = next((self._by_hardware[one] for one in identifiers if one in self._by_hardware), None)
-        return None if found is None else self._stones[found]
+        if key in self._by_key:
+            return self._stones[self._by_key[key]]
+        for identifier in identifiers:
+            if identifier in self._by_hardware:
+                return self._stones[self._by_hardware[identifier]]
+        return None
 
     def get(self, device_id: str) -> Tombstone | None:
         """Return what is remembered of the device."""

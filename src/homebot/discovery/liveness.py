@@ -62,7 +62,7 @@ class Liveness:
         if silence < _ONLINE_FOR and source.is_online:
             silence = _ONLINE_FOR
         before, entry.freshness = entry.freshness, "fresh"
-        entry.deadline, entry.expires = now + silence, stamp.to_seconds() + silence
+        entry.deadline, entry.expires = now + silence, stamp.sec + stamp.nanosec / 1e9 + silence
         self._deadlines.set(entry.id, entry.deadline, None)
         if before == "fresh":
             return
@@ -80,9 +80,10 @@ class Liveness:
             source: One of its announcements.
             heard_at: Seconds of the clock that is never set.
         """
-        deadline = heard_at + source.lasts
+        silence = source.lasts
+        deadline = heard_at + silence
         if deadline > entry.deadline:
-            entry.deadline, entry.expires = deadline, source.seen_at.to_seconds() + source.lasts
+            entry.deadline, entry.expires = deadline, source.seen_at.to_seconds() + silence
         self.schedule(entry)
 
     def restart(self, entry: Entry, now: float, wall: float) -> None:

@@ -22,7 +22,11 @@ def reachability(claims: Iterable[SourceRecord]) -> Reachability:
     One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing was said, spoke
     since, it is unknown.
     """
-    return _together(_said(claims))
+    sources = tuple(claims)
+    for source in sources:
+        if source.reach:
+            return _together(_said(sources))
+    return _NOT_SAID
 
 
 def offline_parts(

@@ -30,7 +30,10 @@ class ReportInterval:
 
     def __init__(self, gaps: Iterable[float] = ()) -> None:
         self._last: float | None = None
-        self._learn(tuple(gaps)[-_KEPT:])
+        self._gaps: tuple[float, ...] = ()
+        self._patience = 0.0
+        if gaps:
+            self._learn(tuple(gaps)[-_KEPT:])
 
     @property
     def gaps(self) -> tuple[float, ...]:

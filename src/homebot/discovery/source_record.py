@@ -123,7 +123,8 @@ class SourceRecord:
     @property
     def lasts(self) -> float:
         """For how many seconds its gateway thinks that silence is no bad sign."""
-        return max(0.0, self.sighting.expires_at.to_seconds() - self.sighting.seen_at.to_seconds())
+        seen, expires = self.sighting.seen_at, self.sighting.expires_at
+        return max(0.0, expires.sec - seen.sec + (expires.nanosec - seen.nanosec) / 1e9)
 
     @property
     def label(self) -> str:

@@ -20,7 +20,7 @@ def has_capability(claim: SourceRecord, part_id: str, capability: str) -> bool:
     """Return whether a part with that capability was announced."""
     for part in claim.sighting.parts:
         if part.id == part_id:
-            return any(one.name == capability for one in part.capabilities)
+            return capability in [offered.name for offered in part.capabilities]
     return False
 
 
@@ -73,9 +73,10 @@ def store_reachability(
     entry.is_denied = is_denied(entry.sources.values())
 
 
-def is_denied(claims: Iterable[SourceRecord]) -> bool:
-    """Return whether any of *claims* says that something cannot be reached."""
-    return any(one.value is False for claim in claims if claim.reach for one in claim.reach.values())
+def is_denied(sources: Iterable[SourceRecord]) -> bool:
+    """Return whether any of *sources* says that something cannot be reached."""
+    denials = [reach for source in sources if source.reach for reach in source.reach.values() if reach.value is False]
+    return bool(denials)
 
 
 def state_of(part_id: str, reading: Reading, told: StoredValue) -> State:

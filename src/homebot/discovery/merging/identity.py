@@ -181,7 +181,7 @@ class IdentityGraph:
         if len(found) > MAX_IDENTIFIERS:
             self.cut += 1
             found = found[:MAX_IDENTIFIERS]
-        is_own = sighting.convention in WHOLE_DEVICE or not any(_names_somebody(one) for one in found)
+        is_own = sighting.convention in WHOLE_DEVICE or not _are_specific(found)
         if place := _own_topic(sighting):
             found = tuple(dict.fromkeys((*found, f"id:{place}")))
         sign = (key[0], sighting.convention, found, key[1] if is_own else "")
@@ -248,15 +248,22 @@ def _own_topic(sighting: Sighting) -> str:
     """The topic below which all is the device's; empty where none is known."""
     if sighting.convention in WHOLE_DEVICE:
         return sighting.owns[0] if sighting.owns else ""
-    names = [one[len("id:") :] for one in sighting.identifiers if one.startswith("id:") and _names_somebody(one)]
-    if not names:
-        return ""
-    topics = [topic for part in sighting.parts for topic in (*part.reads, *part.writes)]
-    for name in names:
-        before, level, _ = topics[0].partition(f"/{name}/") if topics else ("", "", "")
+    topics: list[str] = []
+    for identifier in sighting.identifiers:
+        if not identifier.startswith("id:") or not _names_somebody(identifier):
+            continue
+        topics = topics or [topic for part in sighting.parts for topic in (*part.reads, *part.writes)]
+        if not topics:
+            return ""
+        name = identifier[len("id:") :]
+        before, level, _ = topics[0].partition(f"/{name}/")
         if level and all(topic.startswith(f"{before}{level}") for topic in topics):
             return f"{before}/{name}"
     return ""
+
+
+def _are_specific(identifiers: tuple[str, ...]) -> bool:
+    return bool(identifiers) and (_names_somebody(identifiers[0]) or any(map(_names_somebody, identifiers)))
 
 
 def _names_somebody(identifier: str) -> bool:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import final
 
-from homebot.discovery.command_topics import topic_use
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone, new_id
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.identity import IdentityGraph
+from homebot.discovery.merging.part_ids import NO_IDS
 from homebot.discovery.merging.regroup import Regrouped, regroup
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import is_denied
+from homebot.discovery.topics.use import topic_use
+from homebot.messages import Time
 
 __all__ = ["DeviceMerger"]
 
@@ -59,13 +61,12 @@ class DeviceMerger:
             device_id = stone.id
         else:
             device_id = new_id(next(iter(sources.values())).sighting, table.entries, table.tombstones)
-        confirmed = any(source.confirmed for source in sources.values())
-        first_seen = min((source.first_seen for source in sources.values()), key=lambda time: (time.sec, time.nanosec))
-        entry = Entry(device_id, first_seen, "fresh" if confirmed else "unconfirmed", sources)
+        entry = Entry(device_id, _first_seen(sources), "unconfirmed", sources, known_ids=NO_IDS)
         table.entries[device_id] = entry
         table.owners.update(dict.fromkeys(sources, entry))
         for source in sources.values():
             if source.confirmed:
+                entry.freshness = "fresh"
                 entry.report_interval.record(source.heard_at)
         self.describe(entry)
         now = self._liveness.now
@@ -155,7 +156,10 @@ class DeviceMerger:
         sources = tuple(entry.sources.values()) if new is None else (new,)
         if new is None:
             entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
-            entry.silence_allowed = max([source.lasts for source in sources])
+            silence = 0.0
+            for source in sources:
+                silence = max(silence, source.lasts)
+            entry.silence_allowed = silence
             entry.is_denied = is_denied(sources)
         else:
             entry.silence_allowed = max(entry.silence_allowed, new.lasts)
@@ -168,7 +172,7 @@ class DeviceMerger:
         table.unsaved.add(entry.id)
         owner = ""
         for source in sources:
-            if owner := self._topic_owner(entry, source):
+            if source.key in table.topics.denied and (owner := self._topic_owner(entry, source)):
                 break
         if new is not None and not owner:
             return
@@ -179,8 +183,7 @@ class DeviceMerger:
 
     def _tombstone(self, sources: dict[SourceKey, SourceRecord]) -> Tombstone | None:
         for key, source in sources.items():
-            hardware = (found for found in source.sighting.identifiers if not found.startswith("id:"))
-            if (stone := self._table.tombstones.find(key, hardware)) is not None:
+            if (stone := self._table.tombstones.find(key, source.sighting.identifiers)) is not None:
                 return stone
         return None
 
@@ -250,3 +253,8 @@ class DeviceMerger:
                 if owner and owner != entry.id and owner in table.entries:
                     return owner
         return ""
+
+
+def _first_seen(sources: Mapping[SourceKey, SourceRecord]) -> Time:
+    times = [source.first_seen for source in sources.values()]
+    return times[0] if len(times) == 1 else min(times, key=lambda time: (time.sec, time.nanosec))

@@ -8,13 +8,14 @@ from itertools import chain
 from typing import TypeAlias
 
 from homebot.devices import DevicePart, Route
+from homebot.devices.device import EVERYTHING
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
-from homebot.discovery.command_topics import TopicOwnership
 from homebot.discovery.merging.capabilities import decided, settable_by
 from homebot.discovery.merging.matching import Candidate, candidates, match
 from homebot.discovery.merging.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
 from homebot.discovery.source_record import NATIVE_CONVENTIONS, SourceRecord, preference
+from homebot.discovery.topics.ownership import TopicOwnership
 
 __all__ = ["MAX_PARTS", "MergedParts", "main_part", "merge_parts"]
 
@@ -79,8 +80,10 @@ def merge_parts(claims: Sequence[SourceRecord], topics: TopicOwnership, known: P
     convention they are one only when they have one id and the same topics. Two of one id that do not are in conflict:
     the older one counts.
     """
+    if len(claims) == 1:
+        return _parts_of_one(claims[0], topics, known)
     conflicts: list[str] = []
-    tellings = _tellings(sorted(claims, key=preference) if len(claims) > 1 else claims, conflicts)
+    tellings = _tellings(sorted(claims, key=preference), conflicts)
     groups = _groups(told for _, _, told in tellings)
     numbered: dict[int, _Merged] = {}
     places: dict[PartPlace, int] = {}
@@ -101,12 +104,44 @@ def merge_parts(claims: Sequence[SourceRecord], topics: TopicOwnership, known: P
             found.ways.append((place, claim.sighting.convention, part))
         places[place] = found.number
     if left_out:
-        conflicts.append(f"{left_out} further parts are left out, for a device has {MAX_PARTS:,} at most")
+        conflicts.append(_left_out(left_out))
     return MergedParts(_named(tuple(numbered.values()), known), tuple(conflicts), places)
 
 
-def main_part(parts: Iterable[DevicePart]) -> DevicePart | None:
+def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) -> MergedParts:
+    """Return the parts of the usual device, of one announcement: nothing is to be matched."""
+    conflicts: list[str] = []
+    places: dict[PartPlace, int] = {}
+    parts = source.sighting.parts[:MAX_PARTS]
+    gateway, key = source.key
+    convention = source.sighting.convention
+    ids: Sequence[str] = [part.id for part in parts]
+    if known or len(set(ids)) < len(ids):
+        label = source.label
+        ids = part_ids([Named(part, label, [(source.number, (gateway, key, part))]) for part in ids], known)
+    merged: list[DevicePart] = []
+    for number, part in enumerate(parts):
+        places[gateway, key, part.id] = number
+        routes: tuple[Route, ...] = ()
+        if conflict := topics.conflict(source, part):
+            conflicts.append(conflict)
+        else:
+            route = Route.of_checked(gateway=gateway, key=key, part=part.id, convention=convention, takes=EVERYTHING)
+            routes = (route,)
+        merged.append(DevicePart.of_checked(id=ids[number], part=part, routes=routes))
+    if left_out := len(source.sighting.parts) - len(parts):
+        conflicts.append(_left_out(left_out))
+    return MergedParts(tuple(merged), tuple(conflicts), places)
+
+
+def _left_out(count: int) -> str:
+    return f"{count} further parts are left out, for a device has {MAX_PARTS:,} at most"
+
+
+def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
     """Return the part that a device is there for: no setting or diagnosis, and rather a lamp than its thermometer."""
+    if len(parts) == 1:
+        return parts[0]
     return min(
         parts, key=lambda one: (bool(one.part.category), _RANK.get(one.part.service_type, len(_RANK))), default=None
     )

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.discovery.command_topics import MAX_LEVELS, MAX_TOPICS, MAX_USERS, NOBODY, TopicOwnership, TopicUse
+from homebot.discovery.topics.ownership import MAX_LEVELS, MAX_TOPICS, MAX_USERS, NOBODY, TopicOwnership
+from homebot.discovery.topics.use import TopicUse
 
 GATEWAY = "mqtt"
 
