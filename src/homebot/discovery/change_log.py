@@ -15,6 +15,8 @@ REMEMBERED = 2000
 MAX_SIZE = 16 * 1024 * 1024
 """Bytes of all, about: each change has the whole device in it, and those of a device that is gone are nowhere else."""
 
+_CHANGE = 4096
+"""Bytes of a change without its texts and parts, about."""
 
 _PART = 1024
 """Bytes of a part without its lists, about."""
@@ -57,5 +59,6 @@ class ChangeLog:
 
 def _size(change: DeviceChange) -> int:
     device = change.device
-    texts = size_of_parts(one.part for one in device.parts) + size_of_texts(device.identifiers)
-    return texts + _PART * len(device.parts)
+    facts = (text for fact in device.metadata for text in (fact.key, fact.value))
+    texts = (device.name, device.area, change.why, *device.identifiers, *device.evidence, *device.conflicts, *facts)
+    return _CHANGE + size_of_texts(texts) + size_of_parts(one.part for one in device.parts) + _PART * len(device.parts)
