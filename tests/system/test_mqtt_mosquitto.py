@@ -1,4 +1,4 @@
-"""The MQTT client against a real Mosquitto."""
+"""Both MQTT clients against a real Mosquitto."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ import pytest
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
+from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions, MqttProtocol
@@ -29,6 +30,9 @@ pytestmark = [
     pytest.mark.system,
     pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed"),
 ]
+
+
+ClientKind = type[AiomqttClient] | type[NativeClient]
 
 
 class Mosquitto:
@@ -78,9 +82,15 @@ def protocol(request: pytest.FixtureRequest) -> MqttProtocol:
     return version
 
 
+@pytest.fixture(params=[AiomqttClient, NativeClient], ids=["aiomqtt", "native"])
+def kind(request: pytest.FixtureRequest) -> ClientKind:
+    client: ClientKind = request.param
+    return client
+
+
 @asynccontextmanager
-async def connected(mosquitto: Mosquitto, protocol: MqttProtocol) -> AsyncIterator[MqttConnection]:
-    async with MqttConnection(options(mosquitto, protocol=protocol), AiomqttClient, status_topic=None) as connection:
+async def connected(mosquitto: Mosquitto, protocol: MqttProtocol, kind: ClientKind) -> AsyncIterator[MqttConnection]:
+    async with MqttConnection(options(mosquitto, protocol=protocol), kind, status_topic=None) as connection:
         with anyio.fail_after(10):
             await connection.wait_connected()
         yield connection
@@ -101,8 +111,8 @@ async def receive(client: MqttClient | MqttConnection, count: int) -> list[MqttM
     return messages
 
 
-async def test_messages_of_every_qos_go_round(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
-    async with connected(mosquitto, protocol) as hub:
+async def test_messages_of_every_qos_go_round(mosquitto: Mosquitto, protocol: MqttProtocol, kind: ClientKind) -> None:
+    async with connected(mosquitto, protocol, kind) as hub:
         await hub.subscribe(MqttSubscription("open/#", 2))
         for qos in (0, 1, 2):
             await hub.publish("open/t", bytes([qos]), qos=qos)
@@ -110,8 +120,10 @@ async def test_messages_of_every_qos_go_round(mosquitto: Mosquitto, protocol: Mq
     assert [(message.qos, message.payload) for message in messages] == [(0, b"\0"), (1, b"\1"), (2, b"\2")]
 
 
-async def test_more_messages_than_any_window_go_round(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
-    async with connected(mosquitto, protocol) as hub, anyio.create_task_group() as tasks:
+async def test_more_messages_than_any_window_go_round(
+    mosquitto: Mosquitto, protocol: MqttProtocol, kind: ClientKind
+) -> None:
+    async with connected(mosquitto, protocol, kind) as hub, anyio.create_task_group() as tasks:
         await hub.subscribe(MqttSubscription("open/#", 1))
         for number in range(500):
             tasks.start_soon(partial(hub.publish, "open/t", b"%d" % number, qos=1))
@@ -119,18 +131,18 @@ async def test_more_messages_than_any_window_go_round(mosquitto: Mosquitto, prot
     assert {message.payload for message in messages} == {b"%d" % number for number in range(500)}
 
 
-async def test_a_refused_publish_is_an_error(mosquitto: Mosquitto) -> None:
-    async with connected(mosquitto, "5") as hub:  # 3.1.1 has no way to say so
+async def test_a_refused_publish_is_an_error(mosquitto: Mosquitto, kind: ClientKind) -> None:
+    async with connected(mosquitto, "5", kind) as hub:  # 3.1.1 has no way to say so
         with pytest.raises(RefusedError, match="not authorized"):
             await hub.publish("secret/door", b"open", qos=1)
         await hub.publish("open/door", b"open", qos=1)
 
 
 async def test_a_wrong_password_is_a_state_and_told_nowhere(
-    mosquitto: Mosquitto, protocol: MqttProtocol, capfd: pytest.CaptureFixture[str]
+    mosquitto: Mosquitto, protocol: MqttProtocol, capfd: pytest.CaptureFixture[str], kind: ClientKind
 ) -> None:
     wrong = options(mosquitto, password="wr0ng", protocol=protocol)
-    async with MqttConnection(wrong, AiomqttClient) as connection:
+    async with MqttConnection(wrong, kind) as connection:
         with anyio.fail_after(10):
             async for state in connection.states():
                 if state.phase is LinkPhase.REFUSED:
@@ -139,8 +151,10 @@ async def test_a_wrong_password_is_a_state_and_told_nowhere(
     assert "wr0ng" not in f"{state} {capfd.readouterr()}"
 
 
-async def test_a_message_that_was_not_acknowledged_comes_again(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
-    crashed, successor = (AiomqttClient(options(mosquitto, protocol=protocol)) for _ in range(2))
+async def test_a_message_that_was_not_acknowledged_comes_again(
+    mosquitto: Mosquitto, protocol: MqttProtocol, kind: ClientKind
+) -> None:
+    crashed, successor = (kind(options(mosquitto, protocol=protocol)) for _ in range(2))
     await wait_for(mosquitto)
     async with crashed.connected():
         await crashed.subscribe(MqttSubscription("open/t", 1))
@@ -152,7 +166,7 @@ async def test_a_message_that_was_not_acknowledged_comes_again(mosquitto: Mosqui
 
 
 async def test_after_a_restart_the_hub_is_back_within_two_seconds_and_has_lost_nothing(
-    mosquitto: Mosquitto, protocol: MqttProtocol
+    mosquitto: Mosquitto, protocol: MqttProtocol, kind: ClientKind
 ) -> None:
     accepted: set[bytes] = set()
     got: set[bytes] = set()
@@ -183,8 +197,8 @@ async def test_after_a_restart_the_hub_is_back_within_two_seconds_and_has_lost_n
     other = options(mosquitto, client_id="publisher", protocol=protocol)
     with anyio.fail_after(30):
         async with (
-            connected(mosquitto, protocol) as hub,
-            MqttConnection(other, AiomqttClient, status_topic=None) as publisher,
+            connected(mosquitto, protocol, kind) as hub,
+            MqttConnection(other, kind, status_topic=None) as publisher,
             anyio.create_task_group() as tasks,
         ):
             await hub.subscribe(MqttSubscription("open/t", 1))
@@ -212,10 +226,12 @@ async def wait_for(mosquitto: Mosquitto) -> None:
                 await anyio.sleep(0.01)
 
 
-async def test_a_broker_that_is_frozen_is_noticed_and_found_again(mosquitto: Mosquitto, protocol: MqttProtocol) -> None:
+async def test_a_broker_that_is_frozen_is_noticed_and_found_again(
+    mosquitto: Mosquitto, protocol: MqttProtocol, kind: ClientKind
+) -> None:
     """One and a half keep-alive intervals, and a second; the socket stays open all the time."""
     wanted = replace(options(mosquitto, protocol=protocol), keep_alive=5)
-    async with MqttConnection(wanted, AiomqttClient, status_topic=None) as connection:
+    async with MqttConnection(wanted, kind, status_topic=None) as connection:
         with anyio.fail_after(20):
             await connection.wait_connected()
             mosquitto.send_signal(signal.SIGSTOP)

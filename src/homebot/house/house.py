@@ -27,7 +27,7 @@ from homebot.house.world import Placed, World
 from homebot.isolation import run_as
 from homebot.log import LogLimit
 from homebot.mqtt.client import MqttClient
-from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
+from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.options import MqttOptions, MqttWill
@@ -88,7 +88,7 @@ class SimulatedHouse:
         world: World,
         clock: Clock,
         *,
-        make_client: Callable[[MqttOptions], MqttClient] = AiomqttClient,
+        make_client: Callable[[MqttOptions], MqttClient] = NativeClient,
         random: Random | None = None,
         heartbeat: float = HEARTBEAT,
         dialects: Mapping[str, Dialect] = DIALECTS,
@@ -119,7 +119,7 @@ class SimulatedHouse:
         cls, host: HostedBroker, home: str, world: World, clock: Clock, *, random: Random | None = None
     ) -> SimulatedHouse:
         """Return a house whose devices connect to a broker in this process; the arguments are those of the class."""
-        return cls(host.url, home, world, clock, make_client=host.make_client or AiomqttClient, random=random)
+        return cls(host.url, home, world, clock, make_client=host.make_client or NativeClient, random=random)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Let the house live until cancelled."""

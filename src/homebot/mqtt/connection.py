@@ -80,7 +80,7 @@ class MqttConnection:
 
     Args:
         options: Broker, login and limits.
-        make_client: Makes the client, for example ``AiomqttClient``.
+        make_client: Makes the client, for example ``NativeClient``.
         status_topic: Retained "online" and "offline" are published there, the latter also by the broker as this
             client's will; by default ``homebot/<client id>/status``, with "+" and "#" of the client id made "_". None
             announces nothing.

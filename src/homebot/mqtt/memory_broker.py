@@ -21,8 +21,9 @@ from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.limits import checked_keep_alive
 from homebot.mqtt.broker.policy import policy_of
 from homebot.mqtt.broker.state_timer import HubTimer
-from homebot.mqtt.client.memory_transport import LinkUser, MemoryLink, MemorySocket
-from homebot.mqtt.client.native import MemoryClient
+from homebot.mqtt.client.memory_transport import MemoryLink, MemorySocket
+from homebot.mqtt.client.native import NativeClient
+from homebot.mqtt.client.transport import TransportUser
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import ReasonCode
 
@@ -120,15 +121,17 @@ class MemoryBroker:
             raise UsageError(f"no client {client_id!r} is connected; there are: {', '.join(sorted(by_name)) or 'none'}")
         return by_name[client_id]
 
-    def make_client(self, options: MqttOptions) -> MemoryClient:
+    def make_client(self, options: MqttOptions) -> NativeClient:
         """Make a client of this broker, as :class:`homebot.mqtt.connection.MqttConnection` asks for it.
 
         Raises:
             UsageError: The options ask for TLS, which there is not in memory.
         """
-        return MemoryClient(options, self.dial, clock=self._clock, random=self._random)
+        if options.tls:
+            raise UsageError("a link in memory has no TLS: write mqtt:// instead of mqtts://")
+        return NativeClient(options, self._dial_for, clock=self._clock, random=self._random)
 
-    def dial(self, host: str, port: int, user: LinkUser) -> MemorySocket:
+    def dial(self, host: str, port: int, user: TransportUser) -> MemorySocket:
         """Open a link; nothing is said on it yet.
 
         Raises:
@@ -147,6 +150,9 @@ class MemoryBroker:
         link = MemoryLink(hub, user, f"memory:{self._dialled}", self._closed)
         self._links[link] = None
         return link.socket
+
+    async def _dial_for(self, options: MqttOptions, user: TransportUser) -> MemorySocket:
+        return self.dial(options.host, options.port, user)
 
     async def __aenter__(self) -> Self:
         await self.start()

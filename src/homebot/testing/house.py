@@ -15,7 +15,7 @@ from homebot.config import Config, parse_config
 from homebot.errors import ClosedError, InvalidNameError, UsageError
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttClient, MqttSubscription
-from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
+from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.topics import validate_topic
@@ -192,10 +192,10 @@ async def house_of(
             options = own if gateway is None else replace(gateway.options(), client_id=own.client_id)
             async with (
                 Runtime(made) as runtime,
-                MqttConnection(options, AiomqttClient, status_topic=None) as field,
+                MqttConnection(options, NativeClient, status_topic=None) as field,
             ):
                 await field.subscribe(EVERYTHING)
                 await field.wait_connected()
-                house = TestHouse(runtime, field, options, AiomqttClient)
+                house = TestHouse(runtime, field, options, NativeClient)
                 async with in_background(house.listen):
                     yield house

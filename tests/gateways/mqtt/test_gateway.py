@@ -85,9 +85,10 @@ async def _serve(gateway: MqttGateway, *, task_status: anyio.abc.TaskStatus[None
     await gateway.serve(task_status=task_status)
 
 
-async def test_a_device_that_speaks_is_sighted_once(embedded_broker_url: str) -> None:
+@pytest.mark.parametrize("client", ["aiomqtt", "native"])
+async def test_a_device_that_speaks_is_sighted_once(embedded_broker_url: str, client: str) -> None:
     """Its second message within a second is no new sighting."""
-    async with gateway_on(embedded_broker_url) as house:
+    async with gateway_on(embedded_broker_url, client=client) as house:
         await house.say("home425/lights/lamp/out")
         await house.say("home425/lights/lamp/out")
         await house.say("home425/lights/other/out")

@@ -9,8 +9,10 @@ import pytest
 from homebot.config import parse_settings
 from homebot.conventions.zigbee2mqtt.convention import MAX_BRIDGE_BYTES
 from homebot.errors import ConfigError, PluginError, UsageError
-from homebot.gateways.mqtt import MqttGatewaySettings
+from homebot.gateways import GatewayContext
+from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.gateways.mqtt.loaded_conventions import find_conventions
+from homebot.mqtt.hosted_broker import HostedBroker
 
 
 def settings(**table: object) -> MqttGatewaySettings:
@@ -24,6 +26,21 @@ def test_an_empty_table_means_the_embedded_broker_and_inboxes() -> None:
 
 
 @pytest.mark.parametrize(
+    ("table", "client"),
+    [
+        ({}, "native"),
+        ({"client": "aiomqtt"}, "aiomqtt"),
+        ({"url": "mqtt://broker"}, None),
+        ({"url": "mqtt://broker", "client": "native"}, "native"),
+    ],
+)
+def test_on_the_own_broker_the_own_client_is_the_default(table: dict[str, object], client: str | None) -> None:
+    resolved = MqttGateway.resolve(settings(**table), GatewayContext.of(HostedBroker("mqtt://127.0.0.1:1883")))
+    assert isinstance(resolved, MqttGatewaySettings)
+    assert resolved.client == client
+
+
+@pytest.mark.parametrize(
     ("table", "key", "reason"),
     [
         ({"url": "http://broker"}, "url", "must start with mqtt:// or mqtts://"),
@@ -32,6 +49,7 @@ def test_an_empty_table_means_the_embedded_broker_and_inboxes() -> None:
         ({"root": "home/"}, "root", "empty level"),
         ({"delivery": "post"}, "delivery", "'inbox' or 'mirror'"),
         ({"act": "yes"}, "act", "valid boolean"),
+        ({"client": "paho"}, "client", "'aiomqtt' or 'native'"),
         ({"rooot": "home"}, "rooot", "is unknown; known are url, root"),
         ({"max_payload": 3}, "max_payload", "greater than or equal to 1024"),
         ({"stale_after": -1}, "stale_after", "greater than 0"),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import AsyncIterator, Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import anyio
 import pytest
@@ -16,6 +16,7 @@ from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
+from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MessageProperties, MqttMessage
@@ -26,11 +27,24 @@ Make = Callable[[MqttOptions], MqttClient]
 
 AnyBroker = Broker | MemoryBroker
 
-LINKS: dict[str, tuple[type[AnyBroker], MqttProtocol]] = {
-    "aiomqtt-5": (Broker, "5"),
-    "aiomqtt-3.1.1": (Broker, "3.1.1"),
-    "memory-5": (MemoryBroker, "5"),
-    "memory-3.1.1": (MemoryBroker, "3.1.1"),
+
+@dataclass(frozen=True)
+class Link:
+    """A client and what it talks to; in memory the broker makes the client."""
+
+    broker: type[AnyBroker]
+    client: Make | None
+    protocol: MqttProtocol
+
+
+LINKS: dict[str, Link] = {
+    f"{name}-{protocol}": Link(broker, client, protocol)
+    for name, broker, client in (
+        ("aiomqtt", Broker, AiomqttClient),
+        ("native", Broker, NativeClient),
+        ("memory", MemoryBroker, None),
+    )
+    for protocol in ("5", "3.1.1")
 }
 
 
@@ -45,25 +59,28 @@ class NoSecrets:
 
 
 @pytest.fixture(params=LINKS)
-def link(request: pytest.FixtureRequest) -> tuple[type[AnyBroker], MqttProtocol]:
+def link(request: pytest.FixtureRequest) -> Link:
     return LINKS[request.param]
 
 
 @pytest.fixture
-async def broker(link: tuple[type[AnyBroker], MqttProtocol]) -> AsyncIterator[AnyBroker]:
-    async with link[0](credentials={"anna": "right"}, policy=NoSecrets()) as broker:
+async def broker(link: Link) -> AsyncIterator[AnyBroker]:
+    async with link.broker(credentials={"anna": "right"}, policy=NoSecrets()) as broker:
         yield broker
 
 
 @pytest.fixture
-def make(broker: AnyBroker) -> Make:
-    return broker.make_client if isinstance(broker, MemoryBroker) else AiomqttClient
+def make(broker: AnyBroker, link: Link) -> Make:
+    if link.client is not None:
+        return link.client
+    assert isinstance(broker, MemoryBroker)
+    return broker.make_client
 
 
 @pytest.fixture
-def options(broker: AnyBroker, link: tuple[type[AnyBroker], MqttProtocol]) -> MqttOptions:
+def options(broker: AnyBroker, link: Link) -> MqttOptions:
     return MqttOptions.from_url(
-        f"mqtt://anna:right@{broker.host}:{broker.port}", client_id="hub", protocol=link[1], timeout=5.0
+        f"mqtt://anna:right@{broker.host}:{broker.port}", client_id="hub", protocol=link.protocol, timeout=5.0
     )
 
 

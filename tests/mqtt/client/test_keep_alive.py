@@ -9,11 +9,11 @@ import pytest
 from anyio.abc import SocketAttribute, SocketStream
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.mqtt.client.test_aiomqtt_adapter import Peer, broker, make
+from tests.mqtt.client.conftest import ClientKind
+from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker
 
 from homebot.errors import LinkError
 from homebot.mqtt.broker import Broker
-from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
@@ -89,7 +89,7 @@ async def test_a_frozen_link_is_noticed_in_time(at: float) -> None:
     assert anyio.current_time() - began <= 46
 
 
-async def test_a_proxy_that_stops_forwarding_is_noticed_in_time() -> None:
+async def test_a_proxy_that_stops_forwarding_is_noticed_in_time(client_kind: ClientKind) -> None:
     """Over real sockets; the connection stays open, nothing comes or goes."""
     frozen = anyio.Event()
 
@@ -113,7 +113,7 @@ async def test_a_proxy_that_stops_forwarding_is_noticed_in_time() -> None:
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(listener.serve, carry)
             port = listener.extra(SocketAttribute.local_port)  # noqa: S610 - no database
-            hub = AiomqttClient(MqttOptions(host="127.0.0.1", port=port, keep_alive=5, client_id="hub"))
+            hub = client_kind(MqttOptions(host="127.0.0.1", port=port, keep_alive=5, client_id="hub"))
             with anyio.fail_after(20):
                 async with hub.connected():
                     frozen.set()
@@ -125,7 +125,7 @@ async def test_a_proxy_that_stops_forwarding_is_noticed_in_time() -> None:
     assert took <= 5 * 1.5 + 1
 
 
-async def test_the_broker_may_ask_for_a_shorter_interval() -> None:
+async def test_the_broker_may_ask_for_a_shorter_interval(make: MakeClient) -> None:
     async def script(peer: Peer) -> None:
         await peer.login(server_keep_alive=1)
         await peer.closed()

@@ -66,7 +66,7 @@ class RawClient:
     def drained(self) -> None:
         pass
 
-    def link_ended(self) -> None:
+    def link_ended(self, reason: LinkError | RefusedError) -> None:  # noqa: ARG002 - the port's own
         self.ended.set()
 
 

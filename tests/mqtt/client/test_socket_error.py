@@ -9,7 +9,7 @@ import ssl
 import pytest
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.client.socket_error import socket_error
+from homebot.mqtt.client.tcp_transport import socket_error
 
 
 @pytest.mark.parametrize(

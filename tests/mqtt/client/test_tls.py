@@ -14,7 +14,7 @@ from cryptography.hazmat.primitives.serialization import (
 )
 
 from homebot.errors import UsageError
-from homebot.mqtt.client.tls import make_tls_context
+from homebot.mqtt.client.tcp_transport import make_tls_context
 from homebot.mqtt.options import MqttOptions
 
 

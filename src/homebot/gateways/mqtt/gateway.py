@@ -36,7 +36,7 @@ from homebot.gateways.raw_delivery import RawDelivery, begin_of
 from homebot.graph import EntityKind, Node
 from homebot.isolation import run_as
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
+from homebot.mqtt.client.choice import client_maker
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.message import MqttMessage
@@ -88,7 +88,7 @@ class MqttGateway(Gateway):
         """
         super().__init__(node, settings, context)
         random, hosted = self.context.random, self.context.service(HostedBroker)
-        make_client = (hosted and hosted.make_client) or AiomqttClient
+        make_client = (hosted and hosted.make_client) or client_maker(settings.client or "aiomqtt")
         computer = (hosted and hosted.computer) or platform.node()
         self.acts = bool(settings.act)
         self.counters = GatewayCounters()
@@ -139,7 +139,7 @@ class MqttGateway(Gateway):
     def resolve(cls, settings: BaseModel, context: GatewayContext) -> BaseModel:
         """Take the address of the embedded broker, and a client id from the given source of random numbers.
 
-        On the embedded broker only our own devices listen, so acting is the default.
+        On the embedded broker only our own devices listen, so acting is the default, and so is our own client.
         """
         if not isinstance(settings, MqttGatewaySettings):
             return settings
@@ -149,7 +149,7 @@ class MqttGateway(Gateway):
         if hosted is None or settings.url != EMBEDDED:
             return settings
         act = True if settings.act is None else settings.act
-        return settings.model_copy(update={"url": hosted.url, "act": act})
+        return settings.model_copy(update={"url": hosted.url, "act": act, "client": settings.client or "native"})
 
     @classmethod
     def home(cls, settings: BaseModel) -> str:

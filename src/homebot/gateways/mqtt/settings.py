@@ -14,6 +14,7 @@ from homebot.config import FilePath, check_secret_file, read_secret
 from homebot.errors import HomebotError, UsageError
 from homebot.gateways.mqtt.loaded_conventions import any_announcing, check_tables, default_conventions
 from homebot.gateways.mqtt.memory_account import MAX_MEMORY
+from homebot.mqtt.client.choice import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
 from homebot.units import Seconds
@@ -54,6 +55,8 @@ class MqttGatewaySettings(BaseModel):
         key_file: PEM file of its key.
         client_id: Name at the broker, unique there; by default a new one for each run, whose session ends with it. A
             fixed one gets what the broker kept while homebot was not running.
+        client: ``aiomqtt``, which many others use too, or ``native``, homebot's own, which takes less time. By default
+            the latter on the embedded broker, the former on all others.
         protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1.
         max_payload: Largest message accepted, in bytes; the broker is told.
         max_announcement: The same for announcements, where a convention has some; whatever else is larger than
@@ -83,6 +86,7 @@ class MqttGatewaySettings(BaseModel):
     cert_file: FilePath | None = None
     key_file: FilePath | None = None
     client_id: str = Field(default_factory=lambda: f"homebot-{secrets.token_hex(4)}")
+    client: MqttClientName | None = None
     protocol: MqttProtocol = "auto"
     max_payload: Annotated[int, Field(ge=1024, lt=2**28)] = 256 * 1024
     max_announcement: Annotated[int, Field(ge=1024, lt=2**28)] = 32 * 1024 * 1024

@@ -46,8 +46,7 @@ from homebot.mqtt.client.read_ahead import ReadAhead
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import check_granted, disconnect_error, login_error, reason_text
 from homebot.mqtt.client.session_end import end_session
-from homebot.mqtt.client.socket_error import socket_error
-from homebot.mqtt.client.tls import make_tls_context
+from homebot.mqtt.client.tcp_transport import make_tls_context, socket_error
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.primitives import Cursor
@@ -357,7 +356,7 @@ class _Link(aiomqtt.Client):
         wishes = tuple(_wish(subscription) for subscription in subscriptions)
         self.put(encode_subscribe(Subscribe(packet_id, wishes), _CODEC[self.version]))
         self._check_alive()
-        reasons = await self._wait_for_answer(self._grants, packet_id, "subscribe")
+        reasons = await self._wait_for_answer(self._grants, packet_id, "a subscribe")
         refused = [(s.filter, reason) for s, reason in zip(subscriptions, reasons, strict=False) if reason >= 0x80]
         if refused:
             names = ", ".join(repr(name) for name, _ in refused)

@@ -10,7 +10,7 @@ from typing import Final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
-from homebot.mqtt.client.socket_error import socket_error
+from homebot.mqtt.client.tcp_transport import socket_error
 from homebot.mqtt.options import MqttOptions
 
 __all__ = ["dial"]

@@ -8,28 +8,14 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import Protocol, final
+from typing import final
 
+from homebot.errors import LinkError
 from homebot.mqtt.broker import BrokerState, Peer
+from homebot.mqtt.client.transport import TransportUser
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["LinkUser", "MemoryLink", "MemorySocket"]
-
-
-class LinkUser(Protocol):
-    """The client's half of what a link carries to."""
-
-    def data_received(self, data: bytes) -> None:
-        """Bytes came from the broker."""
-        ...
-
-    def drained(self) -> None:
-        """The broker has taken everything that was written."""
-        ...
-
-    def link_ended(self) -> None:
-        """The broker closed the link; nothing more comes."""
-        ...
+__all__ = ["MemoryLink", "MemorySocket"]
 
 
 @final
@@ -52,7 +38,9 @@ class MemoryLink:
         socket: The client's end.
     """
 
-    def __init__(self, hub: BrokerState, user: LinkUser, address: str, on_closed: Callable[[MemoryLink], None]) -> None:
+    def __init__(
+        self, hub: BrokerState, user: TransportUser, address: str, on_closed: Callable[[MemoryLink], None]
+    ) -> None:
         loop = asyncio.get_running_loop()
         self.write_blocked = False
         self.address = address
@@ -61,7 +49,7 @@ class MemoryLink:
         self._loop = loop
         self._user = user
         self._on_closed = on_closed
-        self._down = _Pipe(loop, self._hand_down, user.link_ended)
+        self._down = _Pipe(loop, self._hand_down, self._tell_end)
         self._up = _Pipe(loop, self._take_up, self.abort)
         self._closing = False
         self.socket = MemorySocket(self._up, self._down)
@@ -126,6 +114,9 @@ class MemoryLink:
         if not self._up.size:
             self._user.drained()
 
+    def _tell_end(self) -> None:
+        self._user.link_ended(LinkError("the broker closed the connection"))
+
     def _hand_down(self, data: bytes) -> None:
         self._user.data_received(data)
         if self.write_blocked:
@@ -135,7 +126,10 @@ class MemoryLink:
 
 @final
 class MemorySocket:
-    """The client's end of a link; made by :meth:`homebot.mqtt.memory_broker.MemoryBroker.dial`."""
+    """The client's end of a link; fills :class:`homebot.mqtt.client.transport.ClientTransport`.
+
+    Made by :meth:`homebot.mqtt.memory_broker.MemoryBroker.dial`.
+    """
 
     def __init__(self, up: _Pipe, down: _Pipe) -> None:
         self._up = up
@@ -150,6 +144,10 @@ class MemorySocket:
         """Send *data* with all else of this turn of the loop; nothing after a close."""
         self._up.write(data)
 
+    def write_acknowledgements(self, data: bytes) -> None:
+        """Send *data* as all else: in memory nothing is saved by waiting."""
+        self._up.write(data)
+
     def pause_reading(self) -> None:
         """Take nothing more from the broker, which finds this client slow."""
         self._down.pause()
@@ -162,6 +160,9 @@ class MemorySocket:
         """Send what was written, then close; nothing more is received."""
         self._down.deafen()
         self._up.end()
+
+    async def wait_closed(self) -> None:
+        """Return at once: what was written arrives."""
 
     def abort(self) -> None:
         """Cut the link: what the broker has not taken yet is lost, and nothing more is received."""

@@ -1,4 +1,4 @@
-"""One link of a client in memory, from CONNECT to its end."""
+"""One link of the native client, from CONNECT to its end, over whatever transport."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import anyio
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.mqtt.client.incoming import Frame, FrameReader
 from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
-from homebot.mqtt.client.memory_transport import MemorySocket
-from homebot.mqtt.client.packet_values import connect_packet, disconnect_packet, session_of
+from homebot.mqtt.client.packet_values import answer_of, connect_packet, disconnect_packet, session_of
 from homebot.mqtt.client.port import SessionGrant
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import disconnect_error, login_error
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.send_window import SendWindow
+from homebot.mqtt.client.transport import SEND_BUFFER, ClientTransport, Dial
+from homebot.mqtt.client.version_choice import ClosedEarlyError
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import (
     Connack,
@@ -24,29 +25,32 @@ from homebot.mqtt.packets import (
     Packet,
     PacketType,
     Pingreq,
-    Pingresp,
     ProtocolVersion,
-    Puback,
-    Pubcomp,
     Publish,
-    Pubrec,
-    Suback,
-    Unsuback,
     decode,
     encode,
 )
 
 __all__ = ["ClientProtocol"]
 
-_IN_FLIGHT = 100  # as on the link with a socket, so that tests see the same order
-_SEND_BUFFER = 256 * 1024  # bytes that may wait for the broker before a publish of QoS 0 waits too
+_IN_FLIGHT: Final = 100
+"""Most own publishes of QoS 1 and 2 that wait for their answer at once, however many the broker would allow."""
+
 _PUBLISH: Final = PacketType.PUBLISH
+_PUBREC: Final = PacketType.PUBREC
 _PUBREL: Final = PacketType.PUBREL
+_PINGRESP: Final = PacketType.PINGRESP
+_ANSWERS: Final = frozenset({PacketType.PUBACK, _PUBREC, PacketType.PUBCOMP, PacketType.SUBACK, PacketType.UNSUBACK})
+_FAILED: Final = 0x80  # reason codes from here on say no
+_TLS_ALERT: Final = 0x15  # RFC 8446, section 5.1
+_V3_CONNACK: Final = 2  # bytes of its body
+_IN_TLS: Final = "what answers there speaks TLS; is the address mqtts://?"
+_NO_MQTT: Final = "what answers there speaks no MQTT"
 
 
 @final
 class ClientProtocol:
-    """Fills :class:`homebot.mqtt.client.memory_transport.LinkUser`.
+    """Fills :class:`homebot.mqtt.client.transport.TransportUser`.
 
     Args:
         options: Login and limits.
@@ -69,7 +73,7 @@ class ClientProtocol:
         self._requests = requests
         self._loop = asyncio.get_running_loop()
         self._packets = FrameReader(options.maximum_packet_size)
-        self._socket: MemorySocket | None = None
+        self._transport: ClientTransport | None = None
         self._greeting: asyncio.Future[SessionGrant] = self._loop.create_future()
         self._lost: LinkError | RefusedError | None = None
         self._gone = anyio.Event()
@@ -78,14 +82,15 @@ class ClientProtocol:
         self._keep_alive: KeepAlive | None = None
         self._check: asyncio.TimerHandle | None = None
 
-    async def open(self, socket: MemorySocket) -> SessionGrant:
-        """Say CONNECT on *socket*, which is to bring its bytes here, and wait for the answer.
+    async def open(self, dial: Dial) -> SessionGrant:
+        """Open a link that brings its bytes here, say CONNECT, and wait for the answer.
 
         Raises:
-            LinkError: The broker did not answer.
+            LinkError: The broker cannot be reached, or did not answer.
             RefusedError: It said no.
+            UsageError: A certificate file cannot be used.
         """
-        self._socket = socket
+        self._transport = await dial(self._options, self)
         self.send_packet(connect_packet(self._options, self.version))
         words = f"no answer to CONNECT within {self._options.timeout:g} s"
         try:
@@ -98,11 +103,14 @@ class ClientProtocol:
             self._break(LinkError("the connect was given up"))
             raise
 
-    def close(self, *, ends_session: bool) -> None:
+    async def close(self, *, ends_session: bool) -> None:
         """Say good-bye, if there is still somebody, and drop the link."""
-        if self._lost is None and self._socket is not None:
+        transport = self._transport
+        if self._lost is None and transport is not None:
             self.send_packet(disconnect_packet(ends_session=ends_session))
-            self._socket.close()
+            transport.close()
+            self._lose(LinkError("closed"))
+            await transport.wait_closed()
         self._lose(LinkError("closed"))
 
     def drop(self) -> None:
@@ -130,8 +138,13 @@ class ClientProtocol:
 
     def put(self, data: bytes) -> None:
         """Send finished packets."""
-        if self._lost is None and self._socket is not None:
-            self._socket.write(data)
+        if self._lost is None and self._transport is not None:
+            self._transport.write(data)
+
+    def acknowledge(self, data: bytes) -> None:
+        """Send acknowledgements, perhaps together with what follows."""
+        if self._lost is None and self._transport is not None:
+            self._transport.write_acknowledgements(data)
 
     async def wait_until_taken(self) -> None:
         """Wait while the broker is far behind in taking what was said.
@@ -139,7 +152,7 @@ class ClientProtocol:
         Raises:
             LinkError: The link was lost.
         """
-        while self._socket is not None and self._socket.waiting > _SEND_BUFFER and self._lost is None:
+        while self._transport is not None and self._transport.waiting > SEND_BUFFER and self._lost is None:
             self._drained = self._drained or anyio.Event()
             await self._drained.wait()
         self.check_alive()
@@ -181,9 +194,11 @@ class ClientProtocol:
                 elif frame.first >> 4 == _PUBREL and self.granted is not None:
                     answers += self._receiver.release(frame)
                 else:
-                    self._handle(self._decoded(frame))
+                    self._handle(frame)
         except WireError as error:
-            self._break(LinkError(str(error)))
+            self._break(
+                LinkError(_NO_MQTT if self.granted is None else f"the broker sent something unreadable: {error}")
+            )
             return
         if answers:
             self.put(bytes(answers))
@@ -194,29 +209,40 @@ class ClientProtocol:
             self._drained.set()
             self._drained = None
 
-    def link_ended(self) -> None:
-        """The broker closed the link."""
-        self._lose(LinkError("the broker closed the connection"))
+    def link_ended(self, reason: LinkError | RefusedError) -> None:
+        """The broker closed the link, or it broke."""
+        if self.granted is None and isinstance(reason, LinkError):
+            hint = "does it want a client certificate (cert_file)?"
+            if not self._options.tls:
+                hint = "is this a port for TLS (mqtts://)?"
+            reason = LinkError(f"{reason} instead of answering; {hint}")
+        self._lose(reason)
 
-    def _decoded(self, frame: Frame) -> Packet:
-        if frame.oversize:
-            raise WireError(f"the broker sent a packet of type {frame.first >> 4} where it must not")
-        return decode(frame.first, frame.body, self.version)
+    def _handle(self, frame: Frame) -> None:
+        kind = frame.first >> 4
+        if self.granted is None and kind != PacketType.CONNACK:
+            in_tls = frame.first == _TLS_ALERT and not self._options.tls
+            self._break(LinkError(_IN_TLS if in_tls else _NO_MQTT))
+        elif frame.oversize:
+            raise WireError(f"a packet of type {kind} of {frame.oversize} bytes")
+        elif kind in _ANSWERS:
+            packet_id, reasons = answer_of(frame, self.version)
+            if kind == _PUBREC and reasons[0] < _FAILED:
+                self.send_packet(self._requests.taken(packet_id))
+            else:
+                self._on_answer(packet_id, reasons)
+        elif kind != _PINGRESP:  # that one was heard
+            self._on_rare_packet(frame)
 
-    def _handle(self, packet: Packet) -> None:
-        if self.granted is None and not isinstance(packet, Connack):
-            raise WireError(f"{type(packet).__name__} came instead of CONNACK")
+    def _on_rare_packet(self, frame: Frame) -> None:
+        # A broker that does not speak 5 answers as 3.1.1 has it.
+        old = frame.first >> 4 == PacketType.CONNACK and len(frame.body) == _V3_CONNACK
+        packet = decode(frame.first, frame.body, ProtocolVersion.V311 if old else self.version)
         match packet:
             case Connack():
                 self._on_connack(packet)
-            case Pubrec() if not packet.reason.failed:
-                self.send_packet(self._requests.taken(packet.packet_id))
-            case Puback() | Pubrec() | Pubcomp() | Suback() | Unsuback():
-                self._on_answer(packet)
-            case Pingresp():
-                pass  # it was heard
             case Disconnect():
-                self._lose(disconnect_error(packet.reason))
+                self._break(disconnect_error(packet.reason))
             case _:
                 raise WireError(f"a broker must not send {type(packet).__name__}")
 
@@ -224,7 +250,9 @@ class ClientProtocol:
         if self._greeting.done():
             raise WireError("CONNACK came twice")
         if packet.reason.failed:
-            self._lose(login_error(packet.reason))
+            reason = login_error(packet.reason)
+            self._greeting.set_exception(reason)
+            self._break(reason)
             return
         self.granted = session = session_of(packet, self.version)
         seconds = packet.properties.server_keep_alive or self._options.keep_alive
@@ -238,10 +266,10 @@ class ClientProtocol:
             self.send_packet(each)
         self._check = self._loop.call_at(self._keep_alive.due, self._check_signs_of_life, self._keep_alive)
 
-    def _on_answer(self, packet: Answer) -> None:
-        self._requests.answered(packet)
-        if packet.packet_id in self._unfinished:
-            self._unfinished.discard(packet.packet_id)
+    def _on_answer(self, packet_id: int, reasons: Answer) -> None:
+        self._requests.answered(packet_id, reasons)
+        if packet_id in self._unfinished:
+            self._unfinished.discard(packet_id)
             self.window.release()
 
     def _check_signs_of_life(self, keep_alive: KeepAlive) -> None:
@@ -256,8 +284,8 @@ class ClientProtocol:
         self._check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
 
     def _break(self, reason: LinkError | RefusedError) -> None:
-        if self._socket is not None:
-            self._socket.abort()
+        if self._transport is not None:
+            self._transport.abort()
         self._lose(reason)
 
     def _lose(self, reason: LinkError | RefusedError) -> None:
@@ -267,7 +295,8 @@ class ClientProtocol:
         if self._check is not None:
             self._check.cancel()
         if not self._greeting.done():
-            self._greeting.set_exception(reason)
+            early = isinstance(reason, LinkError)
+            self._greeting.set_exception(ClosedEarlyError(str(reason)) if early else reason)
         self._receiver.end_link(reason)
         self._requests.fail(str(reason))
         self.window.close(f"publish failed, the link is lost: {reason}")

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from random import Random
-from typing import final
+from typing import TypeAlias, final
 
 from homebot.errors import LinkError
-from homebot.mqtt.packets import Puback, Pubcomp, Publish, Pubrec, Pubrel, Suback, Unsuback
+from homebot.mqtt.packets import Publish, Pubrel
 
 __all__ = ["Answer", "Requests"]
 
-Answer = Puback | Pubrec | Pubcomp | Suback | Unsuback
+Answer: TypeAlias = tuple[int, ...]
+"""The reason codes of an answer, as they are: brokers give others than the protocol has."""
 
 _LAST = 65_535
 
@@ -67,14 +68,12 @@ class Requests:
             self._open[packet_id] = None
         return Pubrel(packet_id)
 
-    def answered(self, packet: Answer) -> bool:
-        """The last answer came; False where nobody waits for it any more."""
-        self._open.pop(packet.packet_id, None)
-        answer = self._answers.get(packet.packet_id)
-        if answer is None or answer.done():
-            return False
-        answer.set_result(packet)
-        return True
+    def answered(self, packet_id: int, reasons: Answer) -> None:
+        """The last answer to *packet_id* came; nothing where nobody waits for it any more."""
+        self._open.pop(packet_id, None)
+        answer = self._answers.get(packet_id)
+        if answer is not None and not answer.done():
+            answer.set_result(reasons)
 
     def fail(self, words: str) -> None:
         """No answer will come, because of *words*."""

@@ -10,14 +10,26 @@ from pathlib import Path
 import anyio
 import pytest
 import trustme
+from tests.mqtt.client.conftest import ClientKind
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
-from homebot.mqtt.client.dial import dial
-from homebot.mqtt.client.tls import make_tls_context
+from homebot.mqtt.client.tcp_transport import dial_tcp
 from homebot.mqtt.options import MqttOptions
+
+
+class NoUser:
+    """Expects nothing to come."""
+
+    def data_received(self, data: bytes) -> None:
+        pytest.fail(f"{data!r} came")
+
+    def drained(self) -> None:
+        pass
+
+    def link_ended(self, reason: LinkError | RefusedError) -> None:
+        pass
 
 
 @pytest.fixture(scope="session")
@@ -42,18 +54,16 @@ def server_context(certificates: Path, *, wants_client: bool = False) -> ssl.SSL
     return context
 
 
-async def test_messages_go_over_tls(certificates: Path) -> None:
+async def test_messages_go_over_tls(client_kind: ClientKind, certificates: Path) -> None:
     async with Broker(tls=server_context(certificates)) as broker:
-        client = AiomqttClient(
-            MqttOptions.from_url(f"mqtts://127.0.0.1:{broker.port}", ca_file=certificates / "ca.pem")
-        )
+        client = client_kind(MqttOptions.from_url(f"mqtts://127.0.0.1:{broker.port}", ca_file=certificates / "ca.pem"))
         async with client.connected():
             await client.subscribe(MqttSubscription("t"))
             await client.publish("t", bytes(100_000), qos=1)
             assert [len(message.payload) for message in await client.receive()] == [100_000]
 
 
-async def test_a_client_certificate_opens_the_door(certificates: Path) -> None:
+async def test_a_client_certificate_opens_the_door(client_kind: ClientKind, certificates: Path) -> None:
     async with Broker(tls=server_context(certificates, wants_client=True)) as broker:
         options = MqttOptions.from_url(
             f"mqtts://127.0.0.1:{broker.port}",
@@ -61,7 +71,7 @@ async def test_a_client_certificate_opens_the_door(certificates: Path) -> None:
             cert_file=certificates / "client.pem",
             key_file=certificates / "client.key",
         )
-        async with AiomqttClient(options).connected() as session:
+        async with client_kind(options).connected() as session:
             assert session.protocol == "5"
 
 
@@ -77,7 +87,9 @@ def shake_hands(listener: socket.socket, context: ssl.SSLContext) -> None:
                 pass
 
 
-async def test_without_a_client_certificate_a_strict_broker_refuses(certificates: Path) -> None:
+async def test_without_a_client_certificate_a_strict_broker_refuses(
+    client_kind: ClientKind, certificates: Path
+) -> None:
     """TLS 1.3 tells it only after the hand-shake, in the place of the answer to CONNECT."""
     context = server_context(certificates, wants_client=True)
     with socket.create_server(("127.0.0.1", 0)) as listener:
@@ -87,46 +99,52 @@ async def test_without_a_client_certificate_a_strict_broker_refuses(certificates
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(anyio.to_thread.run_sync, shake_hands, listener, context)
             with pytest.raises(RefusedError, match="TLS was refused: client certificate required; set cert_file"):
-                async with AiomqttClient(options).connected():
+                async with client_kind(options).connected():
                     pass
 
 
-async def test_a_broker_whose_certificate_is_not_trusted_is_refused(certificates: Path) -> None:
+async def test_a_broker_whose_certificate_is_not_trusted_is_refused(
+    client_kind: ClientKind, certificates: Path
+) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         options = MqttOptions.from_url(f"mqtts://127.0.0.1:{listener.getsockname()[1]}")
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(anyio.to_thread.run_sync, shake_hands, listener, server_context(certificates))
             with pytest.raises(RefusedError, match="the broker's certificate was refused: "):
-                async with AiomqttClient(options).connected():
+                async with client_kind(options).connected():
                     pass
 
 
-async def test_tls_to_a_port_without_tls_asks_whether_it_is_the_port(certificates: Path) -> None:
+async def test_tls_to_a_port_without_tls_asks_whether_it_is_the_port(
+    client_kind: ClientKind, certificates: Path
+) -> None:
     async with Broker() as broker:
         options = MqttOptions.from_url(f"mqtts://127.0.0.1:{broker.port}", ca_file=certificates / "ca.pem")
         with pytest.raises(LinkError, match=r"during the TLS hand-shake; is this its port for TLS, .*cert_file"):
-            async with AiomqttClient(options).connected():
+            async with client_kind(options).connected():
                 pass
 
 
 async def test_a_dialled_socket_sends_small_packets_at_once() -> None:
     """With Nagle's algorithm an acknowledged publish may take 44 ms."""
     async with Broker() as broker:
-        with await dial(MqttOptions(host="127.0.0.1", port=broker.port), None) as sock:
-            assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) != 0
-            assert not sock.getblocking()
+        transport = await dial_tcp(MqttOptions(host="127.0.0.1", port=broker.port), NoUser())
+        assert transport.socket is not None
+        assert transport.socket.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) != 0
+        transport.close()
+        await transport.wait_closed()
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "localhost"])
 async def test_a_port_where_nobody_listens_is_told_in_words(unused_tcp_port: int, host: str) -> None:
     with pytest.raises(LinkError) as caught:
-        await dial(MqttOptions(host=host, port=unused_tcp_port), None)
+        await dial_tcp(MqttOptions(host=host, port=unused_tcp_port), NoUser())
     assert str(caught.value) == "nobody listens there (connection refused)"
 
 
 async def test_an_unknown_host_is_a_link_error() -> None:
     with pytest.raises(LinkError, match=r"the name is not known|the name cannot be looked up now"):
-        await dial(MqttOptions(host="no-such-host.invalid"), None)
+        await dial_tcp(MqttOptions(host="no-such-host.invalid"), NoUser())
 
 
 async def test_a_peer_that_never_shakes_hands_is_a_link_error_and_its_socket_is_closed(certificates: Path) -> None:
@@ -144,7 +162,7 @@ async def test_a_peer_that_never_shakes_hands_is_a_link_error_and_its_socket_is_
         port = listener.extra(anyio.abc.SocketAttribute.local_port)  # noqa: S610 - no database
         options = MqttOptions(host="127.0.0.1", port=port, tls=True, timeout=0.05, ca_file=certificates / "ca.pem")
         with pytest.raises(LinkError, match=r"no answer within 0\.05 s"):
-            await dial(options, await make_tls_context(options))
+            await dial_tcp(options, NoUser())
         await closed.wait()
         tasks.cancel_scope.cancel()
 

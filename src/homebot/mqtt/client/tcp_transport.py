@@ -1,0 +1,312 @@
+"""Links by TCP and TLS, and what their failures mean.
+
+Concurrency: everything runs in the loop's own thread. What the broker sends is taken from the socket as fast as it
+comes, at most 16 MiB ahead, and understood in portions, so that a burst stops neither the broker nor the loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+import socket
+import ssl
+from typing import Final, cast, final
+
+import anyio
+import anyio.to_thread
+
+from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.mqtt.certificate import load_certificate
+from homebot.mqtt.client.read_ahead import ReadAhead
+from homebot.mqtt.client.transport import SEND_BUFFER, TransportUser
+from homebot.mqtt.options import MqttOptions
+
+__all__ = ["TcpTransport", "acknowledge_at_once", "dial_tcp", "make_tls_context", "socket_error"]
+
+_PORTION: Final = 32 * 1024
+"""Bytes understood in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
+
+_READ_AHEAD: Final = 16 * 1024 * 1024
+"""Bytes waiting to be understood, at most; see `ReadAhead` for why so many."""
+
+_SINGLE_ACKNOWLEDGEMENT: Final = 4  # bytes of a PUBACK or PUBREC
+_HOLD: Final = 0.001  # seconds for which a single one waits for company
+_GOODBYE: Final = 1.0
+"""Seconds that a clean close may take; the broker may be gone already."""
+
+_TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linux has it
+
+
+async def dial_tcp(options: MqttOptions, user: TransportUser) -> TcpTransport:
+    """Connect to the broker's port; where the options say TLS, shake hands and verify its certificate.
+
+    Cancelled, it leaves nothing behind. Small packets are sent at once: Nagle's algorithm costs up to 44 ms for each
+    acknowledged publish on some brokers.
+
+    Raises:
+        LinkError: Nobody answers at any address of the host within the time limit.
+        RefusedError: The broker's certificate is not trusted, or the broker rejects ours.
+        UsageError: A certificate file cannot be used.
+    """
+    context = await make_tls_context(options) if options.tls else None  # each time: certificates are renewed
+    transport = TcpTransport(user)
+    try:
+        with anyio.fail_after(options.timeout):
+            await _open(transport, options, context)
+    except TimeoutError as error:
+        raise LinkError(f"no answer within {options.timeout:g} s") from error
+    except OSError as error:
+        raise socket_error(error) from error
+    return transport
+
+
+@final
+class TcpTransport(asyncio.Protocol):
+    """One link; fills :class:`homebot.mqtt.client.transport.ClientTransport`.
+
+    Args:
+        user: Gets what comes.
+
+    Attributes:
+        socket: The connected socket; None before.
+    """
+
+    def __init__(self, user: TransportUser) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._user = user
+        self._transport: asyncio.Transport | None = None
+        self.socket: socket.socket | None = None
+        self._ahead = ReadAhead(_PORTION, _READ_AHEAD)
+        self._is_reading = True
+        self._held = b""
+        self._release: asyncio.TimerHandle | None = None
+        self._closed = anyio.Event()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """The connection stands."""
+        self._transport = cast("asyncio.Transport", transport)
+        self._transport.set_write_buffer_limits(high=SEND_BUFFER)
+        self.socket = transport.get_extra_info("socket")
+        self._acknowledge()
+
+    def data_received(self, data: bytes) -> None:
+        """Bytes came from the socket."""
+        if self._ahead.size or len(data) > _PORTION:
+            self._read_ahead(data)
+        else:
+            self._user.data_received(data)
+        self._acknowledge()
+
+    def pause_writing(self) -> None:
+        """The broker takes bytes slower than they come; the user looks at `waiting`."""
+
+    def resume_writing(self) -> None:
+        """The broker has taken most of what was written."""
+        self._user.drained()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The connection is closed."""
+        while portion := self._ahead.take():  # what came before the end counts
+            self._user.data_received(portion)
+        self._drop_held()
+        self._closed.set()
+        lost = socket_error(exc) if isinstance(exc, OSError) else LinkError("the broker closed the connection")
+        self._user.link_ended(lost)
+
+    @property
+    def waiting(self) -> int:
+        """Bytes written that the broker has not taken yet."""
+        return 0 if self._transport is None else self._transport.get_write_buffer_size()
+
+    def write(self, data: bytes) -> None:
+        """Send *data* at once where the socket takes it, else in turn."""
+        if self._held:
+            data = self._held + data
+            self._drop_held()
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.write(data)
+
+    def write_acknowledgements(self, data: bytes) -> None:
+        """Send many at once, a single one a moment later, together with the answer it may cause."""
+        if len(data) > _SINGLE_ACKNOWLEDGEMENT:
+            self.write(data)
+            return
+        self._held += data
+        if self._release is None:
+            self._release = self._loop.call_later(_HOLD, self.write, b"")
+
+    def close(self) -> None:
+        """Send what was written, then close."""
+        self.write(b"")
+        if self._transport is not None:
+            self._transport.close()
+
+    async def wait_closed(self) -> None:
+        """Wait until the close is through; after a second the link is cut."""
+        if self._transport is None:
+            return
+        with anyio.CancelScope(shield=True):
+            with anyio.move_on_after(_GOODBYE):
+                await self._closed.wait()
+            self.abort()
+            await self._closed.wait()
+
+    def abort(self) -> None:
+        """Cut the link."""
+        self._ahead = ReadAhead(_PORTION, _READ_AHEAD)
+        self._drop_held()
+        if self._transport is not None and not self._closed.is_set():
+            self._transport.abort()
+
+    def _drop_held(self) -> None:
+        self._held = b""
+        if self._release is not None:
+            self._release.cancel()
+            self._release = None
+
+    def _read_ahead(self, data: bytes) -> None:
+        if not self._ahead.size:
+            self._loop.call_soon(self._take_portion)
+        self._ahead.put(data)
+        if self._ahead.is_full and self._transport is not None:
+            self._transport.pause_reading()
+            self._is_reading = False
+
+    def _take_portion(self) -> None:
+        if portion := self._ahead.take():
+            self._user.data_received(portion)
+        if self._ahead.size:
+            self._loop.call_soon(self._take_portion)
+        if not self._is_reading and not self._ahead.is_full and self._transport is not None:
+            self._is_reading = True
+            self._transport.resume_reading()
+
+    def _acknowledge(self) -> None:
+        if self.socket is not None:
+            acknowledge_at_once(self.socket)
+
+
+def acknowledge_at_once(sock: socket.socket) -> None:
+    """Have TCP acknowledge what comes without delay.
+
+    A broker with Nagle's algorithm on, such as Mosquitto, waits up to 40 ms for it. Linux forgets this wish after a
+    while, so it is repeated.
+    """
+    if _TCP_QUICKACK is not None and sock.fileno() >= 0:
+        sock.setsockopt(socket.IPPROTO_TCP, _TCP_QUICKACK, 1)
+
+
+async def make_tls_context(options: MqttOptions) -> ssl.SSLContext:
+    """Read the certificate files.
+
+    Raises:
+        UsageError: A file cannot be read or does not hold what it should; names the file.
+    """
+    return await anyio.to_thread.run_sync(_load_context, options)
+
+
+def socket_error(error: OSError) -> LinkError | RefusedError:
+    """Interpret a failure of a socket: a no of the TLS hand-shake is a no, all else is the link.
+
+    The texts do not name the broker: who reports them does.
+    """
+    if isinstance(error, ssl.SSLCertVerificationError):
+        return RefusedError("the broker's certificate", error.verify_message)
+    if isinstance(error, ssl.SSLEOFError | ssl.SSLZeroReturnError):
+        return LinkError("the broker closed the connection")
+    if isinstance(error, ssl.SSLError):
+        reason = error.reason or "hand-shake failed"
+        plain = reason.lower().replace("_", " ")
+        return RefusedError("TLS", next((words for part, words in _TLS_WORDS if part in reason), plain))
+    return LinkError(_words(error))
+
+
+async def _open(transport: TcpTransport, options: MqttOptions, context: ssl.SSLContext | None) -> None:
+    loop = asyncio.get_running_loop()
+    sock = await _connect(options)
+    try:
+        if context is None:
+            await loop.create_connection(lambda: transport, sock=sock)
+            return
+        await loop.create_connection(
+            lambda: transport,
+            sock=sock,
+            ssl=context,
+            server_hostname=options.host,
+            ssl_handshake_timeout=2 * options.timeout,  # never; ours ends it sooner
+            ssl_shutdown_timeout=_GOODBYE,
+        )
+    except _CUT as error:
+        sock.close()
+        raise LinkError(
+            "the broker closed the connection during the TLS hand-shake; is this its port for TLS, "
+            "and does it want a client certificate (cert_file)?"
+        ) from error
+    except BaseException:
+        sock.close()
+        raise
+
+
+async def _connect(options: MqttOptions) -> socket.socket:
+    loop = asyncio.get_running_loop()
+    addresses = await loop.getaddrinfo(options.host, options.port, type=socket.SOCK_STREAM)
+    failure: OSError = OSError("the name has no address")
+    for family, kind, protocol, _, address in addresses:
+        sock = socket.socket(family, kind, protocol)
+        try:
+            sock.setblocking(False)  # noqa: FBT003 - the standard library's own
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            await loop.sock_connect(sock, address)
+        except OSError as error:
+            sock.close()
+            failure = error
+        except BaseException:
+            sock.close()
+            raise
+        else:
+            return sock
+    raise failure
+
+
+def _load_context(options: MqttOptions) -> ssl.SSLContext:
+    try:
+        context = ssl.create_default_context(cafile=options.ca_file)
+    except ssl.SSLError as error:
+        raise UsageError(f"CA file {options.ca_file}: no certificate was found in it") from error
+    except OSError as error:
+        raise UsageError(f"CA file {options.ca_file}: {error.strerror}") from error
+    if options.cert_file is not None:
+        load_certificate(context, options.cert_file, options.key_file, what="client certificate", key_option="key_file")
+    return context
+
+
+def _words(error: OSError) -> str:
+    if isinstance(error, socket.gaierror):
+        known = error.errno not in _UNKNOWN_NAME
+        return f"the name cannot be looked up now ({error.strerror})" if known else "the name is not known"
+    if error.errno in _WORDS:
+        return _WORDS[error.errno]
+    # asyncio puts the address into the text, as a tuple of Python.
+    return os.strerror(error.errno) if error.errno else str(error)
+
+
+_CUT: Final = (ssl.SSLEOFError, ssl.SSLZeroReturnError, ConnectionResetError, BrokenPipeError)
+_WORDS: Final = {
+    errno.ECONNREFUSED: "nobody listens there (connection refused)",
+    errno.ENETUNREACH: "no route to that network",
+    errno.EHOSTUNREACH: "no route to that host",
+    errno.ETIMEDOUT: "no answer",
+    errno.ECONNRESET: "the broker cut the connection",
+    errno.EPIPE: "the broker closed the connection",
+}
+_UNKNOWN_NAME: Final = {getattr(socket, name, socket.EAI_NONAME) for name in ("EAI_NONAME", "EAI_NODATA")}
+
+_NO_TLS: Final = "what answers there speaks no TLS; is it the port for mqtt://?"
+_TLS_WORDS: Final = (
+    ("CERTIFICATE_REQUIRED", "client certificate required; set cert_file and key_file"),
+    ("HANDSHAKE_FAILURE", "hand-shake failure; does the broker want a client certificate (cert_file)?"),
+    ("UNKNOWN_CA", "the broker does not know the authority of the client certificate (cert_file)"),
+    ("WRONG_VERSION_NUMBER", _NO_TLS),
+    ("RECORD_LAYER_FAILURE", _NO_TLS),  # the same since OpenSSL 3.2
+)

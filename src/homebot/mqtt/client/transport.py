@@ -1,0 +1,72 @@
+"""The port between the state machine of a client and whatever carries its bytes."""
+
+from __future__ import annotations
+
+from typing import Final, Protocol
+
+from homebot.errors import LinkError, RefusedError
+from homebot.mqtt.options import MqttOptions
+
+__all__ = ["SEND_BUFFER", "ClientTransport", "Dial", "TransportUser"]
+
+SEND_BUFFER: Final = 256 * 1024
+"""Bytes that may wait for the broker before a publish of QoS 0 waits too."""
+
+
+class TransportUser(Protocol):
+    """The client's half of what a transport carries to."""
+
+    def data_received(self, data: bytes) -> None:
+        """Bytes came from the broker."""
+        ...
+
+    def drained(self) -> None:
+        """Few or no bytes wait for the broker any more."""
+        ...
+
+    def link_ended(self, reason: LinkError | RefusedError) -> None:
+        """The broker closed the link, or it broke; nothing more comes."""
+        ...
+
+
+class ClientTransport(Protocol):
+    """The client's end of one link: bytes in order, both ways."""
+
+    @property
+    def waiting(self) -> int:
+        """Bytes written that the broker has not taken yet."""
+        ...
+
+    def write(self, data: bytes) -> None:
+        """Send *data*; nothing after a close."""
+        ...
+
+    def write_acknowledgements(self, data: bytes) -> None:
+        """Send *data* together with what is written next, or alone a moment later."""
+        ...
+
+    def close(self) -> None:
+        """Send what was written, then close; nothing more is received."""
+        ...
+
+    async def wait_closed(self) -> None:
+        """Wait until a close is through, for a second at most; then the link is cut."""
+        ...
+
+    def abort(self) -> None:
+        """Cut the link: what the broker has not taken yet is lost, and nothing more is received."""
+        ...
+
+
+class Dial(Protocol):
+    """Opens a link to a broker."""
+
+    async def __call__(self, options: MqttOptions, user: TransportUser) -> ClientTransport:
+        """Connect to the address in *options*; bytes of the broker go to *user*.
+
+        Raises:
+            LinkError: Nobody answers there within the time limit.
+            RefusedError: The certificate of one side is not trusted by the other.
+            UsageError: A certificate file cannot be used.
+        """
+        ...

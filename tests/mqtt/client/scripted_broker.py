@@ -1,0 +1,93 @@
+"""A broker that plays a script: one coroutine for each connection, seen from the broker's side."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from typing import Protocol, TypeVar
+
+import anyio
+from anyio.abc import SocketAttribute, SocketStream
+
+from homebot.mqtt.client import MqttClient
+from homebot.mqtt.packets import Connack, Connect, Disconnect, Packet, PacketReader, Pingreq, Properties, encode
+
+__all__ = ["MakeClient", "Peer", "broker", "idle"]
+
+P = TypeVar("P", bound=Packet)
+
+
+class MakeClient(Protocol):
+    """Makes a client of the scripted broker at *port*."""
+
+    def __call__(self, port: int, *, timeout: float = 60.0, **settings: object) -> MqttClient: ...
+
+
+class Peer:
+    """One connection, seen from the broker."""
+
+    def __init__(self, stream: SocketStream) -> None:
+        self._stream = stream
+        self._reader = PacketReader()
+
+    async def expect(self, kind: type[P]) -> P:
+        packet = await self.next()
+        assert isinstance(packet, kind), packet
+        return packet
+
+    async def next(self) -> Packet:
+        while (packet := self._reader.pop()) is None or isinstance(packet, Pingreq):
+            self._reader.feed(await self._stream.receive())
+        return packet
+
+    async def send(self, *packets: Packet) -> None:
+        await self.send_raw(b"".join(encode(packet, self._reader.version) for packet in packets))
+
+    async def send_raw(self, data: bytes) -> None:
+        await self._stream.send(data)
+
+    async def login(self, *, session_present: bool = False, **properties: int) -> Connect:
+        connect = await self.expect(Connect)
+        self._reader.version = connect.version
+        granted = Properties(**properties)  # type: ignore[arg-type] # whole numbers only
+        await self.send(Connack(session_present=session_present, properties=granted))
+        return connect
+
+    async def closed(self) -> None:
+        """Wait until the client has closed the connection."""
+        try:
+            async for _ in self._stream:
+                pass
+        except anyio.BrokenResourceError:
+            return
+
+
+Script = Callable[[Peer], Awaitable[None]]
+
+
+@asynccontextmanager
+async def broker(*scripts: Script) -> AsyncIterator[int]:
+    """A port where the n-th connection meets the n-th script; leaving waits until all are played."""
+    left = list(scripts)
+    done = anyio.Event()
+
+    async def play(stream: SocketStream) -> None:
+        script = left.pop(0)
+        async with stream:
+            await script(Peer(stream))
+        if not left:
+            done.set()
+
+    listener = await anyio.create_tcp_listener(local_host="127.0.0.1")
+    with anyio.fail_after(10):
+        async with listener, anyio.create_task_group() as tasks:
+            tasks.start_soon(listener.serve, play)
+            yield listener.extra(SocketAttribute.local_port)  # noqa: S610 - no database
+            await done.wait()
+            tasks.cancel_scope.cancel()
+
+
+async def idle(peer: Peer) -> None:
+    """Let the client in, and wait until it says good-bye."""
+    await peer.login()
+    await peer.expect(Disconnect)
