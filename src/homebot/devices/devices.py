@@ -178,11 +178,10 @@ class Devices:
         problem: RefusedError | None = None
         for endpoint in endpoints:
             try:
-                _check(endpoint)
+                out = self._out(endpoint)
             except RefusedError as exc:
                 problem = exc
                 continue
-            out = self._out(endpoint.gateway)
             if why_not := self._why_not(endpoint.gateway):
                 raise RefusedError(f"a command to {device.id}", why_not)
             if out.subscription_count:
@@ -263,8 +262,10 @@ class Devices:
             self._gateways[gateway] = self._node.create_client(SubscribeToTopic, GatewayNames(gateway).subscribe)
         return self._gateways[gateway]
 
-    def _out(self, gateway: str) -> Publisher[RawCommand]:
+    def _out(self, endpoint: Endpoint) -> Publisher[RawCommand]:
+        gateway = endpoint.gateway
         if gateway not in self._commands:
+            _check(endpoint)
             self._commands[gateway] = self._node.create_publisher(
                 RawCommand, GatewayNames(gateway).out, _COMMANDS_DEPTH
             )

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 from homebot.devices.device import KeyValue
 from homebot.devices.part import Part
-from homebot.devices.text.encode import read_text_address
+from homebot.devices.text.encode import is_text_address
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
@@ -68,4 +68,4 @@ class Sighting(Message):
     @property
     def speaks_plainly(self) -> bool:
         """True if it says words on an address of its own, as in the thesis's layout."""
-        return bool(self.address) and read_text_address(self.address) is None
+        return bool(self.address) and not is_text_address(self.address)

@@ -22,7 +22,7 @@ def size_of_parts(parts: Iterable[Part]) -> int:
     """Return the size of the topics and options of *parts* in bytes, about; the rest of a part is short."""
     size = 0
     for part in parts:
-        size += size_of_texts(part.reads) + size_of_texts(part.writes)
+        size += sum(map(len, part.reads)) + sum(map(len, part.writes)) + _EACH * (len(part.reads) + len(part.writes))
         for capability in part.capabilities:
             if capability.options:
                 size += size_of_texts(capability.options)

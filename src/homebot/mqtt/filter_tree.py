@@ -98,23 +98,19 @@ class FilterTree(Generic[Key, Value]):
                 if wild:
                     if "+" in children:
                         following.append(children["+"])
-                    if "#" in children:
-                        _take(children["#"], found)
+                    if "#" in children and (values := children["#"].values) is not None:
+                        found.append(values)
             nodes = following
             if not nodes:
                 return found, visited
             visited += len(nodes)
             wild = True
         for node in nodes:
-            _take(node, found)
-            if node.children is not None and "#" in node.children:
-                _take(node.children["#"], found)
+            if node.values is not None:
+                found.append(node.values)
+            if node.children is not None and "#" in node.children and (values := node.children["#"].values) is not None:
+                found.append(values)
         return found, visited
-
-
-def _take(node: _FilterNode[Key, Value], found: list[dict[Key, Value]]) -> None:
-    if node.values is not None:
-        found.append(node.values)
 
 
 def has_wildcard(topic_filter: str) -> bool:

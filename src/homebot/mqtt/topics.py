@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 from homebot.errors import InvalidNameError
 
@@ -29,6 +30,10 @@ _PLAIN_FILTER = re.compile(r"(?:(?:\+|[^/+#]*)/)*(?:\+|#|[^/+#]*)").fullmatch  #
 _TOPIC = "topic"
 _FILTER = "topic filter"
 
+_KNOWN = 64
+"""Topics that were valid and need not be looked at again: on its way a topic is checked by each layer, where it comes
+from outside. They are few, because each may have 65,535 bytes."""
+
 
 @dataclass(frozen=True, slots=True)
 class SharedFilter:
@@ -43,6 +48,7 @@ class SharedFilter:
     filter: str
 
 
+@lru_cache(maxsize=_KNOWN)
 def validate_topic(topic: str) -> None:
     """Accept a name that a message can be published under.
 
@@ -56,6 +62,7 @@ def validate_topic(topic: str) -> None:
         raise InvalidNameError(_TOPIC, topic, "has a wildcard, which only filters may have", position)
 
 
+@lru_cache(maxsize=_KNOWN)
 def validate_filter(filter: str) -> None:  # noqa: A002 - the protocol's own word
     """Accept a filter that can be subscribed to, ``$share/GROUP/FILTER`` included.
 

@@ -12,6 +12,7 @@ from homebot.devices.text.encode import (
     decode_command,
     encode_command,
     encode_state,
+    is_text_address,
     main_part,
     read_text_address,
     text_address,
@@ -108,11 +109,13 @@ def test_the_main_part_is_no_setting_and_no_diagnosis() -> None:
 def test_a_words_address_holds_key_and_part(key: str, part_id: str) -> None:
     address = text_address(key, part_id)
     assert read_text_address(address) == (key, part_id)
+    assert is_text_address(address)
 
 
 @pytest.mark.parametrize("address", ["home/lamp/out", "words:x", "words:a#b#c", ""])
 def test_any_other_address_is_none(address: str) -> None:
     assert read_text_address(address) is None
+    assert not is_text_address(address)
 
 
 @given(st.dictionaries(st.text(), st.none() | st.booleans() | st.floats() | st.text() | st.tuples(st.floats())))

@@ -162,10 +162,11 @@ def _described(
     topic: str, where: ConfigTopic, announced: Announced, device: DeviceInfo, parts: _Parts
 ) -> DeviceAnnounced:
     whole = read_availability(DiscoveryConfig(where.component, where.object_id, announced.common))
-    described = tuple(part for part, _ in parts.values())
+    described = tuple([part for part, _ in parts.values()])
     if whole is None and described and all(one.availability == described[0].availability for one in described):
         whole = described[0].availability
-    described = tuple(part if part.availability != whole else replace(part, availability=None) for part in described)
+    if whole is not None:
+        described = tuple([replace(one, availability=None) if one.availability == whole else one for one in described])
     return DeviceAnnounced(
         key=where.key,
         convention=HomeAssistantDiscovery.name,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -69,35 +69,50 @@ class Facets:
 
 def facets_of(device: Device) -> Facets:
     """Return what can be asked of *device*."""
-    types = {one.id: one.part.service_type for one in device.parts}
     kinds, senses = kinds_of(device.service_type, device.parts)
-    capabilities = [one for part in device.parts for one in part.part.capabilities]
-    facts = folded_facts(device.facts)
-    for one in device.metadata:
-        if one.key not in facts:
-            facts[one.key] = (fold(one.value),)
-    texts = [device.id, *device.names, device.name, device.area]
-    texts += [text for name, found in facts.items() if name in _TEXTS for text in found]
-    texts += [part.part.name for part in device.parts if not part.part.category]
-    routes = [route for part in device.parts for route in part.routes]
-    main = next((one.part for one in device.parts if _is_called(one.part, device.service_type)), None)
+    facts = _all_facts(device)
+    types: dict[str, str] = {}
+    capabilities: set[str] = set()
+    settable: set[str] = set()
+    categories: set[str] = set()
+    gateways: set[str] = set()
+    conventions: set[str] = set()
+    main: Part | None = None
+    for each in device.parts:  # one loop: this is done for every device after most of what it tells
+        part = each.part
+        types[each.id] = part.service_type
+        if part.category:
+            categories.add(part.category)
+        for capability in part.capabilities:
+            capabilities.add(capability.name)
+            if capability.settable:
+                settable.add(capability.name)
+        for route in each.routes:
+            gateways.add(route.gateway)
+            conventions.add(route.convention)
+        if main is None and device.service_type in (part.service_type, part.advertised):
+            main = part
+    for endpoint in device.endpoints:
+        gateways.add(endpoint.gateway)
+    for fact in device.facts:
+        conventions.add(fact.convention)
     return Facets(
         id=device.id,
         name=fold(device.name),
         kinds=_one_of_kinds(kinds) if len(kinds) <= _FEW else kinds,
-        words_said=_shared(frozenset(fold(one) for one in device.service_types or (device.service_type,))),
+        words_said=_shared(frozenset(map(fold, device.service_types or (device.service_type,)))),
         senses=_shared(senses),
-        capabilities=_shared(frozenset(one.name for one in capabilities)),
-        settable=_shared(frozenset(one.name for one in capabilities if one.settable)),
+        capabilities=_shared(frozenset(capabilities)),
+        settable=_shared(frozenset(settable)),
         area=fold(device.area),
-        words=_words(texts),
+        words=_words(device, facts),
         freshness=device.freshness,
         reachable=device.reachable.state,
-        gateways=_shared(frozenset([one.gateway for one in device.endpoints] + [one.gateway for one in routes])),
-        conventions=_shared(frozenset([one.convention for one in device.facts] + [one.convention for one in routes])),
-        categories=_shared(frozenset(one.part.category for one in device.parts if one.part.category)),
+        gateways=_shared(frozenset(gateways)),
+        conventions=_shared(frozenset(conventions)),
+        categories=_shared(frozenset(categories)),
         facts=facts,
-        values=tuple((types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states),
+        values=tuple([(types.get(one.part, ""), one.capability, one.value.plain()) for one in device.states]),
         main_type=main.service_type if main is not None else device.service_type,
         is_guessed=main.guessed if main is not None else False,
         is_disputed=bool(device.conflicts),
@@ -133,14 +148,23 @@ def kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozense
         sure = meant if len(meant) == 1 else frozenset()
         return frozenset((one, "") for one in sure | ({service_type} & DEVICE_TYPES.keys())), meant
     counted = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
-    return frozenset((one.service_type, one.tag) for one in counted), frozenset()
+    return frozenset([(one.service_type, one.tag) for one in counted]), frozenset()
 
 
-def _is_called(part: Part, service_type: str) -> bool:
-    return service_type in {part.service_type, part.advertised}
+def _all_facts(device: Device) -> dict[str, tuple[str, ...]]:
+    facts = folded_facts(device.facts)
+    for one in device.metadata:
+        if one.key not in facts:
+            facts[one.key] = (fold(one.value),)
+    return facts
 
 
-def _words(texts: Iterable[str]) -> frozenset[str]:
+def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> frozenset[str]:
+    texts = [device.id, *device.names, device.name, device.area]
+    for name, told in facts.items():
+        if name in _TEXTS:
+            texts += told
+    texts += [one.part.name for one in device.parts if not one.part.category]
     found: dict[str, None] = {}
     for text in dict.fromkeys(texts):
         found.update(dict.fromkeys(words_of(text)))

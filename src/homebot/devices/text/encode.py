@@ -29,6 +29,7 @@ __all__ = [
     "decode_command",
     "encode_command",
     "encode_state",
+    "is_text_address",
     "main_part",
     "read_text_address",
     "text_address",
@@ -63,15 +64,22 @@ _NUMBERS = (
 
 def text_address(key: str, part_id: str) -> str:
     """Return where the part *part_id* of the device that its gateway calls *key* speaks plain words."""
+    if not ("%" in key or "#" in key or "%" in part_id or "#" in part_id):
+        return f"{_SCHEME}{key}#{part_id}"
     return f"{_SCHEME}{_escape(key)}#{_escape(part_id)}"
+
+
+def is_text_address(address: str) -> bool:
+    """Tell whether *address* is where a part speaks plain words."""
+    return address.startswith(_SCHEME) and address.count("#") == 1
 
 
 def read_text_address(address: str) -> tuple[str, str] | None:
     """Return key and part of a words address; None for any other address."""
-    if not address.startswith(_SCHEME):
+    if not address.startswith(_SCHEME) or address.count("#") != 1:
         return None
-    key, mark, part_id = address[len(_SCHEME) :].partition("#")
-    return (_unescape(key), _unescape(part_id)) if mark and "#" not in part_id else None
+    key, _, part_id = address[len(_SCHEME) :].partition("#")
+    return (_unescape(key), _unescape(part_id)) if "%" in address else (key, part_id)
 
 
 def main_part(parts: tuple[Part, ...]) -> Part | None:

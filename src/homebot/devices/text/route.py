@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device, DevicePart, Endpoint
-from homebot.devices.text.encode import decode_command, text_address
+from homebot.devices.text.encode import decode_command, is_text_address, text_address
 from homebot.errors import RefusedError
 
 __all__ = ["command_address", "others_at"]
@@ -16,7 +16,7 @@ def command_address(device: Device, endpoint: Endpoint, said: str) -> str:
     the best that takes what the word means.
     """
     address = endpoint.command_address
-    part = _part(device, endpoint)
+    part = _part(device, endpoint) if is_text_address(address) else None
     if part is None or len(part.routes) == 1:
         return address
     try:
@@ -34,7 +34,7 @@ def others_at(device: Device, address: str, said: str) -> tuple[str, ...]:
 
     They are of the same type as that part, and neither settings nor diagnoses.
     """
-    told = _part_at(device, address)
+    told = _part_at(device, address) if is_text_address(address) else None
     if told is None:
         return ()
     return tuple(

@@ -18,18 +18,20 @@ _EVENTS = 1000
 """Events of one gateway that a reader may have unread; it loses those that are older, and counts them."""
 
 
+_LAST = NEVER.to_seconds()
+
+
 def stamps(seconds: float, stale_after: float) -> tuple[Time, Time]:
     """Return *seconds* since the Unix epoch, and when who was seen then counts as stale.
 
     The two are as far apart as they should be also where a clock was set beyond what a stamp can say.
     """
-    last = NEVER.to_seconds()
-    at = max(0.0, min(seconds, last - stale_after))
-    return Time.from_seconds(at), Time.from_seconds(min(at + stale_after, last))
+    at = max(0.0, min(seconds, _LAST - stale_after))
+    return Time.from_seconds(at), Time.from_seconds(min(at + stale_after, _LAST))
 
 
 class DeviceReporter:
-    """Publishes sightings and reports of one gateway, all with the time of the last :meth:`tick`.
+    """Publishes sightings and reports of one gateway, all with the time of the last :meth:`refresh_time`.
 
     Args:
         gateway: Whose devices they are.
@@ -50,16 +52,17 @@ class DeviceReporter:
 
     def refresh_time(self) -> None:
         """Let time have passed."""
-        seconds = self._clock.now()
+        self._seconds = max(0.0, min(self._clock.now(), _LAST - self._stale_after))
         self.now = self._clock.monotonic()
-        self.stamp, self._until = stamps(seconds, self._stale_after)
+        self.stamp = Time.from_seconds(self._seconds)
 
     def publish_sighting(self, device: ReportedDevice, kind: SightingKind, why: str, *, confirmed: bool) -> None:
         """Tell that a device is there, still there, or gone."""
         device.refresh_at = self.now + REFRESH
         device.is_confirmed = confirmed
+        until = Time.from_seconds(min(self._seconds + self._stale_after, _LAST))
         self._gateway.publish_sighting(
-            device.sighting(kind, why, at=self.stamp, until=self._until, heard_at=self.now, confirmed=confirmed)
+            device.sighting(kind, why, at=self.stamp, until=until, heard_at=self.now, confirmed=confirmed)
         )
 
     def publish_report(

@@ -67,14 +67,15 @@ class StoredAnnouncement(ReportedDevice):
             one.part.id: AnnouncedPart(self, one, text_address(self.key, one.part.id) if text is None else text.address)
             for one in described.parts
         }
-        told = [("", self.described.availability), *((one.part.id, one.availability) for one in self.described.parts)]
+        told = [("", described.availability)]
+        told += [(one.part.id, one.availability) for one in described.parts if one.availability is not None]
         self.reachability = {part: ReachabilityReader(one) for part, one in told if one is not None and one.sources}
         # Made here, so that what cannot be told is found at once.
         self.template = sighting_template(
             self.gateway,
             self.key,
             name=described.name,
-            parts=tuple(one.part for one in described.parts if one.part.service_type),
+            parts=tuple([one.part for one in described.parts if one.part.service_type]),
             metadata=described.facts,
             identifiers=described.identifiers,
             area=described.area,

@@ -72,10 +72,13 @@ class AnnouncedDevices:
         max_memory: Bytes that what is announced may take, about.
 
     Attributes:
+        codecs: How parts say text, by the topics on which they are told.
         commands: Brings commands to them.
         offers: What homebot itself offers to others.
         lease: Says whether another homebot acts instead.
+        route: Returns who reads a topic; None for nobody.
         secrets: Knows what was sent with a code.
+        tick: Lets time have passed; once before each batch of messages.
         tribunal: Judges those who break the rules.
     """
 
@@ -104,7 +107,9 @@ class AnnouncedDevices:
         self._claims = AnnouncementRegistry(
             gateway.node.name, conventions, self._topics, RegistryLimits(memory=max_memory)
         )
+        self.tick = self._board.refresh_time
         self.route = self._claims.route
+        self.codecs = self._claims.codecs
         self._last_words = LastMessageCache()
         self._taking = anyio.Lock(fast_acquire=True)  # else each announcement is subscribed to by itself
         self._deferred_some = anyio.Event()
@@ -159,10 +164,6 @@ class AnnouncedDevices:
             ):
                 tasks.start_soon(run_as, self._owner, work)
 
-    def tick(self) -> None:
-        """Let time have passed; once before each batch of messages."""
-        self._board.refresh_time()
-
     async def hear(self, message: MqttMessage, route: TopicReaders, *, raw: bool = True) -> None:
         """Take a message on a topic that *route* leads from; whom it makes known reads it as well.
 
@@ -178,7 +179,8 @@ class AnnouncedDevices:
             route = self.route(message.topic) or route
         if route.conventions:
             await self.take(message, route)
-            route = self.route(message.topic) or route
+            if self._claims.is_read(message.topic):
+                route = self.route(message.topic) or route
         if route.text is not None:
             raw = False
             if message.payload:
@@ -215,18 +217,10 @@ class AnnouncedDevices:
             if topic != message.topic:
                 await self._make_up_for(topic, reader)
 
-    async def overhear(self, message: MqttMessage) -> None:
+    async def overhear(self, message: MqttMessage, route: TopicReaders) -> None:
         """Take a message that we published ourselves, where it announces a device: no broker brings it back to us."""
-        route = self.route(message.topic)
-        if route is not None and route.conventions:
-            self.tick()
-            await self.take(message, route)
-
-    def expect_answer(self, topic: str, command: bytes) -> None:
-        """Note that *command* is published on *topic*, where a part may listen whose answer is the same text."""
-        codec = self._claims.codecs.get(topic)
-        if codec is not None:
-            codec.expect(command)
+        self.tick()
+        await self.take(message, route)
 
     def speaker(self, address: str) -> tuple[str, str]:
         """Return key and name of the device that speaks on *address*, a topic or a words address.

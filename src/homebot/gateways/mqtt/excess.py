@@ -32,7 +32,7 @@ def excess_of(described: DeviceAnnounced, length: int) -> int:
         length: Of the message that it alone was made of; 0 where many were, or the length is unknown: then only what
             the description shows counts, which is the lists, topics and facts.
     """
-    shown = size_of_parts(one.part for one in described.parts)
+    shown = size_of_parts([one.part for one in described.parts])
     shown += size_of_texts(described.identifiers) + size_of_texts(described.facts.values())
     return max(0, max(length, shown) - _FREE - _FREE_PART * len(described.parts))
 

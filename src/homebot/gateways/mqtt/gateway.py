@@ -41,7 +41,6 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.topics import validate_topic
 
 __all__ = ["GatewayCounters", "MqttGateway"]
 
@@ -269,13 +268,16 @@ class MqttGateway(Gateway):
             self._warn(COMMAND_REFUSED, f"not sent to {command.address}: {exc}", topic=command.address)
 
     async def _publish(self, command: RawCommand) -> None:
-        validate_topic(command.address)
         if not self.acts:
             raise RefusedError("the command", self.observes_because)
         payload = command.payload.encode()
-        self._described.expect_answer(command.address, payload)
+        codec = self._described.codecs.get(command.address)
+        if codec is not None:
+            codec.expect(payload)  # the device may say the same, as its answer
         await self._connection.publish(command.address, payload, qos=command.qos, retain=command.retain)
-        await self._described.overhear(MqttMessage(command.address, payload, command.qos, retain=False))
+        route = self._described.route(command.address)
+        if route is not None and route.conventions:
+            await self._described.overhear(MqttMessage(command.address, payload, command.qos, retain=False), route)
 
 
 def _topic_level(text: str) -> str:

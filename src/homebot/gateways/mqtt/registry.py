@@ -147,6 +147,10 @@ class AnnouncementRegistry:
         """Return all that stand, in the order of their coming."""
         return tuple(self._announcements_by_key.values())
 
+    def is_read(self, topic: str) -> bool:
+        """Whether a part, or what tells of an availability, reads *topic* now."""
+        return topic in self._texts or bool(self._readers.match(topic))
+
     def route(self, topic: str) -> TopicReaders | None:
         """Return who reads *topic*; None for nobody."""
         try:

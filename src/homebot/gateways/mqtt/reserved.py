@@ -61,7 +61,10 @@ class ReservedTopics:
         for rule in self._rules.match(topic):
             if not convention or rule.free_for != convention:
                 return rule.why
-        return "another device speaks there" if any(_speaks(one, topic) for one in self._texts) else ""
+        for one in self._texts:
+            if _speaks(one, topic):
+                return "another device speaks there"
+        return ""
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
         """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
@@ -69,14 +72,14 @@ class ReservedTopics:
         Such a part stays, and can be read; it cannot be told anything.
         """
         refused: dict[str, str] = {}
-        parts = tuple(self._part(described.convention, part, refused) for part in described.parts)
+        parts = tuple([self._part(described.convention, part, refused) for part in described.parts])
         if not refused:
             return described, ()
         return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
 
     def _part(self, convention: str, described: DescribedPart, refused: dict[str, str]) -> DescribedPart:
         found = {one: why for one in described.part.writes if (why := self.why(one, convention))}
-        asks = tuple(one for one in described.state_requests if not self.why(one.topic, convention))
+        asks = tuple([one for one in described.state_requests if not self.why(one.topic, convention)])
         if found:
             refused.update(found)
             return replace(described, part=_only_read(described.part), state_requests=asks)
