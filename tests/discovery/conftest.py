@@ -18,6 +18,9 @@ Announce = Callable[..., Sighting]
 MakePart = Callable[..., Part]
 Tell = Callable[..., Report]
 
+WHOLE_DEVICE = frozenset({"homie", "shelly", "tasmota", "zigbee2mqtt"})
+"""Conventions whose announcements are each of a whole device, and the devices' own."""
+
 
 @pytest.fixture
 def announce() -> Announce:
@@ -47,6 +50,8 @@ def announce() -> Announce:
             command_address="",
             metadata=tuple(KeyValue(key=one, value=value) for one, value in (facts or {}).items()),
             convention=convention,
+            native=convention in WHOLE_DEVICE,
+            whole_device=convention in WHOLE_DEVICE,
             identifiers=ids,
             area=area,
             parts=parts,

@@ -179,6 +179,10 @@ class DeviceAnnounced:
         availability: How it tells whether it can be reached, as a whole; None when it does not.
         owns: Topics that the device has for itself with all that is below them, because it was announced there or the
             bridge that speaks for it names its devices so; never because the announcement says so.
+        native: Whether the convention is that of the device itself, or of the bridge that connects it; what it says is
+            preferred to what somebody else makes of the device.
+        whole_device: Whether each announcement of the convention is of a whole device: two of them are never about the
+            same one, unless they name one radio address.
         implies_alive: Whether the announcement is a sign of life of the device itself when it comes live.
         text: Where it says and takes text; its one part does, whose service type is empty where the vocabulary has
             none. It is announced by the first message on that topic, whatever it says, and gone with an empty one.
@@ -195,6 +199,8 @@ class DeviceAnnounced:
     availability: Availability | None = None
     owns: tuple[str, ...] = ()
     implies_alive: bool = False
+    native: bool = False
+    whole_device: bool = False
     text: TextEndpoint | None = None
 
     @property

@@ -31,6 +31,10 @@ class Sighting(Message):
         command_address: Where it listens; empty when it takes no commands. Of a device that is described likewise.
         metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
         convention: By which convention it was announced; empty where there is one only.
+        native: Whether the device, or the bridge that connects it, announced itself in a convention of its own: that is
+            preferred to what somebody else makes of it.
+        whole_device: Whether each announcement of the convention is of a whole device: two of them are never about the
+            same one, unless they name one radio address.
         identifiers: Who the device is; see :func:`homebot.devices.identity.identifiers`.
         area: The room it was said to be in.
         parts: What it offers in the words of the vocabulary; empty where only its service type is known.
@@ -55,6 +59,8 @@ class Sighting(Message):
     command_address: str
     metadata: tuple[KeyValue, ...] = ()
     convention: str = ""
+    native: bool = False
+    whole_device: bool = False
     identifiers: tuple[str, ...] = ()
     area: str = ""
     parts: tuple[Part, ...] = ()

@@ -13,8 +13,6 @@ from homebot.devices.value import PlainValue
 from homebot.messages import Time
 
 __all__ = [
-    "NATIVE_CONVENTIONS",
-    "WHOLE_DEVICE",
     "Reach",
     "SourceKey",
     "SourceRecord",
@@ -26,14 +24,6 @@ __all__ = [
 
 SourceKey: TypeAlias = tuple[str, str]
 """Gateway, and what that calls the announcement."""
-
-WHOLE_DEVICE = frozenset({"homie", "shelly", "tasmota", "zigbee2mqtt"})
-"""Conventions whose announcements each tell of a whole device: two of them are never about the same one, unless they
-name one radio address."""
-
-NATIVE_CONVENTIONS = WHOLE_DEVICE | {"", "thesis"}
-"""Conventions of the devices themselves, preferred to what somebody else makes of them."""
-
 
 _NOTHING: Mapping[Any, Any] = MappingProxyType({})
 """Most announcements have nothing of what few have; a dict of their own would be 64 bytes of each device."""
@@ -138,7 +128,7 @@ class SourceRecord:
 
 def preference(claim: SourceRecord) -> tuple[int, int]:
     """Return what sorts claims on one device: those of its own convention first, then the older ones."""
-    return (0 if claim.sighting.convention in NATIVE_CONVENTIONS else 1, claim.number)
+    return (0 if claim.sighting.native else 1, claim.number)
 
 
 def is_described_anew(before: Sighting, now: Sighting) -> bool:
@@ -154,6 +144,8 @@ def is_described_anew(before: Sighting, now: Sighting) -> bool:
         or before.parts != now.parts
         or before.owns != now.owns
         or before.convention != now.convention
+        or before.native != now.native
+        or before.whole_device != now.whole_device
     )
 
 

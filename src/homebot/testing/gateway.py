@@ -102,6 +102,7 @@ class FakeGateway(Gateway):
                 service_type=service_type or key.partition("/")[0],
                 address=f"{key}/out",
                 command_address=f"{key}/in" if takes_commands else "",
+                native=True,
                 seen_at=now,
                 expires_at=until,
                 confirmed=confirmed,

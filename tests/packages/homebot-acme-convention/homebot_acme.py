@@ -81,6 +81,7 @@ class Acme:
         lamp = DeviceAnnounced(
             key=serial,
             convention=self.name,
+            native=True,
             identifiers=identifiers([f"acme-{serial}"]),
             name=info.name,
             parts=(_lamp(f"{self._prefix}/{serial}", info),),

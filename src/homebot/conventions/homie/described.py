@@ -23,6 +23,8 @@ def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnnou
     return DeviceAnnounced(
         key=device.topic,
         convention="homie",
+        native=True,
+        whole_device=True,
         identifiers=identifiers((f"{domain}/{device.id}",)),
         name=device.name,
         parts=parts,

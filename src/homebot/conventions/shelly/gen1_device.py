@@ -87,6 +87,8 @@ class Gen1Device:
         return DeviceAnnounced(
             key=place.topic,
             convention="shelly",
+            native=True,
+            whole_device=True,
             identifiers=identifiers(declared),
             name=clean_text(place.name),
             parts=build_parts(place, self.model, self.known(), self.presses),

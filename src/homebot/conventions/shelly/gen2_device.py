@@ -97,6 +97,8 @@ class Gen2Device:
         return DeviceAnnounced(
             key=self.prefix,
             convention="shelly",
+            native=True,
+            whole_device=True,
             identifiers=identifiers((self.mac, device_id if device_id.casefold().startswith("shelly") else "")),
             name=self._name(),
             parts=build_parts(place, self.status, self.config),

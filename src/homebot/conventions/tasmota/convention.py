@@ -159,6 +159,8 @@ class TasmotaDiscovery:
         described = DeviceAnnounced(
             key=mac,
             convention=self.name,
+            native=True,
+            whole_device=True,
             identifiers=identifiers([":".join(_PAIRS.findall(mac))]),
             name=config.name,
             parts=build_parts(config, self._leaves.get(mac, ())),

@@ -107,6 +107,7 @@ class Thesis:
         return DeviceAnnounced(
             key=f"{service_type}/{device_id}" if self._root else base,
             convention=self.name,
+            native=True,
             identifiers=(),
             name=device_id,
             parts=(DescribedPart(part, TextCodec(part)),),

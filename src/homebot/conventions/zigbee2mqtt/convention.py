@@ -163,6 +163,8 @@ class Zigbee2Mqtt:
         return DeviceAnnounced(
             key=device.ieee if base == _DEFAULT_BASE else f"{base}/{device.ieee}",
             convention=self.name,
+            native=True,
+            whole_device=True,
             identifiers=identifiers([device.ieee]),
             name=clean_text(device.name),
             parts=build_parts(device),

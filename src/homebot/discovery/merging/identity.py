@@ -18,7 +18,7 @@ from itertools import combinations
 from typing import TypeAlias, final
 
 from homebot.devices import Sighting
-from homebot.discovery.source_record import WHOLE_DEVICE, SourceKey
+from homebot.discovery.source_record import SourceKey
 
 __all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "IdentityGraph", "is_generic"]
 
@@ -181,7 +181,7 @@ class IdentityGraph:
         if len(found) > MAX_IDENTIFIERS:
             self.cut += 1
             found = found[:MAX_IDENTIFIERS]
-        is_own = sighting.convention in WHOLE_DEVICE or not _are_specific(found)
+        is_own = sighting.whole_device or not _are_specific(found)
         if place := _own_topic(sighting):
             found = tuple(dict.fromkeys((*found, f"id:{place}")))
         sign = (key[0], sighting.convention, found, key[1] if is_own else "")
@@ -246,7 +246,7 @@ def _share_a_host(one: Identity, other: Identity) -> bool:
 
 def _own_topic(sighting: Sighting) -> str:
     """The topic below which all is the device's; empty where none is known."""
-    if sighting.convention in WHOLE_DEVICE:
+    if sighting.whole_device:
         return sighting.owns[0] if sighting.owns else ""
     topics: list[str] = []
     for identifier in sighting.identifiers:

@@ -14,7 +14,7 @@ from homebot.devices.part import Part
 from homebot.discovery.merging.capabilities import decided, settable_by
 from homebot.discovery.merging.matching import Candidate, candidates, match
 from homebot.discovery.merging.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
-from homebot.discovery.source_record import NATIVE_CONVENTIONS, SourceRecord, preference
+from homebot.discovery.source_record import SourceRecord, preference
 from homebot.discovery.topics.ownership import TopicOwnership
 
 __all__ = ["MAX_PARTS", "MergedParts", "main_part", "merge_parts"]
@@ -67,8 +67,8 @@ class _Merged:
 _Source: TypeAlias = tuple[bool, str, str]
 """Whether its convention is not the device's own, gateway, convention: native ones sort first."""
 
-_Way: TypeAlias = tuple[PartPlace, str, Part]
-"""Where a part is told of, by which convention, and as what."""
+_Way: TypeAlias = tuple[PartPlace, _Source, Part]
+"""Where a part is announced, by which source, and as what."""
 
 _Telling: TypeAlias = tuple[SourceRecord, Part, _Told]
 
@@ -101,7 +101,7 @@ def merge_parts(claims: Sequence[SourceRecord], topics: TopicOwnership, known: P
         if conflict := topics.conflict(claim, part):
             conflicts.append(conflict)
         else:
-            found.ways.append((place, claim.sighting.convention, part))
+            found.ways.append((place, _source(claim), part))
         places[place] = found.number
     if left_out:
         conflicts.append(_left_out(left_out))
@@ -205,22 +205,17 @@ def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
 
 
 def _device_part(part_id: str, one: _Merged) -> DevicePart:
-    part = decided([way[2] for way in sorted(one.ways, key=_way_source)]) if len(one.ways) > 1 else one.part
+    part = decided([way[2] for way in sorted(one.ways, key=lambda way: way[1])]) if len(one.ways) > 1 else one.part
     routes = tuple(
         Route.of_checked(gateway=gateway, key=key, part=name, convention=convention, takes=settable_by(described, part))
-        for (gateway, key, name), convention, described in one.ways
+        for (gateway, key, name), (_, _, convention), described in one.ways
     )
     return DevicePart.of_checked(id=part_id, part=part, routes=routes)
 
 
 def _source(claim: SourceRecord) -> _Source:
     sighting = claim.sighting
-    return sighting.convention not in NATIVE_CONVENTIONS, sighting.gateway, sighting.convention
-
-
-def _way_source(way: _Way) -> _Source:
-    (gateway, _, _), convention, _ = way
-    return convention not in NATIVE_CONVENTIONS, gateway, convention
+    return not sighting.native, sighting.gateway, sighting.convention
 
 
 def _same_topics(part: Part, other: Part) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from homebot.discovery.source_record import NATIVE_CONVENTIONS, SourceKey, SourceRecord
+from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.topics.places import names, place_of, score
 
 __all__ = ["TopicUse", "topic_use"]
@@ -76,7 +76,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         sighting.identifiers if sighting.owns else (),
         bridge,
         not sighting.identifiers,
-        sighting.convention in NATIVE_CONVENTIONS,
+        sighting.native,
     )
 
 

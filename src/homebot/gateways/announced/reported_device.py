@@ -76,6 +76,8 @@ def sighting_template(
     identifiers: tuple[str, ...],
     area: str,
     convention: str = "",
+    native: bool = True,
+    whole_device: bool = False,
     owns: tuple[str, ...] = (),
     announced_on: str = "",
     text: TextEndpoint | None = None,
@@ -83,6 +85,7 @@ def sighting_template(
     """Return what all sightings of a device have in common; its addresses are those of its main part's texts.
 
     One that says *text* by itself has the addresses, and the service type, of that.
+    What a gateway says itself is native; see :class:`~homebot.devices.Sighting`.
 
     Raises:
         pydantic.ValidationError: A value is none that a sighting can have.
@@ -103,6 +106,8 @@ def sighting_template(
         command_address=text.command_address,
         metadata=tuple(_fact(fact, value) for fact, value in metadata.items()),
         convention=convention,
+        native=native,
+        whole_device=whole_device,
         identifiers=identifiers,
         area=area,
         parts=parts,

@@ -80,6 +80,8 @@ class StoredAnnouncement(ReportedDevice):
             identifiers=described.identifiers,
             area=described.area,
             convention=described.convention if text is None else "",
+            native=described.native or text is not None,
+            whole_device=described.whole_device,
             owns=described.owns,
             announced_on=described.topic if text is None else "",
             text=text,
