@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from homebot.conventions.decode import NO_READINGS, Readings, is_unknown
+from homebot.conventions import decode
+from homebot.conventions.decode import Readings
 from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
 from homebot.numbers import to_number
@@ -29,11 +30,7 @@ def read_number(
         unknown: The word which says that it is unknown, beside those that always do.
         heard: Makes the outside number of what the device says; None where that cannot be.
     """
-    if text == unknown or is_unknown(text):
-        return {capability: None}
-    number = number_of(text)
-    value = None if number is None else heard(number)
-    return NO_READINGS if value is None else {capability: value}
+    return {capability: None} if text == unknown else decode.read_number(capability, text, heard)
 
 
 def whole_of(text: str) -> int | None:
