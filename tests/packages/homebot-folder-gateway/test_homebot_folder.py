@@ -52,17 +52,38 @@ async def test_the_light_service_turns_the_lamp_off(homebot: TestHouse, tmp_path
     await content(tmp_path / "hall.set", "off")
 
 
-async def test_the_command_line_lists_the_lamp_with_its_state(homebot: TestHouse, tmp_path: Path) -> None:
-    (tmp_path / "hall.lamp").write_text("on")
+async def printed(homebot: TestHouse, *command: str, until: str) -> str:
+    """Return what the command line prints, once that holds *until*."""
     assert homebot.runtime.door is not None
     door = {"HOMEBOT_DOOR": f"127.0.0.1:{homebot.runtime.door.port}"}
     with anyio.fail_after(20):
-        lines: list[list[str]] = []
-        while len(lines) < 2:
-            done = await anyio.run_process([sys.executable, "-m", "homebot", "devices"], env={**os.environ, **door})
-            lines = [line.split() for line in done.stdout.decode().splitlines()]
-    assert lines[0][:4] == ["DEVICE", "TYPE", "STATE", "GATEWAY"]
-    assert lines[1][1:4] == ["lights", "on", "folder"]
+        while True:
+            program = [sys.executable, "-m", "homebot", *command]
+            done = await anyio.run_process(program, env={**os.environ, **door}, check=False)
+            if until in (text := done.stdout.decode()):
+                return text
+
+
+async def test_the_command_line_lists_the_lamp_with_its_state(homebot: TestHouse, tmp_path: Path) -> None:
+    (tmp_path / "hall.lamp").write_text("on")
+    lines = (await printed(homebot, "devices", until="hall")).splitlines()
+    assert lines[1].split()[1:4] == ["lights", "on", "folder"]
+
+
+async def test_a_lamp_whose_file_is_deleted_is_removed(homebot: TestHouse, tmp_path: Path) -> None:
+    lamp = tmp_path / "hall.lamp"
+    lamp.write_text("on")
+    await printed(homebot, "devices", until="hall")
+    lamp.unlink()
+    await printed(homebot, "devices", until="no device")
+
+
+async def test_a_folder_that_goes_missing_makes_the_gateway_unavailable(homebot: TestHouse, tmp_path: Path) -> None:
+    (tmp_path / "hall.lamp").write_text("on")
+    await printed(homebot, "devices", until="hall")
+    tmp_path.rename(tmp_path.with_name("unplugged"))
+    await printed(homebot, "doctor", until=f"{tmp_path} does not exist")
+    assert "hall" in await printed(homebot, "devices", until="DEVICE")
 
 
 def test_a_folder_that_does_not_exist_is_an_error_that_names_the_key(tmp_path: Path) -> None:
