@@ -13,7 +13,7 @@ import pytest
 PACKAGES = Path(__file__).parent
 
 
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(220)
 @pytest.mark.parametrize("package", sorted(path.name for path in PACKAGES.glob("homebot-*")))
 def test_the_tests_of_a_package_pass_where_it_is_installed(package: str, tmp_path: Path) -> None:
     """It is built as a wheel and installed beside homebot; its tests start a homebot that finds it by entry point."""
@@ -35,7 +35,7 @@ def _run(*command: str, cwd: Path = PACKAGES, path: Path = PACKAGES) -> None:
         env=own | {"PYTHONPATH": str(path)},
         capture_output=True,
         text=True,
-        timeout=50,
+        timeout=100,
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
