@@ -58,7 +58,7 @@ def test_the_entities_of_one_device_are_one_device_told_of_once(
 def test_a_device_that_is_described_anew_before_it_was_told_of_was_announced(
     index: DeviceIndex, announce: Announce, part: MakePart
 ) -> None:
-    index.observe(announce("l", part(), ids=(MAC,)).model_copy(update={"why": "it is described anew"}))
+    index.observe(announce("l", part(), ids=(MAC,)).model_copy(update={"why": "its description changed"}))
     (change,) = index.take_changes()
     assert (change.kind, change.why) == ("appeared", "it was announced")
 
@@ -280,7 +280,7 @@ def test_a_lamp_that_names_another_devices_command_topic_is_told_nothing_there_u
     assert evil is not None
     assert evil.parts[0].routes == ()
     assert evil.endpoints[0].command_address == ""
-    assert evil.conflicts == ("homeassistant:light/b wants to be told things on a/set, where door listens",)
+    assert evil.conflicts == ("homeassistant:light/b takes commands on a/set, which belongs to door",)
     door = index.get("door")
     assert door is not None
     assert len(door.parts[0].routes) == 1
@@ -308,7 +308,7 @@ def test_an_announcement_in_the_name_of_another_device_is_told_nothing_there(
     (device,) = index.devices()
     assert {one.part.service_type: len(one.routes) for one in device.parts} == {"door_lock": 1, "light": 0}
     (told,) = device.conflicts
-    assert "another announcement of the device is told something else" in told
+    assert "where another announcement of the device takes different ones" in told
 
 
 def test_of_two_that_want_one_topic_with_equal_right_neither_is_told_anything_there(
@@ -321,8 +321,8 @@ def test_of_two_that_want_one_topic_with_equal_right_neither_is_told_anything_th
     door, evil = index.devices()
     assert not door.parts[0].routes
     assert not evil.parts[0].routes
-    assert door.conflicts == ("homeassistant:lock/x1 wants to be told things on t/set, where evil listens",)
-    assert evil.conflicts == ("homeassistant:light/x2 wants to be told things on t/set, where door listens",)
+    assert door.conflicts == ("homeassistant:lock/x1 takes commands on t/set, which belongs to evil",)
+    assert evil.conflicts == ("homeassistant:light/x2 takes commands on t/set, which belongs to door",)
 
 
 def test_devices_behind_one_bridge_may_share_its_topic(index: DeviceIndex, announce: Announce, part: MakePart) -> None:

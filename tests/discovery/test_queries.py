@@ -114,11 +114,11 @@ def test_the_best_comes_first_and_says_why(house: DeviceIndex) -> None:
     query = parse_query("desk")
     ranked = rank(query, house.find(query), house.postings)
     assert [one for _, one in ranked] == ["desk_lamp", "plug_at_the_desk"]
-    assert reasons(query, "desk_lamp", house.postings) == ("its name has desk", "it spoke lately")
+    assert reasons(query, "desk_lamp", house.postings) == ("its name has desk", "it reported recently")
 
     wrong = parse_query("dexk")
     house.find(wrong)
-    assert reasons(wrong, "desk_lamp", house.postings)[0] == "something of it is spelt like dexk"
+    assert reasons(wrong, "desk_lamp", house.postings)[0] == "dexk is a near match"
 
 
 def test_each_kind_of_reason_is_told(house: DeviceIndex) -> None:
@@ -130,7 +130,7 @@ def test_each_kind_of_reason_is_told(house: DeviceIndex) -> None:
         "it has level",
         "level is 70",
         "its model is e27",
-        "it spoke lately",
+        "it reported recently",
     )
     offline = parse_query("contact")
     house.find(offline)

@@ -55,7 +55,7 @@ def test_an_entity_that_is_offline_makes_itself_unreachable_while_another_speaks
     index.report(tell(meter, "power", 6.0, part="m", at=3))
     device = only(index)
     assert (device.reachable.state, device.offline_parts) == ("unknown", ("l",))
-    assert device.reachable.why == "homeassistant:lamp is offline, but homeassistant:meter spoke since"
+    assert device.reachable.why == "homeassistant:lamp is offline, but homeassistant:meter reported since"
     assert [one.kind for one in index.take_changes()] == ["changed"]
     assert not index.find(parse_query("offline"))
 

@@ -94,7 +94,7 @@ async def test_a_query_is_answered_with_reasons_in_portions(lamp: Sighting, tell
         found = await ask.call(QueryDevices.Request(query="on lights"))
         assert (found.success, found.total) == (True, 1)
         assert [(one.device.id, one.reasons) for one in found.results] == [
-            ("desk_lamp", ("it is a light", "on_off is true", "it spoke lately"))
+            ("desk_lamp", ("it is a light", "on_off is true", "it reported recently"))
         ]
         some = await ask.call(QueryDevices.Request(query="light", offset=1, limit=2))
         assert (some.total, [one.device.id for one in some.results]) == (5, ["other_0", "other_1"])
@@ -216,7 +216,7 @@ async def test_a_device_that_comes_to_fit_a_live_query_appears_and_one_that_does
             ("appeared", "its on_off is True now"),
             ("removed", "it fits the query no longer"),
             ("appeared", "its on_off is True now"),
-            ("removed", "it is described anew"),
+            ("removed", "its description changed"),
         ]
         follow.close()
 

@@ -297,4 +297,4 @@ def test_guessed_tokens_wait_longer_and_longer(tmp_path: Path) -> None:
         before = time.monotonic()
         locked.toll()
         assert time.monotonic() - before < 5
-        assert "wrong token" in locked.text() or "a token is needed, and this is not it" in locked.text()
+        assert "wrong token" in locked.text() or "a valid token is needed" in locked.text()

@@ -176,10 +176,10 @@ def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, t
         while is_free(port) and broker.poll() is None:
             time.sleep(0.01)
         run = start()
-        line = run.until("no link to")
+        line = run.until("cannot connect to")
         assert run.stop() == 0
         broker.terminate()
-    assert f"no link to mqtt://127.0.0.1:{port}: the login was refused: " in line
+    assert f"cannot connect to mqtt://127.0.0.1:{port}: the login was refused: " in line
     assert "trying again" in line
     assert "hunter2" not in run.text
     assert "Traceback" not in run.text
@@ -189,7 +189,7 @@ def test_an_absent_broker_is_told_and_does_not_delay_the_stop(start: Start) -> N
     """The one who ends it has waited long enough."""
     port = free_port()
     run = start("--mqtt", f"mqtt://127.0.0.1:{port}", "--app", "light_service")
-    line = run.until("no link to")
+    line = run.until("cannot connect to")
     assert line.count(f"mqtt://127.0.0.1:{port}") == 1
     started = time.monotonic()
     assert run.stop(signal.SIGINT) == 0

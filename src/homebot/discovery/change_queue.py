@@ -123,7 +123,7 @@ class ChangeQueue:
         if before == device.conflicts or one.kind == "removed":
             return
         if not device.conflicts:
-            yield self._change("resolved", device, "nobody disputes anything of it any more")
+            yield self._change("resolved", device, "nothing of it is disputed any more")
         elif new := [conflict for conflict in device.conflicts if conflict not in before]:
             yield self._change("conflict", device, "; ".join(new))
 

@@ -286,18 +286,18 @@ class Directory:
         self._rejected = self.index.counters.rejected
         if self._limit.allows(REJECTED) is not None:
             self._node.log.warning(
-                REJECTED, message=f"{sighting.key} was not taken in: the index is full", rejected=self._rejected
+                REJECTED, message=f"{sighting.key} was not added: the index is full", rejected=self._rejected
             )
 
 
 _WORDS = {
-    "appeared": (APPEARED, "found {id} through {gateway}: {why}"),
+    "appeared": (APPEARED, "found {id} on {gateway}: {why}"),
     "changed": (CHANGED, "{id} changed: {why}"),
     "stale": (STALE, "{id} is stale: {why}"),
     "returned": (RETURNED, "{id} is back: {why}"),
     "removed": (REMOVED, "{id} is gone: {why}"),
-    "merged": (MERGED, "{id} is one device: {why}"),
-    "unmerged": (UNMERGED, "{id} is less than was thought: {why}"),
-    "conflict": (CONFLICT, "{id} is claimed by somebody else: {why}"),
-    "resolved": (RESOLVED, "{id} is disputed no longer: {why}"),
+    "merged": (MERGED, "{id} was merged: {why}"),
+    "unmerged": (UNMERGED, "{id} was split: {why}"),
+    "conflict": (CONFLICT, "{id} is disputed: {why}"),
+    "resolved": (RESOLVED, "{id} is no longer disputed: {why}"),
 }

@@ -218,7 +218,7 @@ class DeviceIndex:
         if entry is None:
             return None
         sightings = [source.sighting for source in entry.sources.values()]
-        self._merger.remove(entry, "somebody wants it forgotten", retained_only=True, at=now)
+        self._merger.remove(entry, "it was forgotten on request", retained_only=True, at=now)
         return tuple((sighting.gateway, sighting.announced_on) for sighting in sightings if sighting.announced_on)
 
     @property

@@ -68,7 +68,7 @@ class Liveness:
             return
         self._table.outdated[entry.id] = None
         if before == "stale":
-            self._table.note("returned", entry, "it spoke again")
+            self._table.note("returned", entry, "it reported again")
         else:
             self._table.note("changed", entry, why)
 

@@ -67,7 +67,7 @@ class PendingReports:
         lasts = sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds()
         expires_at = Time.from_seconds(report.received_at.to_seconds() + lasts)
         update = {"seen_at": report.received_at, "expires_at": expires_at, "confirmed": True}
-        return sighting.model_copy(update={**update, "kind": "appeared", "why": "it spoke again"})
+        return sighting.model_copy(update={**update, "kind": "appeared", "why": "it reported again"})
 
     def take(self, key: SourceKey, now: float) -> tuple[Report, ...]:
         """Return the reports of the device that is announced at *now*, oldest first, and forget them."""

@@ -89,8 +89,8 @@ class IndexPersistence:
                 await work.pause()
         self._index.unsaved.clear()
         if known.rejected:
-            self._node.log.warning(BAD_RECORD, message=f"{known.rejected} devices of {self.file} were not understood")
-        self._node.log.info(LOADED, message=f"{len(known.entries)} devices are known from before", file=self.file)
+            self._node.log.warning(BAD_RECORD, message=f"{known.rejected} devices of {self.file} could not be read")
+        self._node.log.info(LOADED, message=f"{len(known.entries)} devices are known from the last run", file=self.file)
 
     async def run(self) -> None:
         """Write what changes until cancelled, then once more."""
@@ -149,7 +149,7 @@ class IndexPersistence:
             return False
         if self.state != "ok":
             self.state = "ok"
-            self._node.log.info(WRITTEN_AGAIN, message=f"{self.file} is written again", file=self.file)
+            self._node.log.info(WRITTEN_AGAIN, message=f"{self.file} can be written again", file=self.file)
         return True
 
     async def _records(self, batch: tuple[str, ...]) -> Records:
@@ -191,7 +191,9 @@ class IndexPersistence:
     def _tell_damage(self, where: Path) -> None:
         self.damaged += 1
         self._node.log.warning(
-            DAMAGED, message=f"the index file was damaged; it is {where} now, and a new one is begun", file=str(where)
+            DAMAGED,
+            message=f"the index file was damaged; it was moved to {where}, and a new one is used",
+            file=str(where),
         )
 
     def _complain(self, exc: LinkError) -> None:
@@ -199,9 +201,7 @@ class IndexPersistence:
         self.state = str(exc)
         held_back = self._limit.allows(NOT_WRITTEN)
         if held_back is not None:
-            self._node.log.warning(
-                NOT_WRITTEN, message=f"{exc}; it is tried again", file=self.file, held_back=held_back
-            )
+            self._node.log.warning(NOT_WRITTEN, message=f"{exc}; trying again", file=self.file, held_back=held_back)
 
 
 @dataclass(frozen=True, slots=True)

@@ -70,13 +70,13 @@ def _together(said: list[_Said]) -> Reachability:
         claim, part, reach = max(answers, key=lambda one: one[2].heard)
         label = f"{claim.label} ({part})" if part and part not in claim.label else claim.label
         if value is False and (speaker := _speaker(said, reach.heard)) is not None:
-            why = f"{label} is offline, but {speaker.label} spoke since"
+            why = f"{label} is offline, but {speaker.label} reported since"
             return Reachability(state="unknown", since=speaker.seen_at, why=why)
         if value is None:
-            why = f"{label} was said to be offline, but it speaks"
+            why = f"{label} was reported offline, but it sends messages"
             return Reachability(state="unknown", since=reach.since, why=why)
-        kept = "" if reach.live else ", in a message that the broker had kept"
-        why = f"{label} is {'online' if value else 'offline'}, as it or its last will says{kept}"
+        kept = "" if reach.live else ", in a retained message"
+        why = f"{label} is {'online' if value else 'offline'}, according to it or its last will{kept}"
         return Reachability(state="yes" if state == "yes" else "no", since=reach.since, why=why)
     return _NOT_SAID
 

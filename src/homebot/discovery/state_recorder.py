@@ -51,7 +51,7 @@ class StateRecorder:
             elif (stored := store_value(source, reading, report, now)) is not None:
                 self._publish_value(entry, source, reading, stored)
         if shows_life:
-            self._liveness.mark_seen(entry, source, report.received_at, "it spoke itself")
+            self._liveness.mark_seen(entry, source, report.received_at, "it reported live")
         else:
             entry.invalidate_device()
         if before is not None and self._reach(entry) != before:

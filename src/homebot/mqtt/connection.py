@@ -329,7 +329,7 @@ class MqttConnection:
         except RefusedError as error:  # being visible is a courtesy; all else still works
             _log.warning(
                 "mqtt.status_refused",
-                message=f"{self._url}: others cannot see whether homebot is there: {error}",
+                message=f"{self._url}: cannot publish the status of homebot: {error}",
                 broker=self._url,
                 reason=error.reason,
             )

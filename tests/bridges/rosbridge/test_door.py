@@ -159,7 +159,7 @@ async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(open_house:
             "there is no topic /nowhere yet, so its type must be given",
         ),
         ({"op": "unadvertise", "topic": "/chatter"}, "topic /chatter was not advertised by this client"),
-        ({"op": "fly"}, "asks for the unknown operation 'fly'; known are "),
+        ({"op": "fly"}, "uses the unknown operation 'fly'; known are "),
     ],
 )
 async def test_whoever_is_refused_is_told_why_and_what_without_asking_for_it(
@@ -195,7 +195,7 @@ async def test_what_the_door_does_not_speak_is_said_and_messages_come_as_json(
         await peer.send("subscribe", id="s", topic="/chatter", **extra)
         remark = await peer.receive()
         assert (remark["op"], remark["level"], remark["id"]) == ("status", "warning", "s")
-        assert "this door " in remark["msg"]
+        assert "not supported: " in remark["msg"]
         publisher.publish(String(data="x" * 1000))
         assert (await peer.receive())["msg"] == {"data": "x" * 1000}
 
@@ -204,7 +204,7 @@ async def test_what_the_door_does_not_speak_is_said_and_messages_come_as_json(
     ("frame", "said"),
     [
         ("not json", " sent a frame that is not JSON: Expecting value: line 1 column 1 (char 0)"),
-        ('{"op": "fly"}', " sent a frame that asks for the unknown operation 'fly'; known are action_feedback, "),
+        ('{"op": "fly"}', " sent a frame that uses the unknown operation 'fly'; known are action_feedback, "),
         ('{"op": "publish", "topic": "/chatter"}', ": publishing on /chatter was refused: field 'msg' is missing"),
         ('{"op": "publish", "topic": "/t", "msg": {}}', ": publishing on /t was refused: "),
         ('{"op": "unsubscribe", "topic": "/t"}', ": unsubscribing from /t was refused: topic /t was not subscribed to"),
@@ -351,7 +351,7 @@ async def test_a_plain_http_client_is_told_what_this_is(open_house: Any) -> None
         head, _, body = (await get(house.door.port)).partition("\r\n\r\n")
     assert head.startswith("HTTP/1.1 426 ")
     assert "\r\nUpgrade: websocket" in head
-    assert body == "this is homebot's door: a WebSocket that speaks rosbridge v2, not a web page\n"
+    assert body == "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
 
 
 async def test_a_plain_http_client_without_the_token_is_told_no_more_than_that(open_house: Any) -> None:
@@ -396,7 +396,7 @@ def test_an_open_door_needs_a_token() -> None:
 async def test_a_taken_address_is_named(open_house: Any) -> None:
     async with open_house() as house:
         second = Door(house.node("second"), DoorSettings(port=house.door.port))
-        with pytest.raises(ConfigError, match=f"127.0.0.1:{house.door.port} is taken, maybe by another homebot"):
+        with pytest.raises(ConfigError, match=f"127.0.0.1:{house.door.port} is in use, maybe by another homebot"):
             await second.run()
 
 

@@ -63,7 +63,7 @@ def test_a_number_may_be_an_identifier() -> None:
         ("[]", r"the frame is no JSON object but '\[\]'"),
         ("{}", "the frame has no field 'op'"),
         ('{"op": 3}', "the frame has no text as its field 'op' but '3'"),
-        ('{"op": "fly"}', "asks for the unknown operation 'fly'; known are action_feedback, .*unsubscribe"),
+        ('{"op": "fly"}', "uses the unknown operation 'fly'; known are action_feedback, .*unsubscribe"),
         ('{"op": "publish", "topic": "/t"}', "publish: field 'msg' is missing"),
         ('{"op": "publish", "topic": "/t", "msg": 5}', "publish: field 'msg': .*dict.*, got 5"),
         ('{"op": "publish", "topic": "", "msg": {}}', "publish: field 'topic': .*at least 1 character, got ''"),
@@ -88,9 +88,9 @@ def test_a_number_may_be_an_identifier() -> None:
         ),
         (
             '{"op": "fragment", "id": "1", "data": "{}", "num": 0, "total": 1}',
-            "asks for fragment, .*send each message wh",
+            "uses fragment, .*send each message wh",
         ),
-        ('{"op": "png", "data": "iVBOR"}', "asks for png, which this door does not speak"),
+        ('{"op": "png", "data": "iVBOR"}', "uses png, which is not supported"),
         ('{"op": "publish", "id": ' + "9" * 5000 + "}", "not JSON"),
     ],
 )

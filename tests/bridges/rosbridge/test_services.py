@@ -44,7 +44,7 @@ async def test_a_list_of_arguments_fills_the_fields_in_order(open_house: Any) ->
 @pytest.mark.parametrize(
     ("service", "args", "problem"),
     [
-        ("/nobody", {}, "service /nobody has no server now; /rosapi/services tells which there are$"),
+        ("/nobody", {}, "service /nobody has no server now; /rosapi/services lists all$"),
         ("/swich", {}, "service /swich has no server now; did you mean /switch?"),
         ("bad name", {}, "has a character that names may not hold"),
         ("/switch", {}, "field 'data' is missing"),
@@ -181,7 +181,7 @@ async def test_a_client_that_owes_too_many_answers_is_asked_no_more(open_house: 
 
             tasks.start_soon(first)
             await peer.receive()
-            with pytest.raises(ServiceFailedError, match="owes 1 answers already"):
+            with pytest.raises(ServiceFailedError, match="has 1 calls waiting already"):
                 await client.call(TriggerRequest())
             await peer.send("unadvertise_service", service="/mine")
 

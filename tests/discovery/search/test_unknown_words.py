@@ -23,7 +23,7 @@ def house(announce: Callable[..., Sighting], part: Callable[..., Part]) -> Devic
 
 
 REFUSED = {
-    "type=xyzzy": "'xyzzy' is no type, and no device calls itself so; known are ",
+    "type=xyzzy": "'xyzzy' is not a device type, and no device was announced as one; known are ",
     "lights in kichen": "no device is in 'kichen'; did you mean kitchen?",
     "lights not in kitchne": "no device is in 'kitchne'; did you mean kitchen?",
     "ligths": "no device has the word 'ligths'; did you mean lights?",

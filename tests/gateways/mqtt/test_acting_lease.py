@@ -127,7 +127,10 @@ async def test_a_second_one_observes_and_says_so() -> None:
             await one.send()
         assert await home.heard() == [("lamp/set", "ON")]
         state = second.state()
-        why = "another homebot (mqtt on pc) acts on home home425; stop one of the two, or set act = false here"
+        why = (
+            "another homebot (mqtt on pc) already sends commands to home home425; "
+            "stop one of the two, or set act = false here"
+        )
         assert (state.acts, state.reason) == (False, why)
         assert await second.troubles() == (why,)
         assert first.state().acts

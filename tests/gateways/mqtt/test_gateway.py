@@ -177,7 +177,7 @@ async def test_a_retained_message_alone_is_a_sighting_without_confirmation(embed
             ghost = await house.next_sighting()
 
     assert (ghost.key, ghost.confirmed) == ("lights/ghost", False)
-    assert any("lights/ghost is known only from a message that the broker kept" in str(line) for line in lines)
+    assert any("lights/ghost is known only from a retained message" in str(line) for line in lines)
 
 
 async def test_clearing_a_retained_message_removes_the_device(embedded_broker_url: str) -> None:
@@ -234,8 +234,8 @@ async def test_asking_for_an_address_that_no_device_has_is_refused_with_the_reas
     async with gateway_on(embedded_broker_url) as house:
         for topic, reason in (
             ("home425/+/lamp/out", "wildcard"),
-            ("home425/lights/lamp/in", "none that a device speaks on"),
-            ("home426/lights/lamp/out", "none that a device speaks on"),
+            ("home425/lights/lamp/in", "no device publishes on topic"),
+            ("home426/lights/lamp/out", "no device publishes on topic"),
             ("home425/lights", "1 levels"),
             ("", "is empty"),
         ):
@@ -471,7 +471,7 @@ async def test_each_lost_link_is_told_and_the_waiting_for_the_next_is_not_repeat
         (
             ("home425/+/+/out", "home425", "home425/+", "home425/+/+", "home425/+/+/+/+/#"),
             "unavailable",
-            "hears nothing",
+            "receives nothing",
         ),
         (("home425",), "active", "listening to home home425"),
     ],

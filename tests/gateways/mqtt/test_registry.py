@@ -130,7 +130,7 @@ def test_too_many_parts_are_refused_and_what_stood_stays() -> None:
 
 @pytest.mark.parametrize(
     ("bounds", "words"),
-    [(RegistryLimits(claims=1), "announcements stand"), (RegistryLimits(parts=1), "parts too many")],
+    [(RegistryLimits(claims=1), "announcements already"), (RegistryLimits(parts=1), "too many parts")],
 )
 def test_one_too_many_is_refused_and_a_known_one_is_not(bounds: RegistryLimits, words: str) -> None:
     claims, _ = empty(bounds)

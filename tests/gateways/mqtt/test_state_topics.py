@@ -75,6 +75,6 @@ def test_a_filter_that_begins_with_wildcards_is_taken_where_the_rest_tells_one_d
     wanted = topics()
     wanted.use("+/+/BTtoMQTT/A4C138000011")
     for greedy in ("#", "+", "+/#", "+/state", "+/+/state", "+/BTtoMQTT/A4C138000011/#"):
-        with pytest.raises(WireError, match="not this device's alone"):
+        with pytest.raises(WireError, match="does not belong to this device alone"):
             wanted.use(greedy)
     assert wanted.take_wanted(10) == ("+/+/BTtoMQTT/A4C138000011",)

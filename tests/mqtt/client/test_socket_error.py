@@ -17,7 +17,7 @@ from homebot.mqtt.client.tcp_transport import socket_error
     [
         (
             ConnectionRefusedError(errno.ECONNREFUSED, "Connect call failed ('127.0.0.1', 19511)"),
-            "nobody listens there (connection refused)",
+            "nothing is listening there (connection refused)",
         ),
         (OSError(errno.EHOSTUNREACH, "Connect call failed ('10.0.0.9', 1883)"), "no route to that host"),
         (OSError(errno.ENETUNREACH, "Connect call failed ('::2', 1883, 0, 0)"), "no route to that network"),
@@ -45,7 +45,7 @@ def test_the_link_is_to_blame_in_plain_words(error: OSError, words: str) -> None
     ("reason", "words"),
     [
         ("TLSV13_ALERT_CERTIFICATE_REQUIRED", "client certificate required; set cert_file and key_file"),
-        ("WRONG_VERSION_NUMBER", "what answers there speaks no TLS; is it the port for mqtt://?"),
+        ("WRONG_VERSION_NUMBER", "the server there does not use TLS; is it the port for mqtt://?"),
         ("SSLV3_ALERT_HANDSHAKE_FAILURE", "hand-shake failure; does the broker want a client certificate (cert_file)?"),
         ("TLSV1_ALERT_PROTOCOL_VERSION", "tlsv1 alert protocol version"),
     ],

@@ -32,11 +32,11 @@ def refusal(settings: DoorSettings, hosts: Sequence[str], origins: Sequence[str]
         return "exactly one Host and at most one Origin header are expected"
     host = _host_of(f"//{hosts[0]}")
     if not _is_ours(settings, host):
-        return f"the name {host[:100]!r} is not one of this door's"
+        return f"this rosbridge server does not answer to the host name {host[:100]!r}"
     if origins and origins[0] not in settings.allowed_origins:
         origin = _host_of(origins[0])
         if origin != host and not is_loopback(origin):
-            return f"pages of {origins[0][:100]!r} are not let in; see allowed_origins"
+            return f"web pages from {origins[0][:100]!r} are not allowed; see allowed_origins"
     return None
 
 

@@ -54,7 +54,7 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
         return str(error)
     known = [info.name for info in node.graph.get_endpoints(kind=EntityKind.SERVICE)]
     similar = get_close_matches(error.service[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
-    hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services tells which there are"
+    hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services lists all"
     return f"service {error.service} has no server now; {hint}"
 
 

@@ -275,11 +275,9 @@ def parse_frame(text: str) -> Operation:
     target = next((item for key in _NAMES if isinstance(item := fields.get(key), str)), "")
     cls = _CLASSES.get(op)
     if op in _WHOLE_FRAMES_ONLY:
-        raise FrameError(
-            f"asks for {op}, which this door does not speak; send each message whole, as JSON", "", known_id
-        )
+        raise FrameError(f"uses {op}, which is not supported; send each message whole, as JSON", "", known_id)
     if cls is None:
-        problem = f"asks for the unknown operation {op[:60]!r}; known are {', '.join(sorted(_CLASSES))}"
+        problem = f"uses the unknown operation {op[:60]!r}; known are {', '.join(sorted(_CLASSES))}"
         raise FrameError(problem, "", known_id)
     try:
         return cls.model_validate(fields)

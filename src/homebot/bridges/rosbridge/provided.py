@@ -92,9 +92,9 @@ class ProvidedServices:
 
     async def _ask(self, name: str, service_type: ServiceType[Any, Any], request: Message) -> Message:
         if len(self._pending) >= self._limit:
-            raise RefusedError(f"the call of {name}", f"its provider owes {self._limit} answers already")
+            raise RefusedError(f"the call of {name}", f"its provider has {self._limit} calls waiting already")
         if not self._outbox.has_room:
-            raise RefusedError(f"the call of {name}", "its provider does not read what it is sent")
+            raise RefusedError(f"the call of {name}", "its provider does not read its messages")
         self._calls += 1
         identifier = f"service_request:{name}:{self._calls}"
         pending = self._pending[identifier] = asyncio.get_running_loop().create_future()

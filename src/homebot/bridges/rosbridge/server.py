@@ -40,7 +40,7 @@ __all__ = ["Door"]
 _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to say goodbye
 _OPEN_TIMEOUT: Final = 2.0  # seconds that a client has to say who it is; stopping waits for it too
 _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
-_GREETING: Final = "this is homebot's door: a WebSocket that speaks rosbridge v2, not a web page\n"
+_GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
 
 
 class Door:
@@ -93,7 +93,7 @@ class Door:
         """Return what was counted, and who guesses tokens; the answer of the service ``health``."""
         counts = {**asdict(self._counters), "messages_lost": self._backlog.lost, "clients_now": len(self._sessions)}
         guessing = self._guard.guessing(self._node.graph.clock.monotonic())
-        troubles = (f"wrong tokens come from {', '.join(guessing[:5])}",) if guessing else ()
+        troubles = (f"wrong tokens are coming from {', '.join(guessing[:5])}",) if guessing else ()
         return HealthResponse(
             counts=tuple(Count(name=name, count=count) for name, count in counts.items()), troubles=troubles
         )
@@ -178,15 +178,15 @@ class Door:
         if not is_wrong:
             return None
         self._counters.wrong_tokens += 1
-        return self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a token is needed, and this is not it")
+        return self._turn_away(connection, HTTPStatus.UNAUTHORIZED, "a valid token is needed")
 
     def _turn_away(self, connection: ServerConnection, status: HTTPStatus, problem: str) -> Response:
         client = _address_of(connection)
         self._counters.turned_away += 1
         self._complaints.log(
-            f"turned away {client.rpartition(':')[0]}",
+            f"rejected {client.rpartition(':')[0]}",
             "door.turned_away",
-            f"{client} was turned away: {problem}",
+            f"{client} was rejected: {problem}",
             client=client,
             problem=problem,
         )
@@ -237,7 +237,7 @@ class _LibraryLog(logging.Handler):
             )
         else:
             problem = str(error or record.msg)
-            message = f"somebody came to the door who speaks no WebSocket: {problem}"
+            message = f"a client of the rosbridge server did not speak WebSocket: {problem}"
             self._complaints.log(record.msg, "door.handshake_failed", message, problem=problem)
 
 
@@ -246,7 +246,7 @@ async def _texts(connection: ServerConnection) -> AsyncIterator[str]:
     try:
         async for frame in connection:
             if isinstance(frame, bytes):
-                await connection.close(CloseCode.UNSUPPORTED_DATA, "this door takes text frames (JSON) only")
+                await connection.close(CloseCode.UNSUPPORTED_DATA, "the rosbridge server takes text frames (JSON) only")
                 return
             yield frame
     except ConnectionClosed:
@@ -261,7 +261,7 @@ def _address_of(connection: ServerConnection) -> str:
 def _listening_problem(settings: DoorSettings, error: OSError) -> str:
     where = f"{settings.host}:{settings.port}"
     if error.errno == errno.EADDRINUSE:
-        return f"{where} is taken, maybe by another homebot; stop that one, or choose another port"
+        return f"{where} is in use, maybe by another homebot; stop that one, or choose another port"
     if error.errno == errno.EACCES:
         return f"{where} is reserved by the system; choose a port from 1024 on"
     return f"cannot listen on {where}: {error.strerror or error}"

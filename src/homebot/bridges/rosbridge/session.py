@@ -50,7 +50,7 @@ from homebot.log import LogLimit
 __all__ = ["ClientSession"]
 
 _SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
-_NO_ACTIONS = "this homebot offers no actions"
+_NO_ACTIONS = "this homebot has no actions"
 _ANSWERS = 1_048_576
 """Bytes of answers that may wait for a client before it is listened to no more."""
 
@@ -177,14 +177,14 @@ class ClientSession:
         if (remark := holdings.subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
         if op.compression != "none":
-            text = f"this door does not speak {op.compression}: messages of {op.topic} come as JSON"
+            text = f"compression {op.compression} is not supported: messages of {op.topic} come as JSON"
             self._remark("warning", text, op.id)
         if op.fragment_size is not None:
-            self._remark("warning", f"this door sends no fragments: each message of {op.topic} comes whole", op.id)
+            self._remark("warning", f"fragments are not supported: each message of {op.topic} comes whole", op.id)
 
     def _start_call(self, op: CallService, tasks: TaskGroup) -> None:
         if self._calls >= self._settings.max_calls:
-            raise PeerError(f"{self._calls} calls of this client are under way already")
+            raise PeerError(f"{self._calls} calls of this client are waiting already")
         self._calls += 1
         tasks.start_soon(partial(self._call, op))
 
@@ -206,11 +206,11 @@ class ClientSession:
         self._common.counters.slowed_down += 1
         if self._slowness.allows("") is not None:
             limit = f"more than {self._settings.max_frames_per_second} frames a second"
-            self._remark("warning", f"{limit} came from this client: it is read no faster than that", None)
+            self._remark("warning", f"{limit} came from this client: it is slowed down to that", None)
             self._common.complaints.log(
                 f"slowed down {self._client.rpartition(':')[0]}",
                 "door.slowed_down",
-                f"{self._client} sends {limit}: it is read no faster than that",
+                f"{self._client} sends {limit}: it is slowed down to that",
                 client=self._client,
             )
 

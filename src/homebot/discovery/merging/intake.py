@@ -95,12 +95,12 @@ class SightingIntake:
         if is_described_anew(before, sighting):
             note_description(source, before)
             if affected := self._merger.identities.put(key, sighting):
-                self._merger.regroup(affected, "it says anew who it is")
+                self._merger.regroup(affected, "its identifiers changed")
                 entry = table.owners[key]
             self._merger.describe(entry)
-            table.note("changed", entry, "it is described anew")
+            table.note("changed", entry, "its description changed")
         if sighting.confirmed:
-            self._liveness.mark_seen(entry, source, sighting.seen_at, "it spoke itself")
+            self._liveness.mark_seen(entry, source, sighting.seen_at, "it reported live")
         elif not source.confirmed and entry.freshness == "unconfirmed":
             source.seen_at, source.heard_at = sighting.seen_at, self._liveness.now
             entry.invalidate_device()

@@ -85,7 +85,7 @@ class DeviceMerger:
         self.describe(entry, source)
         if entry.freshness == "unconfirmed":
             self._liveness.extend(entry, source, self._liveness.now)
-        self._table.note("changed", entry, "it announces more")
+        self._table.note("changed", entry, "it announces more capabilities")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
         """Make *entry* of the index file a device, unconfirmed.
@@ -102,7 +102,7 @@ class DeviceMerger:
         self._table.entries[entry.id] = entry
         self.describe(entry)
         self._liveness.restart(entry, now, wall)
-        self._table.note("appeared", entry, "it was known before the start")
+        self._table.note("appeared", entry, "it was known before the last start")
 
     def remove(self, entry: Entry, why: str, *, retained_only: bool, at: float) -> None:
         """Remove *entry* with its announcements.
@@ -138,7 +138,7 @@ class DeviceMerger:
         self._refresh_conflicts(table.topics.discard(key))
         self.regroup(affected, why)
         self.describe(entry)
-        table.note("changed", entry, f"it announces less: {why}")
+        table.note("changed", entry, f"it announces fewer capabilities: {why}")
 
     def regroup(self, affected: Iterable[SourceKey], why: str) -> None:
         """Make the devices those that the announcements *affected* are about now."""
@@ -178,7 +178,7 @@ class DeviceMerger:
             return
         before, entry.topic_owner = entry.topic_owner, owner
         if owner and owner != before:
-            why = f"{entry.id} wants to be told things where it listens"
+            why = f"{entry.id} takes commands on its topic"
             table.note("conflict", table.entries[owner], why, entry.id)
 
     def _tombstone(self, sources: dict[SourceKey, SourceRecord]) -> Tombstone | None:
@@ -223,7 +223,7 @@ class DeviceMerger:
         for other in group.gone:
             table.note("merged", entry, evidence or why, other.id)
         if new and not group.gone:
-            table.note("merged" if evidence else "changed", entry, evidence or "it announces more")
+            table.note("merged" if evidence else "changed", entry, evidence or "it announces more capabilities")
 
     def _evidence(self, entry: Entry) -> Iterator[str]:
         sources = self._table.sources
@@ -242,7 +242,7 @@ class DeviceMerger:
             entry.invalidate_description()
             table.outdated[device_id] = None
             if entry.published_conflicts != entry.parts(table.topics).conflicts:
-                table.note("changed", entry, "what is disputed about it changed")
+                table.note("changed", entry, "its disputes changed")
 
     def _topic_owner(self, entry: Entry, source: SourceRecord) -> str:
         """Return the device that keeps a topic from *source*; empty where none does."""

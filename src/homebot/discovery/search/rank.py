@@ -16,7 +16,7 @@ __all__ = ["Ranked", "rank", "reasons"]
 Ranked: TypeAlias = tuple[float, str]
 """Score and id."""
 
-_FRESHNESS = {"fresh": (1.0, "it spoke lately"), "unconfirmed": (0.0, "it was not heard itself yet")}
+_FRESHNESS = {"fresh": (1.0, "it reported recently"), "unconfirmed": (0.0, "it has not reported live yet")}
 _STALE = (-4.0, "it is stale: it has been silent for too long")
 _OFFLINE = (-2.0, "it is offline")
 _GUESSED = (-1.0, "its type was guessed")
@@ -97,7 +97,7 @@ def _weigh_type(term: TypeIs, facets: Facets) -> tuple[float, str]:
     if facets.main_type in term.types:
         return _BEST, f"it is a {_plain(facets.main_type)}"
     if term.by_word and term.word in facets.words_said:
-        return 2.5, f"it calls itself {term.word}"
+        return 2.5, f"it was announced as {term.word}"
     for kind in facets.kinds:
         if term.wants(kind):
             return 2.0, f"a part of it is a {_plain(kind[0])}"
@@ -111,12 +111,12 @@ def _weigh_text(word: str, facets: Facets) -> tuple[float, str]:
     if word in name:
         return 4.0, f"its name has {word}"
     if word in facets.words:
-        return 3.0, f"{word} is said of it"
+        return 3.0, f"{word} is one of its facts"
     begun = [one for one in facets.words if one.startswith(word)]
     if begun:
         return 2.0, f"{min(begun)} begins with {word}"
     if any(_is_near(word, one) for one in facets.words):
-        return 1.0, f"something of it is spelt like {word}"
+        return 1.0, f"{word} is a near match"
     return 0.0, ""
 
 

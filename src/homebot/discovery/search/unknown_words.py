@@ -37,7 +37,9 @@ def _problem(term: Query, postings: Postings) -> str:
         case TypeIs(word, types, _, by_word=True) if not types:
             known = {*TYPE_WORDS, *postings.values_of("said")}
             some = f"known are {', '.join(sorted(DEVICE_TYPES)[:_SHOWN])}, …"
-            return f"{word!r} is no type, and no device calls itself so; {did_you_mean(word, known, some)}"
+            return (
+                f"{word!r} is not a device type, and no device was announced as one; {did_you_mean(word, known, some)}"
+            )
         case InArea(area):
             return _typo(f"no device is in {area!r}", area, postings.values_of("area"))
         case GatewayIs(gateway):

@@ -87,7 +87,10 @@ class ActingLease:
         if not self.rival:
             return ""
         where = f"home {self._home}" if self._home else "this broker"
-        return f"another homebot ({self.rival}) acts on {where}; stop one of the two, or set act = false here"
+        return (
+            f"another homebot ({self.rival}) already sends commands to {where}; "
+            "stop one of the two, or set act = false here"
+        )
 
     def take(self, message: MqttMessage) -> None:
         """Take what homebots say to each other. What was kept is of before."""
@@ -187,17 +190,19 @@ class ActingLease:
         rival, self.rival = self.rival, ""
         self._gateway.acts, self._gateway.observes_because = True, ONLY_OBSERVES
         self._gateway.publish_state("active")
-        self._gateway.node.log.info(RESUMED, message=f"acting again: the homebot {rival} is gone", rival=rival)
+        self._gateway.node.log.info(
+            RESUMED, message=f"sending commands again: the homebot {rival} is gone", rival=rival
+        )
 
     def _tell_rival(self, word: _Word) -> None:
         if self._limit.allows(RIVAL) is not None:
             name = word.name or word.id
             self._gateway.node.log.warning(
-                RIVAL, message=f"another homebot ({name}) wants to act here as well; it only observes", rival=name
+                RIVAL, message=f"another homebot ({name}) started here as well; it only observes", rival=name
             )
 
     def _warn_once(self, exc: HomebotError) -> None:
         if self._limit.allows(NOT_ASKED) is not None:
             self._gateway.node.log.warning(
-                NOT_ASKED, message=f"whether another homebot acts cannot be asked on {self._topic}: {exc}"
+                NOT_ASKED, message=f"cannot ask on {self._topic} whether another homebot sends commands: {exc}"
             )

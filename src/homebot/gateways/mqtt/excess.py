@@ -67,6 +67,6 @@ class Excess:
             )
         if self.total + size - before > self._most:
             raise WireError(
-                f"{name!r} is {size:,} bytes longer than its parts explain, and long announcements of "
-                f"{self.total:,} bytes stand already; take some of them back or shorten it"
+                f"{name!r} is {size:,} bytes longer than its parts explain, and there are long announcements of "
+                f"{self.total:,} bytes already; withdraw some of them or shorten it"
             )

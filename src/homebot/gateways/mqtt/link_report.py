@@ -55,7 +55,7 @@ class LinkReport:
             return
         self._gateway.node.log.warning(
             NO_ANSWER,
-            message=f"{self._connection.url} has not answered yet; waiting for it",
+            message=f"{self._connection.url} has not answered yet; still trying",
             broker=self._connection.url,
         )
 
@@ -82,7 +82,7 @@ class LinkReport:
         reason = f"the broker refused the subscription to {names}: {next(iter(refused.values()))}"
         is_deaf = all(one in refused for one in self._filters)
         self._gateway.publish_state("unavailable" if is_deaf else "active", reason)
-        outcome = "it hears nothing" if is_deaf else hears
+        outcome = "it receives nothing" if is_deaf else hears
         self._gateway.node.log.warning(NOT_HEARD, message=f"connected to {url}, but {reason}; {outcome}", broker=url)
 
     def _down(self, state: ConnectionState) -> None:
@@ -92,6 +92,6 @@ class LinkReport:
         event, limit = (LOST, self._losses) if self._was_up else (UNAVAILABLE, self._tries)
         if limit.allows(event) is None:
             return
-        what = f"lost the link to {url}" if self._was_up else f"no link to {url}"
+        what = f"lost the connection to {url}" if self._was_up else f"cannot connect to {url}"
         soon = "trying again" if not state.retry_in or state.retry_in < 2 else f"trying again in {state.retry_in:.0f} s"
         self._gateway.node.log.warning(event, message=f"{what}: {reason}; {soon}", broker=url, reason=reason)

@@ -46,8 +46,8 @@ class MemoryAccount:
             more += _DEVICE
         if more > 0 and self.total + more > self._most:
             raise WireError(
-                f"{described.key!r} is one too many: what is announced takes {self.total:,} bytes already, and "
-                f"{self._most:,} is the limit; take some of it back, or set max_memory of the gateway higher"
+                f"{described.key!r} is one too many: announcements take {self.total:,} bytes already, and "
+                f"{self._most:,} is the limit; withdraw some, or raise max_memory of the gateway"
             )
 
     def put(self, described: DeviceAnnounced) -> None:

@@ -119,7 +119,7 @@ class Offers:
     def _report(self, report: ExposedState) -> None:
         offer = self._offers.get(report.id)
         if offer is None:
-            self._tribunal.log_limited(NOT_TAKEN, f"{report.id} says something and is not offered", topic=report.id)
+            self._tribunal.log_limited(NOT_TAKEN, f"{report.id} published a state but is not exposed", topic=report.id)
             return
         offered = _offered(offer)
         changed = {key: one.value.plain() for one in report.readings if (key := (one.part, one.capability)) in offered}
@@ -143,7 +143,7 @@ class Offers:
             if not publication.retain:
                 if len(self._events) == MAX_EVENTS:
                     self._tribunal.log_limited(
-                        NOT_PUBLISHED, "an event was dropped: too many wait", topic=publication.topic
+                        NOT_PUBLISHED, "an event was dropped: too many are waiting", topic=publication.topic
                     )
                 self._events.append(publication)
                 continue

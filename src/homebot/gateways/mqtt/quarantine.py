@@ -79,8 +79,8 @@ class PeerQuarantine:
         self._events.publish(self._message(offender))
         self.log_limited(
             QUARANTINED,
-            f"too much on {payer[:_LONGEST]} breaks the rules: what comes there is read a little at a time until that "
-            f"stops; the last: {offender.why}",
+            f"too much on {payer[:_LONGEST]} breaks the rules; it is quarantined, and read slowly, until that "
+            f"stops; the last offence: {offender.why}",
             topic=payer,
         )
 

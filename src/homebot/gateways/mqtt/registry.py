@@ -204,9 +204,11 @@ class AnnouncementRegistry:
         if count > self._bounds.parts_each:
             raise WireError(f"{described.key!r} has {count} parts, more than {self._bounds.parts_each:,}")
         if before is None and len(self._announcements_by_key) >= self._bounds.claims:
-            raise WireError(f"{described.key!r} is one too many: {self._bounds.claims:,} announcements stand")
+            raise WireError(
+                f"{described.key!r} is one too many: there are {self._bounds.claims:,} announcements already"
+            )
         if self._parts + count - (0 if before is None else len(before.described.parts)) > self._bounds.parts:
-            raise WireError(f"{described.key!r} has parts too many: {self._bounds.parts:,} are described")
+            raise WireError(f"{described.key!r} has too many parts: there are {self._bounds.parts:,} parts already")
         self._memory.check(described, None if before is None else before.described)
 
     def _register_readers(self, claim: StoredAnnouncement) -> tuple[tuple[WireError, ...], _Readers]:

@@ -147,7 +147,7 @@ class StateReader:
         self._counters.reports += 1
         if not message.retain and (not claim.is_confirmed or self._board.now >= claim.refresh_at):
             # First: to a directory that has forgotten the device, a report alone is of nobody.
-            self._board.publish_sighting(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
+            self._board.publish_sighting(claim, "updated", f"message on {message.topic}", confirmed=True)
         self._tell(claim, readings, message)
         if not message.retain and False in claim.reachable.values():
             self._doubt(claim, {"", *(one.part for one in readings)}, message.topic)

@@ -93,7 +93,7 @@ class StateTopics:
         except InvalidNameError as exc:
             raise WireError(str(exc)) from None
         if _asks_too_much(topic_filter):
-            raise WireError(f"the state topic {topic_filter!r} asks for what is not this device's alone")
+            raise WireError(f"the state topic {topic_filter!r} does not belong to this device alone")
         if len(self._users) >= self._max_topics:
             raise WireError(f"state topic {topic_filter!r} is one too many: {self._max_topics:,} are in use")
 

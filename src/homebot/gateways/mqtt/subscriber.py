@@ -112,7 +112,7 @@ class Subscriber:
             await connection.subscribe(*(MqttSubscription(one, no_local=True) for one in filters), every_link=True)
         except RefusedError as exc:
             self._counters.topics_refused += sum(one in connection.refused for one in filters)
-            self._tribunal.log_limited(NOT_HEARD, f"devices are not heard in full: {exc}", topic=filters[0])
+            self._tribunal.log_limited(NOT_HEARD, f"some devices are not read: {exc}", topic=filters[0])
         if covered := tuple(one for one in filters if self._topics.is_covered(one)):
             await connection.unsubscribe(*covered)
 

@@ -79,8 +79,8 @@ _GOODBYE = 1.0
 
 _PINGREQ: Final = b"\xc0\x00"
 _TLS_ALERT: Final = 0x15  # RFC 8446, section 5.1
-_IN_TLS: Final = "what answers there speaks TLS; is the address mqtts://?"
-_NO_MQTT: Final = "what answers there speaks no MQTT"
+_IN_TLS: Final = "the server there uses TLS; is the address mqtts://?"
+_NO_MQTT: Final = "the server there is not an MQTT broker"
 
 # The libraries log what a peer makes them log, without a limit; the facts are in our errors and events.
 _SILENCE: Final = logging.getLogger("homebot.mqtt.silence")
@@ -305,7 +305,7 @@ class _Link(aiomqtt.Client):
             self._break(LinkError(f"no answer to CONNECT within {self.timeout:g} s"))
             raise LinkError(f"no answer to CONNECT within {self.timeout:g} s") from error
         except BaseException:
-            self._break(LinkError("the connect was given up"))
+            self._break(LinkError("the connection attempt was cancelled"))
             raise
 
     async def close(self) -> None:

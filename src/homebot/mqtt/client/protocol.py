@@ -100,7 +100,7 @@ class ClientProtocol:
             self._break(LinkError(words))
             raise LinkError(words) from None
         except BaseException:
-            self._break(LinkError("the connect was given up"))
+            self._break(LinkError("the connection attempt was cancelled"))
             raise
 
     async def close(self, *, ends_session: bool) -> None:

@@ -38,7 +38,7 @@ def reason_text(code: int) -> str:
 def login_error(code: int) -> LinkError | RefusedError:
     """Return the error for a CONNACK with *code* (0x80 or more)."""
     if code in _TRY_LATER:
-        return LinkError(f"the broker said: {reason_text(code)}")
+        return LinkError(f"the broker answered: {reason_text(code)}")
     return RefusedError("the login", reason_text(code), code)
 
 
@@ -48,7 +48,7 @@ def disconnect_error(code: int) -> LinkError | RefusedError:
         return RefusedError("the connection", "session taken over, another client uses this client id", code)
     if code in _THROWN_OUT:
         return RefusedError("the connection", reason_text(code), code)
-    return LinkError(f"the broker said good-bye: {reason_text(code) if code else 'no reason given'}")
+    return LinkError(f"the broker disconnected: {reason_text(code) if code else 'no reason given'}")
 
 
 def check_granted(session: SessionGrant, topic: str, size: int, qos: int, *, retain: bool) -> None:
