@@ -81,7 +81,7 @@ class Thesis:
             return ()
         if payload:
             return (device,)
-        return (DeviceWithdrawn(device.key, "its topic was cleared", is_final=True, device=device),)
+        return (DeviceWithdrawn(device.key, "its retained message was deleted", is_final=True, device=device),)
 
     def announced(self, topic: str) -> DeviceAnnounced | None:
         """Return the device that speaks on *topic*; None for another home, or a channel that is not ``out``.

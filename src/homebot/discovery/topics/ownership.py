@@ -109,12 +109,12 @@ class TopicOwnership:
         return ""
 
     def _conflict_text(self, source: SourceRecord, topic: str, owner: str) -> str:
-        wants = f"{source.label} wants to be told things on {topic}, where"
+        wants = f"{source.label} takes commands on {topic},"
         if owner == NOBODY:
-            return f"{wants} too many others do"
+            return f"{wants} as too many others do"
         if owner == self._uses[source.key].device:
-            return f"{wants} another announcement of the device is told something else"
-        return f"{wants} {owner} listens"
+            return f"{wants} where another announcement of the device takes different ones"
+        return f"{wants} which belongs to {owner}"
 
     def _enter(self, use: TopicUse, touched: dict[TopicNode, None]) -> None:
         for prefix in use.owns:

@@ -244,7 +244,7 @@ class AnnouncedDevices:
                 device = convention.announced(address) if isinstance(convention, TextConvention) else None
                 if device is not None:
                     return device.full_key, device.name
-        raise WireError(f"topic {address!r} is none that a device speaks on")
+        raise WireError(f"no device publishes on topic {address!r}")
 
     def missed_by(self, topic: str, since: float) -> tuple[RawMessage, ...]:
         """Return what a new listener wants of what was said on *topic* from *since* on, on the monotonic clock."""

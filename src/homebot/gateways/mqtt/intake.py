@@ -124,7 +124,7 @@ class AnnouncementHandler:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
             self._tribunal.log_limited(
-                AMBIGUOUS, f"{message.topic} says {keys} twice; what it says last counts", topic=message.topic
+                AMBIGUOUS, f"{message.topic} has {keys} twice; the last one counts", topic=message.topic
             )
 
     def take_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
@@ -152,7 +152,7 @@ class AnnouncementHandler:
 
     def clear(self, claim: StoredAnnouncement) -> None:
         """Take the device out: an empty message clears what the broker keeps of it."""
-        self._remove(claim, "its topic was cleared")
+        self._remove(claim, "its retained message was deleted")
 
     async def _take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         for convention in conventions:
@@ -165,7 +165,7 @@ class AnnouncementHandler:
                     await work.pause()
             if told > MOST_HEARD:
                 self._counters.announcements_rejected += 1
-                self._accuse(message, f"{convention.name} heard more than {MOST_HEARD:,} things in one message")
+                self._accuse(message, f"{convention.name} found more than {MOST_HEARD:,} announcements in one message")
         if self._accepted:
             is_valid = not self._offended
             self._tribunal.offenders.accept(message.topic, message.payload, self._board.now, is_valid=is_valid)
@@ -186,7 +186,7 @@ class AnnouncementHandler:
                     return end is not _END
         except WireError as exc:
             self._counters.announcements_rejected += 1
-            self._accuse(message, f"no announcement to {convention.name}: {exc}")
+            self._accuse(message, f"invalid announcement for {convention.name}: {exc}")
             return False
         except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
             self._tribunal.record_plugin_failure(message.topic, convention.name, exc)
@@ -202,7 +202,7 @@ class AnnouncementHandler:
         described, reserved = self._reserved.without(described)
         for told in reserved:
             self._counters.topics_reserved += 1
-            self._tribunal.log_limited(RESERVED, f"{described.key} is told nothing on {told}", topic=message.topic)
+            self._tribunal.log_limited(RESERVED, f"{described.key} gets no commands on {told}", topic=message.topic)
         try:
             change = self._claims.put(described, length)
         except WireError:
@@ -213,15 +213,15 @@ class AnnouncementHandler:
         self._timekeeper.drop(("gone", claim.key))
         for problem in change.refused:
             self._counters.topics_refused += 1
-            self._tribunal.log_limited(NOT_READ, f"{claim.key} is not heard in full: {problem}", topic=message.topic)
+            self._tribunal.log_limited(NOT_READ, f"{claim.key} is only partly read: {problem}", topic=message.topic)
         is_live = described.implies_alive and not message.retain
         if described.text is not None and message.retain and before is None:
-            words = f"{claim.key} is known only from a message that the broker kept; it may be gone"
+            words = f"{claim.key} is known only from a retained message; it may be gone"
             self._tribunal.log_limited(RETAINED_ONLY, words, topic=message.topic)
         if before is None:
             self._board.publish_sighting(claim, "appeared", _why(claim, message), confirmed=is_live)
         elif not claim.publishes_the_same(before):
-            self._board.publish_sighting(claim, "updated", "it is described anew", confirmed=is_live)
+            self._board.publish_sighting(claim, "updated", "its description changed", confirmed=is_live)
         elif not message.retain and self._board.now >= claim.refresh_at:
             self._board.publish_sighting(claim, "updated", "it was announced again", confirmed=is_live)
         if before is not None:
@@ -263,8 +263,8 @@ class AnnouncementHandler:
 def _why(claim: StoredAnnouncement, message: MqttMessage) -> str:
     """Why it is there."""
     if claim.described.text is not None:
-        return "the broker keeps a message of it" if message.retain else f"it spoke on {message.topic}"
-    return f"the broker keeps its announcement on {message.topic}" if message.retain else "it was announced"
+        return f"retained message on {message.topic}" if message.retain else f"message on {message.topic}"
+    return f"retained announcement on {message.topic}" if message.retain else "it was announced"
 
 
 def _is_sliced(convention: Convention) -> TypeGuard[SlicedConvention]:

@@ -102,7 +102,7 @@ class StateReader:
         """Take *message* as the text that *part* says by itself, and hand it on as it is."""
         claim, now = part.claim, self._board.now
         if not message.retain and (now >= claim.refresh_at or not claim.is_confirmed):
-            self._board.publish_sighting(claim, "updated", f"it spoke on {message.topic}", confirmed=True)
+            self._board.publish_sighting(claim, "updated", f"message on {message.topic}", confirmed=True)
         told = self._decode(part, message)
         if told is not None:
             self._counters.reports += 1
