@@ -149,7 +149,7 @@ class Availability:
 
 @dataclass(frozen=True, slots=True)
 class TextEndpoint:
-    """Where a device says and takes text by itself.
+    """The topics on which a device publishes and takes text by itself.
 
     Attributes:
         service_type: What it offers, in its own word.
@@ -205,7 +205,7 @@ class DeviceAnnounced:
 
     @property
     def full_key(self) -> str:
-        """What a gateway calls it; a device that says text needs no convention to be told from others."""
+        """Key of the gateway for it; a text device needs no convention to be told from others."""
         return self.key if self.text is not None else f"{self.convention}:{self.key}"
 
 

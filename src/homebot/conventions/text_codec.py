@@ -17,7 +17,7 @@ _LONGEST = 1000
 
 
 class TextCodec:
-    """How a part says and takes text; see :class:`homebot.conventions.description.Codec`.
+    """The codec of a part that publishes and takes text; see :class:`homebot.conventions.description.Codec`.
 
     A text is read when it is another one than before, and once more when it is live and was kept by the broker before.
     Of a thermostat a number may be the temperature of the room or the target: it is the target where it answers a

@@ -89,9 +89,9 @@ async def test_a_broker_that_does_not_speak_5_is_asked_with_3_1_1(make: MakeClie
     ("nonsense", "problem"),
     [
         (b"", r"the broker closed the connection instead of answering; is this a port for TLS \(mqtts://\)\?"),
-        (b"\x15\x03\x01\x00\x02\x02\x46", "what answers there speaks TLS; is the address mqtts://"),
-        (b"HTTP/1.1 400 Bad Request\r\n\r\n" + bytes(100), "what answers there speaks no MQTT"),
-        (b"\xff" * 20, "what answers there speaks no MQTT"),
+        (b"\x15\x03\x01\x00\x02\x02\x46", "the server there uses TLS; is the address mqtts://"),
+        (b"HTTP/1.1 400 Bad Request\r\n\r\n" + bytes(100), "the server there is not an MQTT broker"),
+        (b"\xff" * 20, "the server there is not an MQTT broker"),
     ],
 )
 async def test_who_speaks_no_version_at_all_is_not_called_old(make: MakeClient, nonsense: bytes, problem: str) -> None:
@@ -165,7 +165,7 @@ async def test_a_login_is_refused_or_put_off_and_no_secret_is_told(
 
 
 async def test_an_absent_broker_is_a_link_error(make: MakeClient, unused_tcp_port: int) -> None:
-    with pytest.raises(LinkError, match="nobody listens there"):
+    with pytest.raises(LinkError, match="nothing is listening there"):
         async with make(unused_tcp_port).connected():
             pass
 

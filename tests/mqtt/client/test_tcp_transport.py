@@ -139,7 +139,7 @@ async def test_a_dialled_socket_sends_small_packets_at_once() -> None:
 async def test_a_port_where_nobody_listens_is_told_in_words(unused_tcp_port: int, host: str) -> None:
     with pytest.raises(LinkError) as caught:
         await dial_tcp(MqttOptions(host=host, port=unused_tcp_port), NoUser())
-    assert str(caught.value) == "nobody listens there (connection refused)"
+    assert str(caught.value) == "nothing is listening there (connection refused)"
 
 
 async def test_an_unknown_host_is_a_link_error() -> None:

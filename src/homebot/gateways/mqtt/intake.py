@@ -261,7 +261,7 @@ class AnnouncementHandler:
 
 
 def _why(claim: StoredAnnouncement, message: MqttMessage) -> str:
-    """Why it is there."""
+    """Return why the device is there."""
     if claim.described.text is not None:
         return f"retained message on {message.topic}" if message.retain else f"message on {message.topic}"
     return f"retained announcement on {message.topic}" if message.retain else "it was announced"

@@ -148,7 +148,7 @@ class AnnouncementRegistry:
         return tuple(self._announcements_by_key.values())
 
     def is_read(self, topic: str) -> bool:
-        """Whether a part, or what tells of an availability, reads *topic* now."""
+        """Return whether a part, or an availability reader, reads *topic* now."""
         return topic in self._texts or bool(self._readers.match(topic))
 
     def route(self, topic: str) -> TopicReaders | None:
@@ -233,7 +233,7 @@ class AnnouncementRegistry:
         return tuple(refused), tuple(readers)
 
     def _register_text(self, claim: StoredAnnouncement) -> None:
-        """What it says comes by the filters of its convention, so that its topic is not subscribed to."""
+        """Register a text device; its convention's filters bring its messages, so it needs no subscription."""
         if (text := claim.described.text) is not None:
             for voice in claim.parts.values():
                 self._texts[text.address] = voice

@@ -63,7 +63,7 @@ class ReservedTopics:
                 return rule.why
         for one in self._texts:
             if _speaks(one, topic):
-                return "another device speaks there"
+                return "another device publishes there"
         return ""
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:

@@ -44,8 +44,8 @@ _ANSWERS: Final = frozenset({PacketType.PUBACK, _PUBREC, PacketType.PUBCOMP, Pac
 _FAILED: Final = 0x80  # reason codes from here on say no
 _TLS_ALERT: Final = 0x15  # RFC 8446, section 5.1
 _V3_CONNACK: Final = 2  # bytes of its body
-_IN_TLS: Final = "what answers there speaks TLS; is the address mqtts://?"
-_NO_MQTT: Final = "what answers there speaks no MQTT"
+_IN_TLS: Final = "the server there uses TLS; is the address mqtts://?"
+_NO_MQTT: Final = "the server there is not an MQTT broker"
 
 
 @final

@@ -293,7 +293,7 @@ def _words(error: OSError) -> str:
 
 _CUT: Final = (ssl.SSLEOFError, ssl.SSLZeroReturnError, ConnectionResetError, BrokenPipeError)
 _WORDS: Final = {
-    errno.ECONNREFUSED: "nobody listens there (connection refused)",
+    errno.ECONNREFUSED: "nothing is listening there (connection refused)",
     errno.ENETUNREACH: "no route to that network",
     errno.EHOSTUNREACH: "no route to that host",
     errno.ETIMEDOUT: "no answer",
@@ -302,7 +302,7 @@ _WORDS: Final = {
 }
 _UNKNOWN_NAME: Final = {getattr(socket, name, socket.EAI_NONAME) for name in ("EAI_NONAME", "EAI_NODATA")}
 
-_NO_TLS: Final = "what answers there speaks no TLS; is it the port for mqtt://?"
+_NO_TLS: Final = "the server there does not use TLS; is it the port for mqtt://?"
 _TLS_WORDS: Final = (
     ("CERTIFICATE_REQUIRED", "client certificate required; set cert_file and key_file"),
     ("HANDSHAKE_FAILURE", "hand-shake failure; does the broker want a client certificate (cert_file)?"),
