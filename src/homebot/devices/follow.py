@@ -32,11 +32,12 @@ _PAUSE = 0.5
 
 
 class Follow:
-    """``async for change in Follow(node, "lights")``: first ``appeared`` for each device there is, then every change.
+    """A live query for devices: ``async for change in Follow(node, "lights")``.
 
-    Of each device ``appeared`` comes first and ``removed`` last. A reader that falls behind misses intermediate changes
-    of a device, never the last one. The query waits for a directory that is not running yet; after a restart of the
-    directory it yields the differences. Only one task may read.
+    Devices that are there already are reported at once. Of each device ``appeared`` comes first and ``removed`` last. A
+    reader that falls behind misses intermediate changes of a device, never the last one. The query waits for a
+    directory that is not running yet; after a restart of the directory it yields the differences. Only one task may
+    read.
 
     Args:
         node: The node that asks; the query ends with it.

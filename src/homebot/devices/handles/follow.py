@@ -52,9 +52,9 @@ class HandleChange(Generic[HandleT]):
 
 
 class FollowHandles(Generic[HandleT]):
-    """``async for change in devices.follow(Light, area="kitchen", on=True)``.
+    """A live query for handles: ``async for change in devices.follow(Light, area="kitchen", on=True)``.
 
-    A live query: every handle that matches now is reported as ``appeared``, later ones when they appear. Of each handle
+    Every handle that matches now is reported as ``appeared``, later ones when they appear. Of each handle
     ``appeared`` comes first and ``removed`` last. Changes of one handle that happen while the reader is busy are
     reported as one, so that nothing piles up; every event is reported, once. If the directory is not running, the query
     waits for it. Only one task may read.
