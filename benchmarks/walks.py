@@ -18,6 +18,7 @@ from homebot.clock import LoopClock
 from homebot.config import parse_config
 from homebot.devices import Devices, RawMessage
 from homebot.devices.handles import Light
+from homebot.errors import LinkError
 from homebot.graph import Node
 from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -223,7 +224,7 @@ class Wire:
     def drained(self) -> None:
         pass
 
-    def link_ended(self) -> None:
+    def link_ended(self, reason: LinkError) -> None:
         pass
 
 

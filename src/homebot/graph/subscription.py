@@ -209,6 +209,7 @@ class Subscription(Generic[MessageT]):
             while True:
                 await limit.acquire()  # before the message is taken: until then it waits where losses are counted
                 try:
+                    await self.mailbox.wait()  # here, because each wake-up goes through all that wait
                     message = await self.receive()
                 except ClosedError:
                     return

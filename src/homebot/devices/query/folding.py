@@ -36,7 +36,7 @@ def fold(text: str) -> str:
 @lru_cache(maxsize=4096)
 def words_of(text: str) -> tuple[str, ...]:
     """Return the words of *text*, folded, each once, in order."""
-    return tuple(dict.fromkeys(word[:MAX_WORD] for word in _WORD.findall(fold(text))))
+    return tuple(dict.fromkeys([word[:MAX_WORD] for word in _WORD.findall(fold(text))]))
 
 
 def may_be_typo(word: str) -> bool:

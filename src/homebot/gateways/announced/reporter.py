@@ -70,7 +70,7 @@ class DeviceReporter:
     ) -> None:
         """Tell what the device *key* said of itself."""
         self._reports.publish(
-            Report(
+            Report.of_checked(
                 gateway=self._gateway.node.name,
                 key=key,
                 readings=readings,

@@ -90,13 +90,15 @@ class StateReader:
             if not told:
                 continue
             if voice.claim is not claim:
-                self._report(claim, readings, message)
+                if claim is not None:
+                    self._report(claim, readings, message)
                 claim, readings = voice.claim, []
             readings += told[1]
             for fade in voice.described.expiries:
                 self._plan(voice, fade, told[0])
             await self._deliver_text(voice, told[0], message)
-        self._report(claim, readings, message)
+        if claim is not None:
+            self._report(claim, readings, message)
 
     async def read_text(self, message: MqttMessage, part: AnnouncedPart) -> None:
         """Take *message* as the text that *part* says by itself, and hand it on as it is."""
@@ -107,7 +109,7 @@ class StateReader:
         if told is not None:
             self._counters.reports += 1
             self._tell(claim, told[1], message)
-        raw = RawMessage(
+        raw = RawMessage.of_checked(
             gateway=claim.gateway,
             key=claim.key,
             address=message.topic,
@@ -141,8 +143,8 @@ class StateReader:
             self._tribunal.record_plugin_failure(message.topic, voice.claim.described.convention, exc)
             return None
 
-    def _report(self, claim: StoredAnnouncement | None, readings: list[Reading], message: MqttMessage) -> None:
-        if claim is None or self._claims.get(claim.key) is not claim:
+    def _report(self, claim: StoredAnnouncement, readings: list[Reading], message: MqttMessage) -> None:
+        if self._claims.get(claim.key) is not claim:
             return  # it went while others had their turn
         self._counters.reports += 1
         if not message.retain and (not claim.is_confirmed or self._board.now >= claim.refresh_at):
@@ -190,7 +192,7 @@ class StateReader:
         said = encode_state(told)
         if said is None:
             return None
-        raw = RawMessage(
+        raw = RawMessage.of_checked(
             gateway=voice.claim.gateway,
             key=voice.claim.key,
             address=voice.address,

@@ -47,7 +47,8 @@ class Inbox:
                 self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes
             ):
                 self._drop_oldest()
-        self._wake_up()
+        if self._wake is not None:
+            self._wake_up()
 
     async def take(self) -> list[MqttMessage]:
         """Everything that is there, oldest first.

@@ -111,7 +111,7 @@ def encode_subscribe(packet: Subscribe, version: ProtocolVersion) -> bytes:
     """The whole packet; before MQTT 5 all options but the QoS are left out."""
     if not packet.filters:
         raise UsageError("SUBSCRIBE needs at least one filter")
-    body = b"".join(encode_text(each.filter) + _encode_options(each, version) for each in packet.filters)
+    body = b"".join([encode_text(each.filter) + _encode_options(each, version) for each in packet.filters])
     return _close(b"\x82", packet.packet_id, packet.properties, PacketType.SUBSCRIBE, version, body)
 
 
@@ -264,6 +264,6 @@ def _encode_options(request: FilterRequest, version: ProtocolVersion) -> bytes:
 
 def _reasons(cursor: Cursor, known: dict[int, ReasonCode]) -> tuple[ReasonCode, ...]:
     numbers = cursor.take(cursor.left)
-    if not numbers or any(number not in known for number in numbers):
+    if not numbers or not known.keys() >= set(numbers):
         raise PacketError("there is no reason, or an unknown one", cursor.body, ReasonCode.PROTOCOL_ERROR)
-    return tuple(known[number] for number in numbers)
+    return tuple([known[number] for number in numbers])
