@@ -165,8 +165,8 @@ def parse_settings(
         first = exc.errors(include_url=False, include_context=False)[0]
         path = ".".join(part for part in (key, *(str(part) for part in first["loc"])) if part)
         reason = _reason(_model_at(model, first["loc"][:-1]), first["type"], first["msg"])
-        is_secret = any(word in path.lower() for word in _SECRET_WORDS)
-        shown = "" if is_secret or first["type"] in _TELL_ALL else f", got {_shortened(first.get('input'))}"
+        is_secret = any(word in path.lower() for word in _SECRET_KEYS)
+        shown = "" if is_secret or first["type"] in _COMPLETE_ERRORS else f", got {_shortened(first.get('input'))}"
         # The cause is left out: it would show the value of a secret.
         raise ConfigError(source, path, f"{reason}{shown}") from None
     except PydanticSerializationError:
@@ -204,8 +204,8 @@ def check_secret_file(path: Path, found: os.stat_result) -> None:
         _log.warning(READABLE, message=warning, file=str(path))
 
 
-_SECRET_WORDS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
-_TELL_ALL = {"extra_forbidden", "missing", "value_error"}
+_SECRET_KEYS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
+_COMPLETE_ERRORS = {"extra_forbidden", "missing", "value_error"}
 
 
 def _unreadable(error: OSError | ValueError) -> str:

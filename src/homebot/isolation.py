@@ -16,7 +16,7 @@ import anyio
 
 from homebot.errors import AbortError, ExitError
 
-__all__ = ["crash_of", "in_words", "is_cancelled", "is_end_of", "run_as", "uncancel"]
+__all__ = ["crash_of", "error_text", "is_cancelled", "is_end_of", "run_as", "uncancel"]
 
 
 async def run_as(owner: str, function: Callable[[], Awaitable[None]]) -> None:
@@ -92,7 +92,7 @@ def crash_of(owner: str, error: BaseException) -> Exception:
     return crash
 
 
-def in_words(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     """Return the first real error inside what task groups wrapped around *error*, in words."""
     while isinstance(error, BaseExceptionGroup):
         error = error.exceptions[0]

@@ -125,7 +125,7 @@ def _only_warnings(_logger: WrappedLogger, _method: str, event: EventDict) -> Ev
     return event
 
 
-_GUEST: Final[tuple[Processor, ...]] = (
+_DEFAULT_PROCESSORS: Final[tuple[Processor, ...]] = (
     structlog.processors.add_log_level,
     _shown_to_observers,
     _only_warnings,
@@ -133,8 +133,8 @@ _GUEST: Final[tuple[Processor, ...]] = (
     structlog.processors.format_exc_info,
     ConsoleRenderer(colours=False),
 )
-_GUEST_LOGGER: Final = structlog.wrap_logger(
-    LineWriter(), processors=_GUEST, wrapper_class=structlog.make_filtering_bound_logger(0)
+_DEFAULT_LOGGER: Final = structlog.wrap_logger(
+    LineWriter(), processors=_DEFAULT_PROCESSORS, wrapper_class=structlog.make_filtering_bound_logger(0)
 )
 
 
@@ -143,12 +143,12 @@ class _Logger:
 
     def __init__(self, facts: dict[str, object]) -> None:
         self._configured = structlog.get_logger(**facts)
-        self._guest = _GUEST_LOGGER.bind(**facts)
+        self._default = _DEFAULT_LOGGER.bind(**facts)
 
     def __getattr__(self, name: str) -> object:
         if name.startswith("__"):  # a copy or a pickle asks before there is anything
             raise AttributeError(name)
-        return getattr(self._configured if structlog.is_configured() else self._guest, name)
+        return getattr(self._configured if structlog.is_configured() else self._default, name)
 
 
 def _harmless_lines(text: str) -> str:

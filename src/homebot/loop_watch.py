@@ -142,13 +142,13 @@ class LoopWatch:
                 if busy_since == since:
                     self._note(now, now - since)
                 else:
-                    self._tell_free(min(busy_since or now, now) - since)
+                    self._report_free(min(busy_since or now, now) - since)
                     since = None
             if since is None and busy_since is not None and now - busy_since - starved >= self.blocked_after:
                 stack = self._stack()
                 if self._selector.busy_since == busy_since:  # else the stack is that of another turn
                     since = busy_since
-                    self._tell_blocked(now, now - busy_since, stack)
+                    self._report_blocked(now, now - busy_since, stack)
                 del stack  # and with it all that the frames hold
 
     def _stack(self) -> list[FrameType]:
@@ -161,7 +161,7 @@ class LoopWatch:
             frame = frame.f_back
         return stack
 
-    def _tell_blocked(self, now: float, seconds: float, stack: list[FrameType]) -> None:
+    def _report_blocked(self, now: float, seconds: float, stack: list[FrameType]) -> None:
         task = asyncio.current_task(self._loop)
         who = "a callback" if task is None else task.get_name()
         frame = next((one for one in stack if _is_ours_or_the_users(one)), stack[0] if stack else None)
@@ -180,7 +180,7 @@ class LoopWatch:
         self._last_at = now
         self.longest = max(self.longest, seconds)
 
-    def _tell_free(self, seconds: float) -> None:
+    def _report_free(self, seconds: float) -> None:
         _log.warning(
             FREE_AGAIN,
             message=f"the event loop runs again; it was blocked for {seconds:.1f} s by {self.last}",

@@ -33,7 +33,7 @@ LAST_CHANCE = 0.5
 _BATCH = 64 * 1024
 
 
-def _loss_in_words(lines: int) -> str:
+def _loss_text(lines: int) -> str:
     return f"… {lines:,} lines were lost here, as nobody read them in time\n"
 
 
@@ -55,7 +55,7 @@ class OutputQueue:
 
     def __init__(self, descriptor: int, encoding: str = "utf-8", *, most: int = MAX_WAITING) -> None:
         self.lost = 0
-        self.loss_text: Callable[[int], str] = _loss_in_words
+        self.loss_text: Callable[[int], str] = _loss_text
         self._descriptor = descriptor
         self._encoding = encoding
         self._most = most
@@ -78,7 +78,7 @@ class OutputQueue:
                 self.lost += lines
                 self._untold += lines
                 return
-            self._tell_lost()
+            self._report_lost()
             self._add(text)
             self._is_idle = False
             if self._thread is None:
@@ -98,7 +98,7 @@ class OutputQueue:
         self._waiting.append(text)
         self._size += len(text)
 
-    def _tell_lost(self) -> None:
+    def _report_lost(self) -> None:
         if self._untold:
             lines, self._untold = self._untold, 0
             self._add(self.loss_text(lines))
@@ -108,7 +108,7 @@ class OutputQueue:
             with self._changed:
                 while not self._waiting:
                     if self._untold:
-                        self._tell_lost()
+                        self._report_lost()
                         continue
                     self._is_idle = True
                     self._changed.notify_all()

@@ -51,7 +51,7 @@ def _load_entry_point(group: str, name: str) -> object:
             try:
                 return point.load()
             except Exception as exc:
-                raise PluginError(name, f"cannot be loaded: {_in_words(exc)}") from exc
+                raise PluginError(name, f"cannot be loaded: {_error_text(exc)}") from exc
     known = ", ".join(plugin_names(group)) or "none"
     raise PluginError(name, f"is not installed (installed: {known}); a class of your own is written module:Class")
 
@@ -65,7 +65,7 @@ def _load_class(path: str) -> object:
     except PluginError:
         raise
     except Exception as exc:
-        raise PluginError(path, f"the module {module_name!r} cannot be imported: {_in_words(exc)}") from exc
+        raise PluginError(path, f"the module {module_name!r} cannot be imported: {_error_text(exc)}") from exc
     try:
         return getattr(module, class_name)
     except AttributeError:
@@ -96,5 +96,5 @@ def _look_here_too(path: str, module_name: str) -> None:
     importlib.invalidate_caches()
 
 
-def _in_words(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     return f"{type(error).__name__}: {error}"

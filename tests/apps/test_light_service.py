@@ -70,7 +70,7 @@ async def test_a_lamp_is_judged_by_its_value(word: str, told: list[str]) -> None
                 await settle()
     assert gateway.told == [("lights/a/in", one) for one in told * 3]
     assert [line["event"] for line in lines if line["event"].startswith("light_service")] == (
-        ["light_service.told_off"] * 3 if told else ["light_service.is_off"] if word == "0" else []
+        ["light_service.turned_off"] * 3 if told else ["light_service.is_off"] if word == "0" else []
     )
 
 
@@ -128,7 +128,7 @@ async def test_a_lamp_that_is_removed_and_back_is_answered_once() -> None:
     assert [line["event"] for line in lines if line["event"].startswith("light_service")] == [
         "light_service.is_off",
         "light_service.is_off",
-        "light_service.told_off",
+        "light_service.turned_off",
     ]
     assert gateway.told == [("lights/a/in", "off")]
 
@@ -149,7 +149,7 @@ async def test_a_lamp_that_takes_no_commands_is_told_about_and_the_others_are_se
             await gateway.says("lights/deaf", "on", takes_commands=False)
             await gateway.says("lights/deaf", "on", takes_commands=False)
             await gateway.says("lights/a", "on")
-    told = [line["message"] for line in lines if line["event"] == "light_service.not_told"]
+    told = [line["message"] for line in lines if line["event"] == "light_service.not_turned_off"]
     assert told == ["lights/deaf: a command to lights/deaf was refused: it takes none"]
     assert gateway.told == [("lights/a/in", "off")]
 
@@ -174,4 +174,4 @@ async def test_lamps_that_flicker_do_not_flood_the_log() -> None:
             for _ in range(99):
                 await gateway.says("lights/a", "on")
     assert len(gateway.told) == 100
-    assert len([line for line in lines if line["event"] == "light_service.told_off"]) == 5
+    assert len([line for line in lines if line["event"] == "light_service.turned_off"]) == 5

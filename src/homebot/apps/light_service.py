@@ -18,11 +18,11 @@ from homebot.log import LogLimit
 
 __all__ = ["LightService"]
 
-TOLD_OFF = "light_service.told_off"
+TURNED_OFF = "light_service.turned_off"
 IS_OFF = "light_service.is_off"
 NOT_UNDERSTOOD = "light_service.not_understood"
 NO_MESSAGES = "light_service.no_messages"
-NOT_TOLD = "light_service.not_told"
+NOT_TURNED_OFF = "light_service.not_turned_off"
 
 SERVICE_TYPE = "lights"
 
@@ -52,7 +52,7 @@ class LightService(App):
         super().__init__(node, settings)
         self._noted_off: set[str] = set()
         self._handles: dict[str, tuple[Light, ...]] = {}
-        self._words: dict[tuple[str, str], PlainValue] = {}
+        self._texts: dict[tuple[str, str], PlainValue] = {}
         self._lines = LogLimit(node.graph.clock, burst=BURST)
         self._lines_of_lamp = LogLimit(node.graph.clock, burst=BURST_OF_LAMP)
         self._problems = LogLimit(node.graph.clock)
@@ -63,7 +63,7 @@ class LightService(App):
             if change.kind == "removed":
                 self._noted_off.discard(change.device.id)
                 self._handles.pop(change.device.id, None)
-                self._words = {name: value for name, value in self._words.items() if name[0] != change.device.id}
+                self._texts = {name: value for name, value in self._texts.items() if name[0] != change.device.id}
             else:
                 self._handles[change.device.id] = self.devices.handles(change.device, Light, change.sequence)
                 await self._listen(change.device)
@@ -75,7 +75,7 @@ class LightService(App):
             except WireError as exc:
                 self._complain(NOT_UNDERSTOOD, lamp, exc)
             except (RefusedError, LinkError) as exc:
-                self._complain(NOT_TOLD, lamp, exc)
+                self._complain(NOT_TURNED_OFF, lamp, exc)
 
         try:
             await self.devices.listen(lamp, answer)
@@ -93,10 +93,10 @@ class LightService(App):
         if is_on:
             self._noted_off.discard(lamp.id)
             others = await self.devices.tell(lamp, "off")
-            self._say(TOLD_OFF, lamp, f"is on: turned it off{', but not ' + ', '.join(others) if others else ''}")
+            self._log(TURNED_OFF, lamp, f"is on: turned it off{', but not ' + ', '.join(others) if others else ''}")
         elif is_on is not None and lamp.id not in self._noted_off:
             self._noted_off.add(lamp.id)
-            self._say(IS_OFF, lamp, "is off")
+            self._log(IS_OFF, lamp, "is off")
 
     def _is_on(self, lamp: Device, message: RawMessage) -> bool | None:
         """Return whether *message* says that *lamp* is on; None where it is about something else.
@@ -105,31 +105,31 @@ class LightService(App):
             WireError: It is no word of a lamp.
         """
         part = speaking_part(lamp, message)
-        told = decode_text(message.text(), _ANY_LAMP if part is None else part.part)
-        if not told:
+        values = decode_text(message.text(), _ANY_LAMP if part is None else part.part)
+        if not values:
             raise WireError(f"{message.address} says neither on nor off", message.payload)
-        level, on = told.get("level"), told.get("on_off")
+        level, on = values.get("level"), values.get("on_off")
         if part is not None and read_text_address(message.address) is not None:
             if level is None and on is not None:
-                self._words[lamp.id, part.id] = on
+                self._texts[lamp.id, part.id] = on
             elif level is not None:
-                on = self._last_said(lamp.id, part.id, on)
+                on = self._last_value(lamp.id, part.id, on)
         if isinstance(on, bool):
             return on
         return level > 0 if isinstance(level, float) else None
 
-    def _last_said(self, lamp: str, part: str, otherwise: PlainValue) -> PlainValue:
+    def _last_value(self, lamp: str, part: str, otherwise: PlainValue) -> PlainValue:
         """Return whether a lamp that announces itself is on, even where it now reports its brightness.
 
         Its words come before the directory has heard of them, and of those from before the last one alone.
         """
         known = (one.on for one in self._handles.get(lamp, ()) if one.part_id == part)
-        said = (self._words.get((lamp, part)), *known)
-        return next((value for value in said if value is not None), otherwise)
+        known_values = (self._texts.get((lamp, part)), *known)
+        return next((value for value in known_values if value is not None), otherwise)
 
-    def _say(self, event: str, lamp: Device, words: str) -> None:
+    def _log(self, event: str, lamp: Device, text: str) -> None:
         if self._lines_of_lamp.allows(f"{event} {lamp.id}") is not None and self._lines.allows(event) is not None:
-            self.node.log.info(event, message=f"{lamp.id} {words}", device=lamp.id)
+            self.node.log.info(event, message=f"{lamp.id} {text}", device=lamp.id)
 
     def _complain(self, event: str, lamp: Device, problem: HomebotError) -> None:
         held_back = self._problems.allows(f"{event} {lamp.id}")

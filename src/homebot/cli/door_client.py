@@ -50,7 +50,7 @@ class DoorClient:
         self._waiting: deque[ReceivedMessage] = deque(maxlen=_MAX_WAITING)
         self._calls = 0
 
-    async def hear_of_errors(self) -> None:
+    async def report_errors(self) -> None:
         """Ask to be told when something sent is refused."""
         await self._send({"op": "set_level", "level": "error"})
 
@@ -176,7 +176,7 @@ async def open_door(host: str, port: int, token: str = "") -> AsyncIterator[Door
     connection = await _connect(where, token)
     try:
         client = DoorClient(connection)
-        await client.hear_of_errors()
+        await client.report_errors()
         yield client
     finally:
         with anyio.CancelScope(shield=True):
@@ -203,8 +203,8 @@ async def _connect(where: str, token: str) -> ClientConnection:
 
 
 def _ended(error: ConnectionClosed) -> LinkError:
-    said = error.rcvd.reason if error.rcvd else ""
-    return LinkError(f"the connection to homebot ended: {said or 'homebot stopped'}")
+    reason = error.rcvd.reason if error.rcvd else ""
+    return LinkError(f"the connection to homebot ended: {reason or 'homebot stopped'}")
 
 
 def _reason(error: InvalidStatus) -> str:

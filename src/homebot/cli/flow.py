@@ -20,7 +20,7 @@ _PLAIN_KEY = re.compile(r"[^,\[\]{}\"':]+(?=\s*:)")
 _PLAIN = re.compile(r"(?:[^,\[\]{}:]|:(?!\s))+")
 _INTEGER = re.compile(r"[-+]?[0-9]+")
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
-_WORDS = {"true": True, "false": False, "null": None, "~": None, ".nan": float("nan"), ".inf": float("inf")}
+_CONSTANTS = {"true": True, "false": False, "null": None, "~": None, ".nan": float("nan"), ".inf": float("inf")}
 
 
 def parse_flow(text: str) -> FlowValue:
@@ -110,15 +110,15 @@ class _Flow:
 
     def _plain(self) -> FlowValue:
         found = _PLAIN.match(self._text, self._at)
-        word = found[0].strip() if found else ""
-        if found is None or not word:
+        text = found[0].strip() if found else ""
+        if found is None or not text:
             raise self._error("a value was expected")
         self._at = found.end()
-        if word in _WORDS:
-            return _WORDS[word]
-        if _INTEGER.fullmatch(word) and len(word) < 1000:
-            return int(word)
-        return float(word) if _NUMBER.fullmatch(word) else word
+        if text in _CONSTANTS:
+            return _CONSTANTS[text]
+        if _INTEGER.fullmatch(text) and len(text) < 1000:
+            return int(text)
+        return float(text) if _NUMBER.fullmatch(text) else text
 
     def _open(self) -> None:
         self._depth += 1

@@ -16,7 +16,7 @@ from homebot.messages.json import message_from_json, message_to_json
 
 __all__ = ["GatewayPublisher", "gateway_state"]
 
-_PATIENCE = 2.0
+_STATE_TIMEOUT = 2.0
 """Seconds for a state that is kept for late joiners, and so comes at once where there is one."""
 
 _OUTCOME = 5.0
@@ -62,9 +62,9 @@ class GatewayPublisher:
         Raises:
             RefusedError, LinkError: As for :meth:`check`.
         """
-        await self.tell(gateway, message_to_json(RawCommand(address=topic, payload=payload, retain=retain)))
+        await self.send(gateway, message_to_json(RawCommand(address=topic, payload=payload, retain=retain)))
 
-    async def tell(self, gateway: str, command: Mapping[str, object]) -> None:
+    async def send(self, gateway: str, command: Mapping[str, object]) -> None:
         """Send a command through *gateway*, and wait until it says what became of it.
 
         Raises:
@@ -121,7 +121,7 @@ async def gateway_state(door: DoorClient, gateway: str) -> GatewayState | None:
     """Return how *gateway* says it is; None where nobody says so."""
     topic = GatewayNames(gateway).state
     await door.subscribe(topic)
-    with anyio.move_on_after(_PATIENCE):
+    with anyio.move_on_after(_STATE_TIMEOUT):
         while True:
             delivery = await door.next()
             if delivery.topic == topic:

@@ -41,10 +41,10 @@ async def serve(
         seconds: How long it goes on; None for ever.
         cut_start_short: Called at a signal, so that *service* does not have to finish its start first.
     """
-    told_to_stop = anyio.Event()
+    stop_requested = anyio.Event()
 
     def stop() -> None:
-        told_to_stop.set()
+        stop_requested.set()
         if cut_start_short is not None:
             cut_start_short()
 
@@ -54,5 +54,5 @@ async def serve(
             if isinstance(loop, ProductionLoop):
                 loop.watch.has_started()
             with anyio.move_on_after(seconds):
-                await told_to_stop.wait()
+                await stop_requested.wait()
             watchdog.start()

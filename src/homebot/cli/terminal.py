@@ -145,7 +145,7 @@ def _text(cell: str, style: str = "") -> Text:
 
 
 def _style(cell: str) -> str:
-    return next((style for word, style in _STYLES if word in cell), "")
+    return next((style for text, style in _STYLES if text in cell), "")
 
 
 def _fitting(head: Sequence[str], rows: Sequence[Sequence[Text]], if_room: Sequence[str], width: int) -> list[int]:

@@ -10,7 +10,7 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
-__all__ = ["in_words", "life", "main_parts", "span", "state_text", "types"]
+__all__ = ["life", "main_parts", "span", "state_text", "types", "value_text"]
 
 _FLAGS = {
     "on_off": ("off", "on"),
@@ -34,16 +34,16 @@ _MOST = 4
 def state_text(device: Device) -> str:
     """Return in short what the parts last told; ``unknown`` where they told nothing, empty where they never do."""
     values = {(one.part, one.capability): one.value.plain() for one in device.states}
-    told, is_mute = [], True
+    shown, reports_nothing = [], True
     for part in main_parts(device):
         for capability in part.part.capabilities:
-            is_mute = is_mute and (not capability.readable or capability.name in EVENTS)
+            reports_nothing = reports_nothing and (not capability.readable or capability.name in EVENTS)
             value = values.get((part.id, capability.name))
             if value is not None:
-                told.append(in_words(capability, value))
-    if not told:
-        return "" if is_mute else "unknown"
-    return ", ".join(told[:_MOST]) + (", …" if len(told) > _MOST else "")
+                shown.append(value_text(capability, value))
+    if not shown:
+        return "" if reports_nothing else "unknown"
+    return ", ".join(shown[:_MOST]) + (", …" if len(shown) > _MOST else "")
 
 
 def life(device: Device) -> str:
@@ -66,13 +66,13 @@ def main_parts(device: Device) -> Sequence[DevicePart]:
     return [one for one in device.parts if not one.part.category] or device.parts
 
 
-def in_words(capability: Capability, value: PlainValue) -> str:
+def value_text(capability: Capability, value: PlainValue) -> str:
     """Return a value with its unit, so that it can stand alone: ``on``, ``40 %``, ``no smoke``."""
     match value:
         case None:
             return "unknown"
         case bool():
-            no, yes = _FLAGS.get(capability.name, (f"no {_spoken(capability)}", _spoken(capability)))
+            no, yes = _FLAGS.get(capability.name, (f"no {_spaced(capability)}", _spaced(capability)))
             return yes if value else no
         case str():
             return value
@@ -98,7 +98,7 @@ def _unit(capability: Capability) -> str:
     return capability.unit or (known.unit if known else "")
 
 
-def _spoken(capability: Capability) -> str:
+def _spaced(capability: Capability) -> str:
     return capability.name.replace("_", " ")
 
 

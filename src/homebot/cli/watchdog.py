@@ -13,7 +13,7 @@ __all__ = ["Watchdog"]
 
 LEFT_BEHIND = "runtime.left_behind"
 
-SAY_AFTER = 4.5
+WARN_AFTER = 4.5
 EXIT_AFTER = 4.8
 """Seconds from :meth:`Watchdog.start` to the end of the process: together with a little work, below five."""
 
@@ -29,7 +29,7 @@ class Watchdog:
     """
 
     def __init__(self) -> None:
-        self._timers = (threading.Timer(SAY_AFTER, _say), threading.Timer(EXIT_AFTER, os._exit, [1]))
+        self._timers = (threading.Timer(WARN_AFTER, _warn), threading.Timer(EXIT_AFTER, os._exit, [1]))
         self._is_started = False
         self._lock = threading.RLock()  # reentrant, as a signal may come in the middle of a start
 
@@ -53,5 +53,5 @@ class Watchdog:
             timer.cancel()
 
 
-def _say() -> None:
+def _warn() -> None:
     _log.critical(LEFT_BEHIND, message="not everything stopped in time; exiting anyway")

@@ -22,7 +22,7 @@ from homebot.errors import (
 )
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.service import Service, ServiceSlot
-from homebot.isolation import crash_of, in_words, is_cancelled
+from homebot.isolation import crash_of, error_text, is_cancelled
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
@@ -190,7 +190,7 @@ class Client(Generic[RequestT, ResponseT]):
             server.on_failure(crash)
         if isinstance(error, asyncio.CancelledError):
             return ServiceFailedError(self.info.name, "what its handler waited for was cancelled")
-        return ServiceFailedError(self.info.name, in_words(crash))
+        return ServiceFailedError(self.info.name, error_text(crash))
 
     def _reject(self, request: object) -> NoReturn:
         raise TypeMismatchError(

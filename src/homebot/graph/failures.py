@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import final
 
 from homebot.clock import Clock
-from homebot.isolation import in_words
+from homebot.isolation import error_text
 from homebot.log import LogLimit
 from homebot.logger import get_logger
 
@@ -61,7 +61,7 @@ class Failures:
         """Count one more *error* of *callback*; a line of the log says what it *cost*, at most one in 10 s for each."""
         failure = self._failure(node, callback)
         failure.count += 1
-        failure.last = in_words(error)
+        failure.last = error_text(error)
         failure.at = self._clock.now()
         held_back = self._limit.allows(f"{node} {callback}")
         if held_back is None:

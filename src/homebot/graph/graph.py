@@ -196,13 +196,13 @@ class Graph:
     def add_endpoint(self, entity: object, info: EndpointInfo) -> None:
         """Show *entity* as *info* and tell the watchers."""
         self._endpoints.add(entity, info)
-        self._tell(GraphChange("added", info))
+        self._notify(GraphChange("added", info))
 
     def remove_endpoint(self, entity: object) -> None:
         """Show *entity* no longer and tell the watchers. Twice is fine."""
         if (info := self._endpoints.remove(entity)) is not None:
-            self._tell(GraphChange("removed", info))
+            self._notify(GraphChange("removed", info))
 
-    def _tell(self, change: GraphChange) -> None:
+    def _notify(self, change: GraphChange) -> None:
         for watcher in self._watchers:
             watcher.put(change)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from homebot.errors import ParameterError
-from homebot.isolation import crash_of, in_words
+from homebot.isolation import crash_of, error_text
 from homebot.messages.rcl_interfaces import Parameter as ParameterMessage
 from homebot.messages.rcl_interfaces import ParameterValue
 
@@ -167,7 +167,7 @@ class ParameterSet:
             except BaseException as exc:  # noqa: BLE001 - setting is not to pay for checking
                 crash = crash_of(self._node, exc)
                 self._on_failure(parameter.name, crash)
-                reason = f"its check failed ({in_words(crash)})"
+                reason = f"its check failed ({error_text(crash)})"
                 raise ParameterError(f"{self._node}: parameter {parameter.name!r} was refused: {reason}") from crash
             if reason is not None:
                 raise ParameterError(f"{self._node}: parameter {parameter.name!r} was refused: {reason}")

@@ -48,11 +48,11 @@ class RuntimeHealth:
         }
         return HealthResponse(
             counts=tuple(Count(name=name, count=count) for name, count in counts.items()),
-            troubles=tuple(self._troubles()),
+            troubles=tuple(self._problems()),
             failures=tuple(self._failures()),
         )
 
-    def _troubles(self) -> Iterator[str]:
+    def _problems(self) -> Iterator[str]:
         for name, crash in sorted(self._supervisor.crashes.items()):
             if crash.state == "given up":
                 yield f"{name} kept crashing and is not restarted any more; fix it and restart homebot ({crash.last})"

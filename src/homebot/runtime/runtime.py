@@ -160,7 +160,7 @@ class Runtime:
             await stack.enter_async_context(self.supervisor.running(name, work))
         if not self._start_is_cut:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
-            _log.info(APPS, message=self._apps_in_words(), names=[app.name for app in self._plan.apps])
+            _log.info(APPS, message=self._apps_text(), names=[app.name for app in self._plan.apps])
 
     def _components(self, gateways: tuple[PlannedComponent[Gateway], ...]) -> Iterator[tuple[str, Work]]:
         """In the order of their start; each is made only when those before it are ready."""
@@ -181,7 +181,7 @@ class Runtime:
         where = f"[{host}]" if ":" in host else host
         return f"{self._plan.home} is running; listening for rosbridge clients on ws://{where}:{self.door.port}"
 
-    def _apps_in_words(self) -> str:
+    def _apps_text(self) -> str:
         names = [app.name for app in self._plan.apps]
         if not names:
             installed = ", ".join(plugin_names(APP_PLUGINS)) or "none"

@@ -19,7 +19,7 @@ from anyio.abc import TaskStatus
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.isolation import in_words, is_cancelled, run_as
+from homebot.isolation import error_text, is_cancelled, run_as
 from homebot.logger import get_logger
 
 __all__ = ["ComponentCrashes", "Supervisor", "Work"]
@@ -176,20 +176,20 @@ class Supervisor:
     def _report(self, name: str, cause: BaseException, delay: float | None, *, is_stopping: bool = False) -> None:
         crashes = self.crashes.setdefault(name, ComponentCrashes())
         crashes.count += 1
-        crashes.last = in_words(cause)
+        crashes.last = error_text(cause)
         crashes.at = self._clock.now()
         crashes.state = "stopped" if is_stopping else "restarting" if delay is not None else "given up"
-        words = f"{name} crashed ({in_words(cause)})"
+        text = f"{name} crashed ({error_text(cause)})"
         if is_stopping:
-            _log.error(CRASHED, message=f"{words} while stopping", component=name, exc_info=cause)
+            _log.error(CRASHED, message=f"{text} while stopping", component=name, exc_info=cause)
         elif delay is not None:
-            _log.error(CRASHED, message=f"{words}; restarting in {delay:g} s", component=name, exc_info=cause)
+            _log.error(CRASHED, message=f"{text}; restarting in {delay:g} s", component=name, exc_info=cause)
         else:
             self.given_up.append(name)
             _log.critical(
                 GIVEN_UP,
                 message=f"{name} crashed {MAX_CRASHES} times within a minute and is not restarted any more: "
-                f"{in_words(cause)}",
+                f"{error_text(cause)}",
                 component=name,
                 exc_info=cause,
             )

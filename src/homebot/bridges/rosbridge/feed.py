@@ -42,7 +42,7 @@ class Feed:
         self._topic = topic
         self._message_type = message_type
         self._outbox = outbox
-        self._told = 0
+        self._reported_losses = 0
         self._rest: asyncio.TimerHandle | None = None
         self._qos = _fitting_qos(node.graph, node.resolve_name(topic), depth)
         self._queue = FeedQueue(depth, key_of(message_type), backlog, self._note_arrival)
@@ -70,7 +70,7 @@ class Feed:
         message = self._subscription.take()
         if message is None or not self.requests:
             return None
-        lost, self._told = self.lost - self._told, self.lost
+        lost, self._reported_losses = self.lost - self._reported_losses, self.lost
         if throttle := min(op.throttle_rate for op in self.requests.values()):
             self._rest = asyncio.get_running_loop().call_later(throttle / 1000, self._end_rest)
         elif len(self._queue):

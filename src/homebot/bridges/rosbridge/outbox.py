@@ -18,7 +18,7 @@ from homebot.messages.json import JsonObject
 
 __all__ = ["MessageSource", "Outbox"]
 
-_PATIENCE = 4
+_ANSWER_FACTOR = 4
 
 
 class MessageSource(Protocol):
@@ -62,7 +62,7 @@ class Outbox:
     def answer(self, frame: JsonObject) -> None:
         """Send *frame* as soon as possible."""
         text = encode_frame(frame)
-        if self._answers and self._waiting + len(text) > _PATIENCE * self._limit:
+        if self._answers and self._waiting + len(text) > _ANSWER_FACTOR * self._limit:
             self._cut()
             return
         self._answers.append(text)

@@ -90,7 +90,7 @@ class ClientSession:
             holdings = _Holdings(
                 Publications(node),
                 Subscriptions(
-                    node, settings.queue_depth, backlog, self._outbox, self._common.expected, self._say_unfit
+                    node, settings.queue_depth, backlog, self._outbox, self._common.expected, self._report_type_mismatch
                 ),
                 ProvidedServices(node, settings.max_calls, self._outbox),
                 tasks,
@@ -115,7 +115,7 @@ class ClientSession:
         rate = FrameRate(self._settings.max_frames_per_second, now())
         async for frame in frames:
             if wait := rate.take(now()):
-                self._say_slow()
+                self._report_slow()
                 await anyio.sleep(wait)
             await self._outbox.room()
             await self._turns.turn()
@@ -126,8 +126,10 @@ class ClientSession:
         try:
             op = parse_frame(frame)
         except FrameError as exc:
-            said = f": {_refusal(exc.op, exc.target, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
-            self._complain(said, exc.op or "frame", exc.problem)
+            error_text = (
+                f": {_refusal(exc.op, exc.target, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
+            )
+            self._complain(error_text, exc.op or "frame", exc.problem)
             self._answer(exc.op, exc.id, exc.target, str(exc))
             return
         try:
@@ -202,7 +204,7 @@ class ClientSession:
         if (held := self._common.held_by_all()) >= self._settings.max_entities_of_all:
             raise PeerError(f"all clients together use {held} topics and services already, and may use no more")
 
-    def _say_slow(self) -> None:
+    def _report_slow(self) -> None:
         self._common.counters.slowed_down += 1
         if self._slowness.allows("") is not None:
             limit = f"more than {self._settings.max_frames_per_second} frames a second"
@@ -214,19 +216,19 @@ class ClientSession:
                 client=self._client,
             )
 
-    def _say_unfit(self, op: SubscribeOperation, problem: str) -> None:
+    def _report_type_mismatch(self, op: SubscribeOperation, problem: str) -> None:
         """Tell that a topic came which the client waited for, and that it is another than expected."""
-        said = f": {_refusal(op.op, op.name, problem)}, now that it is there"
-        self._complain(said, op.op, problem, event="door.late_topic_unfit")
+        error_text = f": {_refusal(op.op, op.name, problem)}, now that it is there"
+        self._complain(error_text, op.op, problem, event="door.late_topic_unfit")
         self._remark("error", problem, op.id)
 
-    def _complain(self, said: str, op: str, problem: str, *, event: str = "door.refused") -> None:
+    def _complain(self, error_text: str, op: str, problem: str, *, event: str = "door.refused") -> None:
         self.refused += 1
         self._common.counters.requests_refused += 1
         self._common.complaints.log(
             f"refused {self._client.rpartition(':')[0]}",
             event,
-            f"{self._client}{said}",
+            f"{self._client}{error_text}",
             client=self._client,
             op=op,
             problem=problem,

@@ -88,8 +88,8 @@ async def _running(broker: Broker) -> AsyncIterator[None]:
         _log.info(SERVING, message=f"MQTT broker listening on {broker.url}; press Ctrl-C to stop", url=broker.url)
         yield
     stats = broker.stats
-    words = loss_words(broker.hub.counters)
-    lost = f", dropped {words}" if words else ""
+    losses = loss_words(broker.hub.counters)
+    lost = f", dropped {losses}" if losses else ""
     _log.info(
         ENDED,
         message=f"the broker stopped; received {stats.messages_received} messages on "

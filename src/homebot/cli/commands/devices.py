@@ -64,23 +64,23 @@ def _row(device: Device, now: float) -> tuple[str, ...]:
         device.area,
         state_text(device),
         first.gateway if first else "",
-        _listens_on(device),
+        _command_topic(device),
         life(device),
         ago(device.last_seen, now),
     )
 
 
-async def _unknown_type(door: DoorClient, word: str) -> str:
+async def _unknown_type(door: DoorClient, name: str) -> str:
     """Return why there cannot be devices of the type *word*; empty where there only happen to be none."""
-    if wanted_types(word) or word in DEVICE_TYPES or type_is(word).types:
+    if wanted_types(name) or name in DEVICE_TYPES or type_is(name).types:
         return ""
     own = {one for device in await all_devices(door) for one in (device.service_type, *device.service_types) if one}
-    return f"{word!r} is not a device type, and no device was announced as one; " + did_you_mean(
-        word, {*TYPE_WORDS, *own}, "`homebot devices` shows the type of each device"
+    return f"{name!r} is not a device type, and no device was announced as one; " + did_you_mean(
+        name, {*TYPE_WORDS, *own}, "`homebot devices` shows the type of each device"
     )
 
 
-def _listens_on(device: Device) -> str:
+def _command_topic(device: Device) -> str:
     """Return the address on which a device takes commands; empty where it takes none.
 
     Words have an address of their own, which says nothing to people.

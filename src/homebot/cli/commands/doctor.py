@@ -48,10 +48,10 @@ def doctor(options: argparse.Namespace) -> int:
         now = await house_time(door)
         is_well = True
         for name, state in sorted((await _gateways(door)).items()):
-            is_well = _tell_gateway(name, state) and is_well
+            is_well = _print_gateway(name, state) and is_well
         for name, health in sorted((await _health(door)).items()):
-            is_well = _tell_health(name, health, now, everything=options.counts) and is_well
-        is_well = await _tell_devices(door, now) and is_well
+            is_well = _print_health(name, health, now, everything=options.counts) and is_well
+        is_well = await _print_devices(door, now) and is_well
         print()
         print_line("all is well" if is_well else "problems found, see above", "bold green" if is_well else "bold red")
         return 0 if is_well else 1
@@ -73,7 +73,7 @@ async def _health(door: DoorClient) -> dict[str, HealthResponse]:
     }
 
 
-def _tell_gateway(name: str, state: GatewayState | None) -> bool:
+def _print_gateway(name: str, state: GatewayState | None) -> bool:
     if state is None:
         print(f"gateway {name} does not report its state")
         return False
@@ -82,15 +82,19 @@ def _tell_gateway(name: str, state: GatewayState | None) -> bool:
     return state.state == "active"
 
 
-def _tell_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:
-    for trouble in health.troubles:
-        print(f"problem of {name}: {printable(trouble)}")
+def _print_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:
+    for problem in health.troubles:
+        print(f"problem of {name}: {printable(problem)}")
     shown = [one for one in health.counts if everything or (one.count and _is_one_of(_FAULTS, one))]
-    _tell(f"counted by {name} since it started", [(one.name.replace("_", " "), str(one.count)) for one in shown])
+    _print_section(
+        f"counted by {name} since it started", [(one.name.replace("_", " "), str(one.count)) for one in shown]
+    )
     failures = [_failure(one, now) for one in health.failures[:_MOST]]
-    _tell(f"failures in {name} since it started", failures, len(health.failures))
-    offenders = [_offender(one, now) for one in health.quarantined[:_MOST]]
-    _tell(f"quarantined by {name}, which reads only some of their messages", offenders, len(health.quarantined))
+    _print_section(f"failures in {name} since it started", failures, len(health.failures))
+    offenders = [_quarantine(one, now) for one in health.quarantined[:_MOST]]
+    _print_section(
+        f"quarantined by {name}, which reads only some of their messages", offenders, len(health.quarantined)
+    )
     is_ill = any(one.count and _is_one_of(_ILLS, one) for one in health.counts)
     return not (health.quarantined or health.troubles or health.failures or is_ill)
 
@@ -101,16 +105,16 @@ def _failure(one: PartFailure, now: float) -> tuple[str, ...]:
     return one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}"
 
 
-def _offender(one: Quarantine, now: float) -> tuple[str, ...]:
+def _quarantine(one: Quarantine, now: float) -> tuple[str, ...]:
     return one.offender, f"for {age(one.since, now)}", f"{one.offences} offences, the last: {one.why}"
 
 
-async def _tell_devices(door: DoorClient, now: float) -> bool:
+async def _print_devices(door: DoorClient, now: float) -> bool:
     """Ask for numbers, and for the devices that are shown: a whole house takes long to carry."""
     total = (await find_devices(door, "", 1)).total
     print(f"devices: {total}, unconfirmed: {(await find_devices(door, 'unconfirmed', 1)).total}")
     is_well = True
-    for title, query, says in (
+    for title, query, detail in (
         ("stale", "stale", lambda one: f"last seen {ago(one.last_seen, now)}"),
         ("unreachable", "offline not stale", lambda one: one.reachable.why),
         ("disputed", "disputed", _dispute),
@@ -118,7 +122,7 @@ async def _tell_devices(door: DoorClient, now: float) -> bool:
         found = await find_devices(door, query, _MOST)
         devices = sorted((one.device for one in found.results), key=lambda one: one.id)
         hint = f"; all: homebot find --limit {found.total} '{query}'"
-        _tell(title, [(one.id, says(one)) for one in devices], found.total, hint)
+        _print_section(title, [(one.id, detail(one)) for one in devices], found.total, hint)
         is_well = is_well and not found.total
     return is_well
 
@@ -128,7 +132,7 @@ def _dispute(device: Device) -> str:
     return device.conflicts[0] + (f" (and {more} more: homebot show '{device.id}')" if more else "")
 
 
-def _tell(title: str, rows: Sequence[tuple[str, ...]], total: int = 0, hint: str = "") -> None:
+def _print_section(title: str, rows: Sequence[tuple[str, ...]], total: int = 0, hint: str = "") -> None:
     """Print *rows*, and how many of the *total* they are where there are more."""
     print_rows(rows, f"{title}:")
     if total > len(rows):

@@ -40,7 +40,7 @@ def pub(options: argparse.Namespace) -> int:
                 await door.publish(options.topic, options.value)
                 await door.settle()
             else:
-                await outbox.tell(gateway, options.value)
+                await outbox.send(gateway, options.value)
             print(f"publishing #{number} on {options.topic}: {shown}", flush=True)
             if number == options.times:
                 return 0

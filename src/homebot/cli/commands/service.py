@@ -44,13 +44,13 @@ def call(options: argparse.Namespace) -> int:
             print(json.dumps(response))
         else:
             print(to_yaml((await response_schema(door, ros_type)).readable(response)), end="")
-        return _told(options.service, response)
+        return _exit_code(options.service, response)
 
     return with_client(options, run)
 
 
-def _told(service: str, response: Mapping[str, object]) -> int:
-    """Return the exit code that *response* means, and say so where it means failure; fields as in ROS's services."""
+def _exit_code(service: str, response: Mapping[str, object]) -> int:
+    """Print the failure that *response* reports, if any, and return the exit code; fields as in ROS's services."""
     for name in ("success", "successful"):
         if response.get(name) is False:
             reason = next(

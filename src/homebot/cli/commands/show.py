@@ -13,7 +13,7 @@ from homebot.cli.table import printable
 from homebot.cli.terminal import print_line, print_rows
 from homebot.cli.thing_files import thing_text
 from homebot.cli.time_format import ago
-from homebot.cli.values import in_words, life, span
+from homebot.cli.values import life, span, value_text
 from homebot.cli.with_client import with_client
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.capabilities import EVENTS
@@ -56,9 +56,11 @@ def _describe(device: Device, reasons: tuple[str, ...], now: float) -> None:
     for part in device.parts:
         title = _title(part) + (": unreachable" if part.id in device.offline_parts else "")
         _section(title, _part(part, values, now))
-    words = [one for one in device.endpoints if one.address or one.command_address]
-    rows = [(one.gateway, "publishes on", one.address) for one in words if _is_topic(one.address)]
-    rows += [(one.gateway, "takes commands on", one.command_address) for one in words if _is_topic(one.command_address)]
+    endpoints = [one for one in device.endpoints if one.address or one.command_address]
+    rows = [(one.gateway, "publishes on", one.address) for one in endpoints if _is_topic(one.address)]
+    rows += [
+        (one.gateway, "takes commands on", one.command_address) for one in endpoints if _is_topic(one.command_address)
+    ]
     _section("addresses", rows)
     _section("identifiers", [(one,) for one in device.identifiers])
     facts = [
@@ -111,7 +113,7 @@ def _capability(capability: Capability, state: State | None, now: float) -> tupl
     shown = "unknown" if capability.readable else "not reported"
     since = ""
     if state is not None and value is not None:
-        shown = in_words(capability, value)
+        shown = value_text(capability, value)
         kept = "" if state.live or capability.name in EVENTS else "retained, "
         since = f"{kept}{ago(state.since, now)}"
     return capability.name, shown, use, span(capability), since
