@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import facets_of, fits, parse_query
+from homebot.devices.query import AreaIs, NameIs, Not, Query, facets_of, fits, parse_query
 from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.devices.value import Value
 from homebot.discovery import DeviceIndex
@@ -155,9 +155,10 @@ steps = st.tuples(
     st.sampled_from(["", "window", "door"]),
     st.sampled_from([None, True, False, 0.0, 40.0, 80.0]),
 )
-questions = [parse_query(text) for text in FOUND] + [
+questions: list[Query] = [parse_query(text) for text in FOUND] + [
     parse_query(text) for text in ("desk lmap", "not (light or plug) in hall", "level<=40 or on", "x hall or kuch")
 ]
+questions += [AreaIs("hall"), AreaIs("ha"), NameIs("desk lamp"), NameIs("desk"), Not(NameIs("t0"))]
 
 
 @given(st.lists(steps, max_size=25))

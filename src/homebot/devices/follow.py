@@ -11,6 +11,7 @@ import anyio.lowlevel
 from homebot.devices.device import DeviceChange, StateChange
 from homebot.devices.live_query_state import LiveQueryState
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
+from homebot.devices.query import And, Query, parse_query, type_is
 from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
 from homebot.errors import ClosedError, ServiceError
 from homebot.graph import Client, Node, Subscription
@@ -42,16 +43,19 @@ class Follow:
     Args:
         node: The node that asks; the query ends with it.
         service_type: For example ``lights``; empty for every device. A device that no longer has it is ``removed``.
-        query: A further condition as text, for example ``on lights in kitchen``: a device that comes to match
+        query: A further condition, also as text, for example ``on lights in kitchen``: a device that comes to match
             ``appeared``, one that no longer does is ``removed``. See :mod:`homebot.devices.query`.
 
     Raises:
         UsageError: The query cannot be parsed.
     """
 
-    def __init__(self, node: Node, service_type: str = "", query: str = "") -> None:
+    def __init__(self, node: Node, service_type: str = "", query: str | Query = "") -> None:
         self._node = node
-        self._followed = LiveQueryState(service_type, query)
+        terms: list[Query] = [type_is(service_type)] if service_type else []
+        if query:
+            terms.append(parse_query(query) if isinstance(query, str) else query)
+        self._followed = LiveQueryState(terms[0] if len(terms) == 1 else And(tuple(terms)))
         self._request = FindDevicesRequest(service_type=service_type)
         self._changes: Subscription[DeviceChange] | None = None
         self._states: Subscription[StateChange] | None = None

@@ -7,7 +7,7 @@ from typing import final
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
-from homebot.devices.query import And, Not, Or, Query, StateIs, facets_of, fits, parse_query, type_is
+from homebot.devices.query import And, Not, Or, Query, StateIs, facets_of, fits
 
 __all__ = ["LiveQueryState"]
 
@@ -22,19 +22,14 @@ class LiveQueryState:
     changes. A device that fits no longer is removed, and one that comes to fit appears.
 
     Args:
-        service_type: The wanted service, in any word for it; empty for any.
-        query: A text query that the devices must fit as well.
-
-    Raises:
-        UsageError: The query is not understood.
+        query: What the devices must fit.
 
     Attributes:
         wants_states: Whether the query asks for values, so that changes of states matter.
     """
 
-    def __init__(self, service_type: str, query: str = "") -> None:
-        terms = ((type_is(service_type),) if service_type else ()) + ((parse_query(query),) if query else ())
-        self._query: Query = terms[0] if len(terms) == 1 else And(terms)
+    def __init__(self, query: Query) -> None:
+        self._query = query
         self.wants_states = _has_states(self._query)
         self._known: dict[str, Device] = {}
         self._house: dict[str, tuple[Device, int]] = {}

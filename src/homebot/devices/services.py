@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device, DeviceChange
+from homebot.devices.query.wire import QueryTerm
 from homebot.devices.raw import RawMessage
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.fields import UInt32
@@ -69,12 +70,14 @@ class FindDevicesRequest(Message):
     Attributes:
         service_type: For example ``lights``; empty for all. Canonical and advertised words find the same devices, see
             :func:`homebot.devices.device_types.wanted_types`.
-        query: What else must be true of them, as text; see :mod:`homebot.devices.query`. One that is not understood
-            fails the call. Unlike :class:`QueryDevicesRequest` it ranks nothing.
+        query: What else must be true of them, as text, for programs outside; see :mod:`homebot.devices.query`. One that
+            is not understood fails the call. Unlike :class:`QueryDevicesRequest` it ranks nothing.
+        terms: What else must be true of them; see :mod:`homebot.devices.query.wire`.
     """
 
     service_type: str = ""
     query: str = ""
+    terms: tuple[QueryTerm, ...] = ()
 
 
 class FindDevicesResponse(Message):

@@ -20,7 +20,7 @@ from homebot.devices import (
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
-from homebot.devices.query import And, parse_query, type_is
+from homebot.devices.query import And, Query, parse_query, read_terms, type_is
 from homebot.devices.services import (
     AnnouncedOn,
     FindDevicesRequest,
@@ -101,13 +101,13 @@ class DirectoryServices:
 
     async def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse:
         await self._catch_up()
-        if not request.query:
-            devices = self._index.devices(request.service_type)
-        else:
-            query = parse_query(request.query)
-            wanted = And((type_is(request.service_type), query)) if request.service_type else query
-            found = (self._index.get(one) for one in sorted(self._index.find(wanted)))
-            devices = tuple(one for one in found if one is not None)
+        wanted = [type_is(request.service_type)] if request.service_type else []
+        terms: list[Query] = [*wanted, *((parse_query(request.query),) if request.query else ())]
+        if request.terms:
+            terms.append(read_terms(request.terms))
+        query = terms[0] if len(terms) == 1 else And(tuple(terms))
+        found = (self._index.get(device_id) for device_id in sorted(self._index.find(query)))
+        devices = tuple(device for device in found if device is not None)
         return FindDevicesResponse(devices=devices, sequence=self._index.sequence)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:

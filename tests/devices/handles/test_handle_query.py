@@ -11,7 +11,7 @@ from homebot.devices import Device, DevicePart, Endpoint, State
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.handles import Closure, ContactSensor, Handle, Light, TemperatureSensor, Thermostat, WindowCovering
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import facets_of, fits, parse_query
+from homebot.devices.query import facets_of, fits, query_terms, read_terms
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
 
@@ -70,7 +70,7 @@ _flags = st.none() | st.booleans()
     mode=st.sampled_from([None, "heat", "HEAT_UP", '"']),
     category=st.sampled_from(["", "config", "diagnostic"]),
 )
-def test_whatever_is_wanted_is_found_by_the_text(
+def test_whatever_is_wanted_is_found_by_the_query_for_devices(
     *,
     device: Device,
     area: str,
@@ -92,15 +92,17 @@ def test_whatever_is_wanted_is_found_by_the_text(
         Thermostat.wanted(mode=mode, **place),
     ):
         if list(wanted.parts(device)):
-            assert fits(parse_query(wanted.query()), facets_of(device)), wanted.query()
+            query = read_terms(query_terms(wanted.device_query()))
+            assert fits(query, facets_of(device)), query
 
 
-def test_every_kind_has_a_text_that_is_understood() -> None:
+def test_every_kind_has_a_query_that_travels() -> None:
     """For each type of the vocabulary that some class of handles is about."""
     kinds: list[type[Handle]] = [Handle, *_all_kinds(Handle)]
     for kind in kinds:
         assert kind.service_types <= DEVICE_TYPES.keys()
-        parse_query(kind.wanted().query())
+        query = kind.wanted().device_query()
+        assert read_terms(query_terms(query)) == query
 
 
 def _all_kinds(kind: type[Handle]) -> list[type[Handle]]:

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.handles.arguments import check_place, check_state
 from homebot.devices.part import Category
-from homebot.devices.query import CanDo, Not, Query, StateIs, quoted
+from homebot.devices.query import (
+    And,
+    AreaIs,
+    CanDo,
+    FactIs,
+    FreshnessIs,
+    NameIs,
+    Not,
+    PartFacets,
+    Query,
+    ReachableIs,
+    StateIs,
+    TypeIs,
+    fits,
+)
 from homebot.devices.query.folding import fold
-from homebot.devices.query.terms import compares
-from homebot.devices.value import PlainValue
 
 if TYPE_CHECKING:
     from homebot.devices.handles.handle import Handle
@@ -25,8 +36,6 @@ P = ParamSpec("P")
 
 Term: TypeAlias = CanDo | Not | StateIs
 """What can be asked of a part."""
-
-_PLAIN_NUMBER = re.compile(r"-?\d{1,15}\.\d{1,15}")
 
 
 class CommonFilters(TypedDict, total=False):
@@ -56,6 +65,8 @@ class HandleQuery(Generic[HandleT]):
         kind: The class of the handles.
         place: What must be true of the device.
         terms: What must be true of the part itself.
+        device_terms: All that must be true of the device.
+        part_terms: All that must be true of the part.
 
     Raises:
         TypeError: A condition is unknown, or its value is of another type.
@@ -65,56 +76,43 @@ class HandleQuery(Generic[HandleT]):
     kind: type[HandleT]
     place: CommonFilters
     terms: tuple[Term, ...] = ()
+    device_terms: tuple[Query, ...] = field(init=False)
+    part_terms: tuple[Query, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         check_place(self.kind.__name__, self.kind.wanted, self.place)
         for term in self.terms:
             if isinstance(term, StateIs):
                 check_state(term)
+        object.__setattr__(self, "device_terms", _device_terms(self.place))
+        object.__setattr__(self, "part_terms", (*_part_terms(self.kind.service_types, self.place), *self.terms))
 
     def parts(self, device: Device) -> Iterator[str]:
         """Yield the ids of the parts of *device* that are wanted."""
-        if not self._wants_device(device):
+        if not device.parts:
             return
-        values = {(one.part, one.capability): one.value.plain() for one in device.states} if self.terms else {}
-        for one in _parts_in(device, self.place.get("category", "")):
-            is_wanted = self._wants_type(one.part.service_type) and self._wants_name(device, one.part.name)
-            if not is_wanted or not self._wants_reach(device, one.id):
-                continue
-            if not self.terms or all(_fits(term, one, values) for term in self.terms):
-                yield one.id
+        facets = PartFacets(device)
+        for term in self.device_terms:
+            if not fits(term, facets):
+                return
+        for part in _parts_in(device, self.place.get("category", "")):
+            facets.part = part
+            for term in self.part_terms:
+                if not fits(term, facets):
+                    break
+            else:
+                yield part.id
 
-    def query(self) -> str:
-        """Return as text what narrows the search down; what it finds beyond, :meth:`parts` leaves out."""
-        asked = []
+    def device_query(self) -> Query:
+        """Return what narrows the search for devices down; what it finds beyond, :meth:`parts` leaves out."""
+        terms: list[Query] = [term for term in self.terms if not isinstance(term, Not)]  # another part may be so
         if category := self.place.get("category", ""):
-            asked.append(f"category={category}")  # devices are not found by the types of such parts
+            terms.append(FactIs("category", category))  # devices are not found by the types of such parts
         elif self.kind.service_types:
-            asked.append(f"({' or '.join(f'type={quoted(one)}' for one in sorted(self.kind.service_types))})")
-        if fold(self.place.get("area", "")):
-            asked.append(f"area={quoted(fold(self.place['area']))}")
-        return " and ".join([*asked, *(text for term in self.terms if (text := _as_text(term)))])
-
-    def _wants_type(self, service_type: str) -> bool:
-        return not self.kind.service_types or service_type in self.kind.service_types
-
-    def _wants_device(self, device: Device) -> bool:
-        place = self.place
-        return ("area" not in place or fold(device.area) == fold(place["area"])) and (
-            "fresh" not in place or (device.freshness == "fresh") == place["fresh"]
-        )
-
-    def _wants_reach(self, device: Device, part: str) -> bool:
-        if "reachable" not in self.place:
-            return True
-        state = "no" if part in device.offline_parts else device.reachable.state
-        return state == ("yes" if self.place["reachable"] else "no")
-
-    def _wants_name(self, device: Device, part: str) -> bool:
-        if "name" not in self.place:
-            return True
-        wanted = fold(self.place["name"])
-        return wanted in {fold(one) for one in (device.id, device.name, *device.names, *((part,) if part else ()))}
+            terms.append(_type_term(self.kind.service_types))
+        if area := fold(self.place.get("area", "")):
+            terms.append(AreaIs(area))
+        return And(tuple(terms))
 
 
 class HandleType(Protocol[P, HandleT]):
@@ -131,28 +129,23 @@ def _parts_in(device: Device, category: Category) -> list[DevicePart]:
     return found if found or category else list(device.parts)
 
 
-def _as_text(term: Query) -> str:
-    """Only what can be spelt exactly."""
-    match term:
-        case CanDo(name, True):
-            return f"can={name}"
-        case StateIs(capability, operator, bool(value)):
-            return f"{capability}{operator}{'true' if value else 'false'}"
-        case StateIs(capability, operator, str(value)) if value:
-            return f"{capability}{operator}{quoted(value)}"
-        case StateIs(capability, operator, float(value)) if _PLAIN_NUMBER.fullmatch(repr(value)):
-            return f"{capability}{operator}{value!r}"
-        case _:
-            return ""
+def _device_terms(place: CommonFilters) -> tuple[Query, ...]:
+    terms: list[Query] = []
+    if "area" in place:
+        terms.append(AreaIs(fold(place["area"])))
+    if "fresh" in place:
+        terms.append(FreshnessIs("fresh") if place["fresh"] else Not(FreshnessIs("fresh")))
+    return tuple(terms)
 
 
-def _fits(term: Query, part: DevicePart, values: dict[tuple[str, str], PlainValue]) -> bool:
-    match term:
-        case StateIs():
-            return compares(term, values.get((part.id, term.capability)))
-        case CanDo(name, settable):
-            return any(one.name == name and (one.settable or not settable) for one in part.part.capabilities)
-        case Not(inner):
-            return not _fits(inner, part, values)
-        case _:
-            return False
+def _part_terms(service_types: frozenset[str], place: CommonFilters) -> list[Query]:
+    terms: list[Query] = [_type_term(service_types)] if service_types else []
+    if "name" in place:
+        terms.append(NameIs(fold(place["name"])))
+    if "reachable" in place:
+        terms.append(ReachableIs("yes" if place["reachable"] else "no"))
+    return terms
+
+
+def _type_term(service_types: frozenset[str]) -> TypeIs:
+    return TypeIs("", service_types, by_word=False)

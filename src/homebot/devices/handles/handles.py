@@ -13,6 +13,7 @@ from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
 from homebot.devices.handles.tracked_device import TrackedDevice
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
+from homebot.devices.query import query_terms
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.graph import Node
 
@@ -44,7 +45,7 @@ class Handles:
         Raises:
             ServiceError: The directory does not answer.
         """
-        answer = await self._find.call(FindDevicesRequest(query=wanted.query()))
+        answer = await self._find.call(FindDevicesRequest(terms=query_terms(wanted.device_query())))
         return tuple(
             self.handle(wanted, self.known(device, answer.sequence), part)
             for device in answer.devices

@@ -12,7 +12,7 @@ from homebot.devices.part import Part
 from homebot.devices.query.folding import fold, words_of
 from homebot.devices.value import PlainValue
 
-__all__ = ["MAX_WORDS", "Facets", "facets_of", "folded_facts", "kinds_of"]
+__all__ = ["MAX_WORDS", "Facets", "PartFacets", "facets_of", "folded_facts", "kinds_of"]
 
 MAX_WORDS = 48
 """Words of one device that can be searched for."""
@@ -65,6 +65,122 @@ class Facets:
     main_type: str
     is_guessed: bool
     is_disputed: bool
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Its id and names, folded."""
+        return frozenset([fold(self.id), self.name, *self.facts.get("name", ())])
+
+
+class PartFacets:
+    """The properties of one part of a device that queries can ask for, each worked out when it is asked for.
+
+    Args:
+        device: The device; it has parts.
+
+    Attributes:
+        part: The part, at first the first one.
+    """
+
+    __slots__ = ("_device", "part")
+
+    def __init__(self, device: Device) -> None:
+        self._device = device
+        self.part: DevicePart = device.parts[0]
+
+    @property
+    def id(self) -> str:
+        """The id of its device."""
+        return self._device.id
+
+    @property
+    def name(self) -> str:
+        """The name of its device, folded."""
+        return fold(self._device.name)
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Id and names of its device, and its own name, folded."""
+        device, own = self._device, self.part.part.name
+        return frozenset([fold(name) for name in (device.id, device.name, *device.names, *((own,) if own else ()))])
+
+    @property
+    def kinds(self) -> frozenset[tuple[str, str]]:
+        """Its type and tag."""
+        return frozenset(((self.part.part.service_type, self.part.part.tag),))
+
+    @property
+    def words_said(self) -> frozenset[str]:
+        """Its advertised type, folded."""
+        return frozenset((fold(self.part.part.advertised or self.part.part.service_type),))
+
+    @property
+    def senses(self) -> frozenset[str]:
+        """Nothing: a part has one type."""
+        return frozenset()
+
+    @property
+    def capabilities(self) -> frozenset[str]:
+        """Names of what it can be asked or told."""
+        return frozenset([capability.name for capability in self.part.part.capabilities])
+
+    @property
+    def settable(self) -> frozenset[str]:
+        """Names of what it can be told."""
+        return frozenset([capability.name for capability in self.part.part.capabilities if capability.settable])
+
+    @property
+    def values(self) -> list[tuple[str, str, PlainValue]]:
+        """Its type, capability, and value, for each value."""
+        part, service_type = self.part.id, self.part.part.service_type
+        return [
+            (service_type, state.capability, state.value.plain()) for state in self._device.states if state.part == part
+        ]
+
+    @property
+    def area(self) -> str:
+        """The area of its device, folded."""
+        return fold(self._device.area)
+
+    @property
+    def words(self) -> frozenset[str]:
+        """The words of its device."""
+        return facets_of(self._device).words
+
+    @property
+    def freshness(self) -> str:
+        """The freshness of its device."""
+        return self._device.freshness
+
+    @property
+    def reachable(self) -> str:
+        """Whether it can be reached."""
+        return "no" if self.part.id in self._device.offline_parts else self._device.reachable.state
+
+    @property
+    def gateways(self) -> frozenset[str]:
+        """Gateways of its routes."""
+        return frozenset([route.gateway for route in self.part.routes])
+
+    @property
+    def conventions(self) -> frozenset[str]:
+        """Conventions of its routes."""
+        return frozenset([route.convention for route in self.part.routes])
+
+    @property
+    def categories(self) -> frozenset[str]:
+        """Its category, where it has one."""
+        return frozenset((self.part.part.category,)) if self.part.part.category else frozenset()
+
+    @property
+    def facts(self) -> Mapping[str, tuple[str, ...]]:
+        """The facts of its device by name, folded."""
+        return facets_of(self._device).facts
+
+    @property
+    def is_disputed(self) -> bool:
+        """Whether anything about its device is."""
+        return bool(self._device.conflicts)
 
 
 def facets_of(device: Device) -> Facets:

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.query.facets import Facets
+from homebot.devices.query.facets import Facets, PartFacets
 from homebot.devices.query.folding import fold, is_typo
 from homebot.devices.value import PlainValue
 
 __all__ = [
     "And",
+    "AreaIs",
     "CanDo",
     "FactIs",
     "FreshnessIs",
@@ -19,6 +20,7 @@ __all__ = [
     "HasText",
     "InArea",
     "IsDisputed",
+    "NameIs",
     "Not",
     "Operator",
     "Or",
@@ -72,6 +74,20 @@ class InArea:
     """It is in this room, folded; a room whose name begins with it fits as well."""
 
     area: str
+
+
+@dataclass(frozen=True, slots=True)
+class AreaIs:
+    """It is in this very room, folded."""
+
+    area: str
+
+
+@dataclass(frozen=True, slots=True)
+class NameIs:
+    """It, or its part, has this name or id, folded."""
+
+    name: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +175,9 @@ class Not:
 Query: TypeAlias = (
     TypeIs
     | CanDo
+    | AreaIs
     | InArea
+    | NameIs
     | StateIs
     | HasText
     | FreshnessIs
@@ -196,11 +214,14 @@ def type_is(word: str) -> TypeIs:
     return TypeIs(spelled, types, singular if singular in _TAGS and not exact else "")
 
 
-def fits(query: Query, device: Facets) -> bool:
-    """Return whether *device* fits *query*."""
+def fits(query: Query, device: Facets | PartFacets) -> bool:
+    """Return whether *device*, or one part of it, fits *query*."""
     match query:
         case And(terms):
-            return all(fits(term, device) for term in terms)
+            fits_all = True
+            for term in terms:  # no generator: handles are looked at with every state
+                fits_all = fits_all and fits(term, device)
+            return fits_all
         case Or(terms):
             return any(fits(term, device) for term in terms)
         case Not(term):
@@ -208,7 +229,7 @@ def fits(query: Query, device: Facets) -> bool:
         case TypeIs():
             return (
                 (query.by_word and query.word in device.words_said)
-                or any(query.wants(kind) for kind in device.kinds)
+                or True in map(query.wants, device.kinds)
                 or (bool(device.senses) and device.senses == query.types)
             )
         case CanDo(name, settable):
@@ -220,16 +241,23 @@ def fits(query: Query, device: Facets) -> bool:
                 and compares(query, value)
                 for service_type, capability, value in device.values
             )
+        case AreaIs(area):
+            return device.area == area
         case HasText(word):
             return any(word_fits(word, one) for one in device.words)
         case _:
             return _fits_whole(query, device)
 
 
-def _fits_whole(query: InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed, device: Facets) -> bool:
+def _fits_whole(
+    query: InArea | NameIs | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed,
+    device: Facets | PartFacets,
+) -> bool:
     match query:
         case IsDisputed():
             return device.is_disputed
+        case NameIs(name):
+            return name in device.names
         case InArea(area):
             return bool(device.area) and _begins(device.area, area)
         case FreshnessIs(freshness):
@@ -238,16 +266,22 @@ def _fits_whole(query: InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs |
             return device.reachable == state
         case GatewayIs(gateway):
             return gateway in device.gateways
-        case FactIs("id", value):
-            return device.id.casefold() == value
-        case FactIs("name", value):
-            return _begins(device.name, value) or any(_begins(one, value) for one in device.facts.get("name", ()))
-        case FactIs("convention", value):
-            return value in device.conventions
-        case FactIs("category", value):
-            return value in device.categories
         case FactIs(name, value):
-            return any(_begins(one, value) for one in device.facts.get(name, ()))
+            return _fits_fact(name, value, device)
+
+
+def _fits_fact(name: str, value: str, device: Facets | PartFacets) -> bool:
+    match name:
+        case "id":
+            return device.id.casefold() == value
+        case "name" if _begins(device.name, value):
+            return True
+        case "convention":
+            return value in device.conventions
+        case "category":
+            return value in device.categories
+        case _:
+            return any(_begins(fact, value) for fact in device.facts.get(name, ()))
 
 
 def compares(term: StateIs, value: PlainValue) -> bool:

@@ -10,6 +10,7 @@ from typing import TypeAlias, final
 
 from homebot.devices.query import (
     And,
+    AreaIs,
     CanDo,
     Facets,
     FactIs,
@@ -18,6 +19,7 @@ from homebot.devices.query import (
     HasText,
     InArea,
     IsDisputed,
+    NameIs,
     Not,
     Or,
     Query,
@@ -25,7 +27,7 @@ from homebot.devices.query import (
     StateIs,
     TypeIs,
 )
-from homebot.devices.query.folding import is_typo, may_be_typo
+from homebot.devices.query.folding import fold, is_typo, may_be_typo
 from homebot.devices.query.terms import compares
 from homebot.devices.value import PlainValue
 
@@ -138,12 +140,19 @@ class Postings:
             case _:
                 return self._simple(query)
 
-    def _simple(self, query: CanDo | InArea | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed) -> Found:
+    def _simple(
+        self, query: CanDo | AreaIs | InArea | NameIs | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed
+    ) -> Found:
         match query:
             case IsDisputed():
                 return self._sets.get(_DISPUTED, _NONE)
             case CanDo(name, settable):
                 return self._sets.get(("set" if settable else "can", name), _NONE)
+            case AreaIs(area):
+                return self._sets.get(("area", area), _NONE)
+            case NameIs(name):
+                named = self._sets.get(("fact name", name), _NONE)
+                return named | {device_id for device_id in self._posted if fold(device_id) == name}
             case InArea(area):
                 return self._begins("area", area)
             case FreshnessIs(freshness):
@@ -152,16 +161,15 @@ class Postings:
                 return self._sets.get(("reachable", state), _NONE)
             case GatewayIs(gateway):
                 return self._sets.get(("gateway", gateway), _NONE)
-            case FactIs("id", value):
-                return {one for one in self._posted if one.casefold() == value}
-            case FactIs("convention", value):
-                return self._sets.get(("convention", value), _NONE)
-            case FactIs("category", value):
-                return self._sets.get(("category", value), _NONE)
-            case FactIs("name", value):
-                return self._begins("fact name", value)
             case FactIs(name, value):
-                return self._begins(f"fact {name}", value)
+                return self._by_fact(name, value)
+
+    def _by_fact(self, name: str, value: str) -> Found:
+        if name == "id":
+            return {device_id for device_id in self._posted if device_id.casefold() == value}
+        if name in {"convention", "category"}:
+            return self._sets.get((name, value), _NONE)
+        return self._begins(f"fact {name}", value)
 
     def _all(self, terms: tuple[Query, ...]) -> Found:
         """The cheap terms first, and those that take away or look at values last, when few devices are left."""
