@@ -210,7 +210,7 @@ def test_an_old_report_of_a_part_that_vanished_changes_nothing(
     )
     index.observe(before)
     index.sort()
-    index.tells_states = True
+    index.collects_states = True
     old = [
         tell(before, "level", 5.0, part="l"),
         tell(before, "value", 7.0, part="s"),
@@ -248,7 +248,7 @@ def test_states_are_told_where_somebody_wants_them(
     lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",), name="Lamp")
     index.observe(lamp)
     index.report(tell(lamp, "on_off", True, part="l", at=1))
-    index.tells_states = True
+    index.collects_states = True
     index.report(tell(lamp, "on_off", True, part="l", at=2))
     index.report(tell(lamp, "on_off", False, part="l", at=3))
     changes, states = index.take_changes(), index.take_states()

@@ -55,12 +55,12 @@ class ChangeQueue:
 
     def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Note a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
-        waiting = self._last.get(entry.id)
-        if kind == "changed" and waiting is not None and waiting.kind != "stale":
+        pending = self._last.get(entry.id)
+        if kind == "changed" and pending is not None and pending.kind != "stale":
             return
-        happened = _PendingChange(kind, entry, why, other)
-        self._pending.append(happened)
-        self._last[entry.id] = happened
+        change = _PendingChange(kind, entry, why, other)
+        self._pending.append(change)
+        self._last[entry.id] = change
 
     def note_removed(self, entry: Entry, why: str, other: str = "") -> None:
         """Note that *entry* goes; it is told of as it is now."""

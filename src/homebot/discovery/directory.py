@@ -111,14 +111,14 @@ class Directory:
         self._changes = node.create_publisher(DeviceChange, DEVICE_CHANGES, 10)
         self._states = node.create_publisher(StateChange, DEVICE_STATES, _STATES_QOS)
         self._persistence = IndexPersistence(node, self.index, file if settings.persist else None)
-        self._services = DirectoryServices(node, self.index, self._persistence, self._tell)
+        self._services = DirectoryServices(node, self.index, self._persistence, self._publish_some)
         self._sources: dict[str, Subscription[Sighting] | Subscription[Report]] = {}
         self._wakes_at = math.inf
         self._rejected = 0
         self._earlier_deadline = anyio.Event()
         self._happened = anyio.Event()
         self._limit = LogLimit(clock)
-        self._told = LogLimit(clock, burst=BURST)
+        self._change_limit = LogLimit(clock, burst=BURST)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the index until cancelled.
@@ -208,13 +208,13 @@ class Directory:
             return
         self.index.observe(sighting, self._heard_at(sighting))
         if self.index.counters.rejected > self._rejected:
-            self._tell_rejected(sighting)
+            self._log_rejected(sighting)
         self._wake_workers()
 
     def _report(self, gateway: str, report: Report) -> None:
         if not self._is_own(gateway, report):
             return
-        self.index.tells_states = self._states.subscription_count > 0
+        self.index.collects_states = self._states.subscription_count > 0
         self.index.report(report, self._heard_at(report))
         self._wake_workers()
 
@@ -236,7 +236,7 @@ class Directory:
         while True:
             await self._happened.wait()
             self._happened = anyio.Event()
-            while self._tell(_FEW) or self.index.sort(_FEW):
+            while self._publish_some(_FEW) or self.index.sort(_FEW):
                 await anyio.lowlevel.checkpoint()
 
     async def _expire(self) -> None:
@@ -247,11 +247,11 @@ class Directory:
             with anyio.move_on_after(max(0.0, self._wakes_at - self._clock.monotonic())):
                 await self._earlier_deadline.wait()
             while self.index.expire(self._clock.monotonic(), at_most=_FEW):
-                while self._tell(_FEW):
+                while self._publish_some(_FEW):
                     await anyio.lowlevel.checkpoint()
                 await anyio.lowlevel.checkpoint()
 
-    def _tell(self, at_most: int) -> bool:
+    def _publish_some(self, at_most: int) -> bool:
         """Tell of so many changes and, after the last one, of new states; return whether more may wait."""
         changes = self.index.take_changes(at_most)
         for change in changes:
@@ -266,7 +266,7 @@ class Directory:
 
     def _log(self, change: DeviceChange) -> None:
         event, words = _WORDS[change.kind]
-        held_back = self._told.allows(event)
+        held_back = self._change_limit.allows(event)
         if held_back is None:
             return
         device = change.device
@@ -282,7 +282,7 @@ class Directory:
             held_back=held_back,
         )
 
-    def _tell_rejected(self, sighting: Sighting) -> None:
+    def _log_rejected(self, sighting: Sighting) -> None:
         self._rejected = self.index.counters.rejected
         if self._limit.allows(REJECTED) is not None:
             self._node.log.warning(

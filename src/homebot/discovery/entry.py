@@ -76,23 +76,23 @@ class Entry:
 
     def best(self) -> SourceRecord:
         """Return the preferred announcement."""
-        claims = self.sources.values()
-        return next(iter(claims)) if len(claims) == 1 else min(claims, key=preference)
+        sources = self.sources.values()
+        return next(iter(sources)) if len(sources) == 1 else min(sources, key=preference)
 
     def hardware(self) -> tuple[str, ...]:
         """Return its hardware addresses."""
-        found = (one for claim in self.sources.values() for one in claim.sighting.identifiers)
+        found = (one for source in self.sources.values() for one in source.sighting.identifiers)
         return tuple(dict.fromkeys(one for one in found if not one.startswith("id:")))
 
     def is_confirmed(self) -> bool:
         """Return whether it was heard itself since the start."""
-        return any(claim.confirmed for claim in self.sources.values())
+        return any(source.confirmed for source in self.sources.values())
 
     def last_seen(self) -> Time:
         """Return when it was last heard of: when it spoke, or else was announced."""
         if len(self.sources) == 1:
             return next(iter(self.sources.values())).seen_at
-        confirmed = [claim for claim in self.sources.values() if claim.confirmed]
+        confirmed = [source for source in self.sources.values() if source.confirmed]
         return max(confirmed or self.sources.values(), key=lambda one: (one.heard_at, _moment(one.seen_at))).seen_at
 
     def invalidate_device(self) -> None:
@@ -218,8 +218,8 @@ class _Description:
     merged: MergedParts
 
 
-def _describe(claims: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds) -> _Description:
-    ordered = sorted(claims, key=preference) if len(claims) > 1 else claims
+def _describe(sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds) -> _Description:
+    ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
     merged = merge_parts(ordered, topics, known_ids)
     main = main_part(merged.parts)
     first = ordered[0].sighting
@@ -245,7 +245,7 @@ def _identifiers(sources: Sequence[SourceRecord]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _service_types(claims: Sequence[SourceRecord], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
+def _service_types(sources: Sequence[SourceRecord], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:
     if len(parts) == 1:
         part = parts[0].part
         found = [part.service_type, part.advertised] if part.advertised else [part.service_type]
@@ -253,32 +253,32 @@ def _service_types(claims: Sequence[SourceRecord], parts: tuple[DevicePart, ...]
         shown = [one.part for one in parts if not one.part.category] or [one.part for one in parts]
         found = [one.service_type for one in shown] + [one.advertised for one in shown if one.advertised]
     else:
-        words = [one.sighting.service_type for one in claims]
+        words = [one.sighting.service_type for one in sources]
         meant = [wanted_types(one) for one in words]
         found = [min(types) for types in meant if len(types) == 1] + words
     return tuple(dict.fromkeys(found))
 
 
-def _metadata(claims: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
+def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
     found: dict[str, KeyValue] = {}
-    for claim in claims:
-        for one in claim.sighting.metadata:
+    for source in sources:
+        for one in source.sighting.metadata:
             found.setdefault(one.key, one)
     return tuple(found.values())[:MAX_FACTS]
 
 
-def _facts(claims: Sequence[SourceRecord]) -> tuple[Fact, ...]:
+def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
     """Each value once for each gateway and convention, by the first announcement that says it."""
     found: dict[tuple[str, str, str, str], Fact] = {}
-    for claim in claims:
-        gateway, key, convention = claim.sighting.gateway, claim.sighting.key, claim.sighting.convention
-        for name, value in _said(claim):
+    for source in sources:
+        gateway, key, convention = source.sighting.gateway, source.sighting.key, source.sighting.convention
+        for name, value in _facts_of(source):
             place = (name, value, gateway, convention)
             if not value or place in found:
                 continue
-            said_at = claim.first_seen
-            if name in claim.facts and claim.facts[name][0] == value:
-                said_at = claim.facts[name][1]
+            said_at = source.first_seen
+            if name in source.facts and source.facts[name][0] == value:
+                said_at = source.facts[name][1]
             found[place] = Fact.of_checked(
                 name=name, value=value, gateway=gateway, convention=convention, key=key, said_at=said_at
             )
@@ -287,21 +287,21 @@ def _facts(claims: Sequence[SourceRecord]) -> tuple[Fact, ...]:
     return tuple(found.values())
 
 
-def _said(claim: SourceRecord) -> list[tuple[str, str]]:
-    sighting = claim.sighting
+def _facts_of(source: SourceRecord) -> list[tuple[str, str]]:
+    sighting = source.sighting
     return [("name", sighting.name), ("area", sighting.area), *((one.key, one.value) for one in sighting.metadata)]
 
 
-def _endpoints(claims: Sequence[SourceRecord], main: DevicePart | None) -> tuple[Endpoint, ...]:
+def _endpoints(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple[Endpoint, ...]:
     """One for each gateway: two conventions at one gateway say everything twice."""
     found: dict[str, Endpoint] = {}
     if main is not None:
-        said = {claim.key: claim.sighting for claim in claims}
+        sightings = {source.key: source.sighting for source in sources}
         accepts = accepts_text(main.part)
         for route in main.routes:
             if route.gateway in found:
                 continue
-            sighting = said[route.gateway, route.key]
+            sighting = sightings[route.gateway, route.key]
             if sighting.speaks_plainly:
                 address, command_address = sighting.address, sighting.command_address
             else:
@@ -311,8 +311,8 @@ def _endpoints(claims: Sequence[SourceRecord], main: DevicePart | None) -> tuple
                 gateway=route.gateway, key=route.key, address=address, command_address=command_address
             )
             found[route.gateway] = endpoint
-    for claim in claims if not found else ():
-        sighting = claim.sighting
+    for source in sources if not found else ():
+        sighting = source.sighting
         if sighting.gateway not in found:
             found[sighting.gateway] = Endpoint.of_checked(
                 gateway=sighting.gateway,
@@ -333,5 +333,5 @@ def _moment(time: Time | None) -> tuple[int, int]:
     return (time.sec, time.nanosec) if time is not None else (0, 0)
 
 
-def _weight(told: StoredValue) -> tuple[bool, float, int, int]:
-    return told.live, told.heard, told.told_at.sec, told.told_at.nanosec
+def _weight(stored: StoredValue) -> tuple[bool, float, int, int]:
+    return stored.live, stored.heard_at, stored.told_at.sec, stored.told_at.nanosec

@@ -74,12 +74,12 @@ class DeviceIndex:
         return self._table.changes.sequence
 
     @property
-    def tells_states(self) -> bool:
+    def collects_states(self) -> bool:
         """True if changes of states are collected."""
         return self._table.collects_states
 
-    @tells_states.setter
-    def tells_states(self, collects: bool) -> None:
+    @collects_states.setter
+    def collects_states(self, collects: bool) -> None:
         self._table.collects_states = collects
 
     def observe(self, sighting: Sighting, now: float | None = None) -> None:

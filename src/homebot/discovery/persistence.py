@@ -114,10 +114,10 @@ class IndexPersistence:
             self.state, self._file, self._index.is_saved = str(exc), None, False
             return False
         except LinkError as exc:
-            self._complain(exc)
+            self._log_failure(exc)
             return False
         if damaged is not None:
-            self._tell_damage(damaged)
+            self._log_damage(damaged)
             self._index.save_all()
         return True
 
@@ -145,7 +145,7 @@ class IndexPersistence:
             await self._set_aside(file, str(exc))
             return False
         except LinkError as exc:
-            self._complain(exc)
+            self._log_failure(exc)
             return False
         if self.state != "ok":
             self.state = "ok"
@@ -180,15 +180,15 @@ class IndexPersistence:
         """Begin a new file with all that is known now."""
         self.state = why
         try:
-            self._tell_damage(await to_thread.run_sync(file.set_aside, self._clock.now()))
+            self._log_damage(await to_thread.run_sync(file.set_aside, self._clock.now()))
         except OSError as exc:
-            self._complain(LinkError(f"{self.file} cannot be set aside: {exc}"))
+            self._log_failure(LinkError(f"{self.file} cannot be set aside: {exc}"))
             return
         self._index.save_all()
         if await self._open(file):
             self.state = "ok"
 
-    def _tell_damage(self, where: Path) -> None:
+    def _log_damage(self, where: Path) -> None:
         self.damaged += 1
         self._node.log.warning(
             DAMAGED,
@@ -196,7 +196,7 @@ class IndexPersistence:
             file=str(where),
         )
 
-    def _complain(self, exc: LinkError) -> None:
+    def _log_failure(self, exc: LinkError) -> None:
         self.failures += 1
         self.state = str(exc)
         held_back = self._limit.allows(NOT_WRITTEN)

@@ -10,78 +10,78 @@ from homebot.discovery.source_record import Reach, SourceKey, SourceRecord
 
 __all__ = ["offline_parts", "reachability"]
 
-_Said: TypeAlias = tuple[SourceRecord, str, Reach | None]
+_SourceReach: TypeAlias = tuple[SourceRecord, str, Reach | None]
 """What an announcement says of one of its parts."""
 
-_NOT_SAID = Reachability()
+_NOT_REPORTED = Reachability()
 
 
-def reachability(claims: Iterable[SourceRecord]) -> Reachability:
+def reachability(sources: Iterable[SourceRecord]) -> Reachability:
     """Return whether a device can be reached: what its parts are together.
 
     One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing was said, spoke
     since, it is unknown.
     """
-    sources = tuple(claims)
+    sources = tuple(sources)
     for source in sources:
         if source.reach:
-            return _together(_said(sources))
-    return _NOT_SAID
+            return _combined(_source_reaches(sources))
+    return _NOT_REPORTED
 
 
 def offline_parts(
-    claims: Mapping[SourceKey, SourceRecord], places: Mapping[tuple[str, str, str], int], ids: Mapping[int, str]
+    sources: Mapping[SourceKey, SourceRecord], places: Mapping[tuple[str, str, str], int], ids: Mapping[int, str]
 ) -> tuple[str, ...]:
     """Return the ids of the parts that cannot be reached, by the same rule for each.
 
     Args:
-        claims: The announcements of the device.
+        sources: The announcements of the device.
         places: Which part of the device each of theirs is.
         ids: The ids of those.
     """
-    said: dict[int, list[_Said]] = {}
+    reports: dict[int, list[_SourceReach]] = {}
     for (gateway, key, part), place in places.items():
-        claim = claims.get((gateway, key))
-        if claim is not None:
-            said.setdefault(place, []).append((claim, part, claim.reach_of(part)))
-    return tuple(ids[place] for place in sorted(said) if _together(said[place]).state == "no")
+        source = sources.get((gateway, key))
+        if source is not None:
+            reports.setdefault(place, []).append((source, part, source.reach_of(part)))
+    return tuple(ids[place] for place in sorted(reports) if _combined(reports[place]).state == "no")
 
 
-def _said(claims: Iterable[SourceRecord]) -> list[_Said]:
-    found: list[_Said] = []
-    for claim in claims:
-        if len(claim.reach) == 1 and "" in claim.reach:
-            found.append((claim, "", claim.reach[""]))
-        elif not claim.reach:
-            found.append((claim, "", None))
+def _source_reaches(sources: Iterable[SourceRecord]) -> list[_SourceReach]:
+    found: list[_SourceReach] = []
+    for source in sources:
+        if len(source.reach) == 1 and "" in source.reach:
+            found.append((source, "", source.reach[""]))
+        elif not source.reach:
+            found.append((source, "", None))
         else:
-            found += [(claim, part.id, claim.reach_of(part.id)) for part in claim.sighting.parts]
+            found += [(source, part.id, source.reach_of(part.id)) for part in source.sighting.parts]
     return found
 
 
-def _together(said: list[_Said]) -> Reachability:
-    known = [(claim, part, one) for claim, part, one in said if one is not None]
+def _combined(reports: list[_SourceReach]) -> Reachability:
+    known = [(source, part, one) for source, part, one in reports if one is not None]
     if not known:
-        return _NOT_SAID
+        return _NOT_REPORTED
     for state, value in (("yes", True), ("no", False), ("unknown", None)):
         answers = [one for one in known if one[2].value is value]
         if not answers:
             continue
-        claim, part, reach = max(answers, key=lambda one: one[2].heard)
-        label = f"{claim.label} ({part})" if part and part not in claim.label else claim.label
-        if value is False and (speaker := _speaker(said, reach.heard)) is not None:
-            why = f"{label} is offline, but {speaker.label} reported since"
-            return Reachability(state="unknown", since=speaker.seen_at, why=why)
+        source, part, reach = max(answers, key=lambda one: one[2].heard_at)
+        label = f"{source.label} ({part})" if part and part not in source.label else source.label
+        if value is False and (later := _heard_later(reports, reach.heard_at)) is not None:
+            why = f"{label} is offline, but {later.label} reported since"
+            return Reachability(state="unknown", since=later.seen_at, why=why)
         if value is None:
             why = f"{label} was reported offline, but it sends messages"
             return Reachability(state="unknown", since=reach.since, why=why)
         kept = "" if reach.live else ", in a retained message"
         why = f"{label} is {'online' if value else 'offline'}, according to it or its last will{kept}"
         return Reachability(state="yes" if state == "yes" else "no", since=reach.since, why=why)
-    return _NOT_SAID
+    return _NOT_REPORTED
 
 
-def _speaker(said: list[_Said], since: float) -> SourceRecord | None:
+def _heard_later(reports: list[_SourceReach], since: float) -> SourceRecord | None:
     """One of which nothing was said, or what was said is in doubt, that spoke itself later than *since*."""
-    undecided = (claim for claim, _, one in said if one is None or one.value is None)
-    return next((claim for claim in undecided if claim.confirmed and claim.heard_at > since), None)
+    undecided = (source for source, _, one in reports if one is None or one.value is None)
+    return next((source for source in undecided if source.confirmed and source.heard_at > since), None)

@@ -24,7 +24,7 @@ MAX_RECORD = 4_000_000
 """Characters of one record; a longer one is not read."""
 
 
-class _ClaimRecord(BaseModel):
+class _SavedSource(BaseModel):
     model_config = ConfigDict(extra="ignore")
 
     sighting: Sighting
@@ -37,7 +37,7 @@ class _EntryRecord(BaseModel):
 
     first_seen: Time
     gaps: tuple[float, ...] = ()
-    claims: tuple[_ClaimRecord, ...]
+    claims: tuple[_SavedSource, ...]
 
 
 class _TombstoneRecord(BaseModel):
@@ -62,18 +62,18 @@ def entry_record(entry: Entry) -> str:
     for (gateway, key, part), part_id in entry.part_ids().items():
         if part_id != part:
             ids.setdefault((gateway, key), {})[part] = part_id
-    claims = tuple(
-        _ClaimRecord(
-            sighting=_as_last_seen(claim),
-            first_seen=claim.first_seen,
-            part_ids=ids.get(claim.key, {}),
+    saved = tuple(
+        _SavedSource(
+            sighting=_as_last_seen(source),
+            first_seen=source.first_seen,
+            part_ids=ids.get(source.key, {}),
         )
-        for claim in entry.sources.values()
+        for source in entry.sources.values()
     )
     try:
         entry.id.encode()
         return _EntryRecord(
-            first_seen=entry.first_seen, gaps=entry.report_interval.gaps, claims=claims
+            first_seen=entry.first_seen, gaps=entry.report_interval.gaps, claims=saved
         ).model_dump_json()
     except ValueError as exc:
         raise WireError(f"{entry.id[:100]!r} cannot be kept: {exc}", b"") from exc
@@ -87,7 +87,7 @@ def read_entry(device_id: str, text: str) -> Entry:
     """
     record = _read(_EntryRecord, text)
     gaps = [gap for gap in record.gaps if math.isfinite(gap) and gap > 0]
-    claims = {}
+    sources: dict[SourceKey, SourceRecord] = {}
     ids: dict[PartPlace, str] = {}
     for number, one in enumerate(record.claims):
         sighting = one.sighting
@@ -95,7 +95,7 @@ def read_entry(device_id: str, text: str) -> Entry:
             validate_node_name(sighting.gateway)
         except InvalidNameError as exc:
             raise WireError(f"a device of no gateway: {exc}", text[:100].encode(errors="replace")) from exc
-        claims[sighting.gateway, sighting.key] = SourceRecord(
+        sources[sighting.gateway, sighting.key] = SourceRecord(
             sighting=sighting,
             number=number,
             first_seen=one.first_seen,
@@ -105,10 +105,10 @@ def read_entry(device_id: str, text: str) -> Entry:
         ids |= {
             (sighting.gateway, sighting.key, part.id): one.part_ids.get(part.id, part.id) for part in sighting.parts
         }
-    if not device_id or not claims:
+    if not device_id or not sources:
         raise WireError("a device without an id or an announcement", text[:100].encode(errors="replace"))
     return Entry(
-        device_id, record.first_seen, "unconfirmed", claims, report_interval=ReportInterval(gaps), known_ids=ids
+        device_id, record.first_seen, "unconfirmed", sources, report_interval=ReportInterval(gaps), known_ids=ids
     )
 
 
@@ -129,10 +129,10 @@ def read_tombstone(device_id: str, text: str) -> Tombstone:
     return Tombstone(device_id, record.keys, record.hardware, record.is_ghost, record.at)
 
 
-def _as_last_seen(claim: SourceRecord) -> Sighting:
+def _as_last_seen(source: SourceRecord) -> Sighting:
     """The clock may have been set since the sighting: what is kept is for how long silence is no bad sign."""
-    expires_at = Time.from_seconds(claim.seen_at.to_seconds() + claim.lasts)
-    return claim.sighting.model_copy(update={"seen_at": claim.seen_at, "expires_at": expires_at, "confirmed": False})
+    expires_at = Time.from_seconds(source.seen_at.to_seconds() + source.lasts)
+    return source.sighting.model_copy(update={"seen_at": source.seen_at, "expires_at": expires_at, "confirmed": False})
 
 
 def _read(kind: type[_RecordT], text: str) -> _RecordT:

@@ -59,16 +59,18 @@ class DirectoryServices:
     Args:
         node: The directory's node.
         index: What it knows.
-        keeper: Who keeps the index file.
-        tell: Tells so many of what happened and was not told yet, so that an answer holds nothing that is told after
+        persistence: Who keeps the index file.
+        publish: Tells so many of what happened and was not told yet, so that an answer holds nothing that is told after
             it; says whether there may be more.
     """
 
-    def __init__(self, node: Node, index: DeviceIndex, keeper: IndexPersistence, tell: Callable[[int], bool]) -> None:
+    def __init__(
+        self, node: Node, index: DeviceIndex, persistence: IndexPersistence, publish: Callable[[int], bool]
+    ) -> None:
         self._clock = node.graph.clock
         self._index = index
-        self._keeper = keeper
-        self._tell_some = tell
+        self._persistence = persistence
+        self._publish_some = publish
         self._changes = ChangeLog(index.sequence)
         self._node = node
 
@@ -131,7 +133,7 @@ class DirectoryServices:
         )
 
     def _get_changes(self, request: GetChangesRequest) -> GetChangesResponse:
-        self._tell()
+        self._publish_all()
         return GetChangesResponse(
             changes=self._changes.since(request.since),
             complete=self._changes.forgotten <= request.since <= self._index.sequence,
@@ -140,7 +142,7 @@ class DirectoryServices:
 
     def _forget(self, request: ForgetDeviceRequest) -> ForgetDeviceResponse:
         announced = self._index.forget(request.device, self._clock.now())
-        self._tell()
+        self._publish_all()
         if announced is None:
             return ForgetDeviceResponse(success=False, message=f"there is no device {request.device!r}")
         return ForgetDeviceResponse(
@@ -151,14 +153,14 @@ class DirectoryServices:
     async def _catch_up(self) -> None:
         """Tell what waits, and make it findable, in small steps; what came after the last one is little."""
         for _ in range(_MOST_TURNS):
-            has_more, is_unsorted = self._tell_some(_FEW), self._index.sort(_FEW)
+            has_more, is_unsorted = self._publish_some(_FEW), self._index.sort(_FEW)
             if not has_more and not is_unsorted:
                 return
             await anyio.lowlevel.checkpoint()
-        self._tell()
+        self._publish_all()
 
-    def _tell(self) -> None:
-        while self._tell_some(_FEW):
+    def _publish_all(self) -> None:
+        while self._publish_some(_FEW):
             pass
 
     def _get_health(self, _: HealthRequest) -> HealthResponse:
@@ -166,10 +168,10 @@ class DirectoryServices:
             "devices": len(self._index),
             "forgotten_devices": len(self._index.tombstones),
             **self._index.counts(),
-            "index_file_failures": self._keeper.failures,
-            "index_file_damaged": self._keeper.damaged,
+            "index_file_failures": self._persistence.failures,
+            "index_file_damaged": self._persistence.damaged,
         }
-        troubles = () if self._keeper.state in {"off", "ok"} else (self._keeper.state,)
+        troubles = () if self._persistence.state in {"off", "ok"} else (self._persistence.state,)
         return HealthResponse(
             counts=tuple(Count(name=name, count=count) for name, count in counts.items()), troubles=troubles
         )

@@ -37,7 +37,7 @@ class StoredValue:
         value: The value.
         since: Since when it is that.
         told_at: When it was last told.
-        heard: The same on the clock that is never set, which says what is newer.
+        heard_at: The same on the clock that is never set, which says what is newer.
         live: Whether the device told it, rather than a message that the broker had kept.
     """
 
@@ -45,7 +45,7 @@ class StoredValue:
     since: Time
     told_at: Time
     live: bool
-    heard: float = -math.inf
+    heard_at: float = -math.inf
 
 
 @dataclass(slots=True)
@@ -55,13 +55,13 @@ class Reach:
     Attributes:
         value: Whether it can; None for unknown.
         since: Since when.
-        heard: The same on the clock that is never set.
+        heard_at: The same on the clock that is never set.
         live: Whether that was said live, rather than in a message that the broker had kept.
     """
 
     value: bool | None
     since: Time
-    heard: float
+    heard_at: float
     live: bool
 
 
@@ -71,7 +71,7 @@ class SourceRecord:
 
     Attributes:
         sighting: The newest sighting; the description counts.
-        number: Grows with each new claim: who came first.
+        number: Grows with each new source: who came first.
         first_seen: When it was first heard of.
         seen_at: When the device was last heard through it, or it was announced.
         heard_at: The same on the clock that is never set; minus infinity where that was before the start.
@@ -126,9 +126,9 @@ class SourceRecord:
         return prefix + sighting.key
 
 
-def preference(claim: SourceRecord) -> tuple[int, int]:
-    """Return what sorts claims on one device: those of its own convention first, then the older ones."""
-    return (0 if claim.sighting.native else 1, claim.number)
+def preference(source: SourceRecord) -> tuple[int, int]:
+    """Return what sorts sources on one device: those of its own convention first, then the older ones."""
+    return (0 if source.sighting.native else 1, source.number)
 
 
 def is_described_anew(before: Sighting, now: Sighting) -> bool:
@@ -149,16 +149,16 @@ def is_described_anew(before: Sighting, now: Sighting) -> bool:
     )
 
 
-def note_description(claim: SourceRecord, before: Sighting) -> None:
-    """Note since when *claim* says what it did not say *before*; what it can tell no longer is forgotten."""
-    now = claim.sighting
+def note_description(source: SourceRecord, before: Sighting) -> None:
+    """Note since when *source* says what it did not say *before*; what it can tell no longer is forgotten."""
+    now = source.sighting
     known = {"name": before.name, "area": before.area, **{one.key: one.value for one in before.metadata}}
-    said = {"name": now.name, "area": now.area, **{one.key: one.value for one in now.metadata}}
-    kept = {name: found for name, found in claim.facts.items() if name in said}
-    anew = {name: (value, now.seen_at) for name, value in said.items() if known.get(name) != value}
-    claim.facts = {**kept, **anew} or _NOTHING
+    described = {"name": now.name, "area": now.area, **{one.key: one.value for one in now.metadata}}
+    kept = {name: found for name, found in source.facts.items() if name in described}
+    changed = {name: (value, now.seen_at) for name, value in described.items() if known.get(name) != value}
+    source.facts = {**kept, **changed} or _NOTHING
     places = {(part.id, capability.name) for part in now.parts for capability in part.capabilities}
-    claim.values = {place: told for place, told in claim.values.items() if place in places}
+    source.values = {place: stored for place, stored in source.values.items() if place in places}
     parts = {"", *(part.id for part in now.parts)}
-    claim.set_reach({part: one for part, one in claim.reach.items() if part in parts})
-    claim.events = {place: told for place, told in claim.events.items() if place in places} or _NOTHING
+    source.set_reach({part: one for part, one in source.reach.items() if part in parts})
+    source.events = {place: stored for place, stored in source.events.items() if place in places} or _NOTHING

@@ -78,7 +78,7 @@ class StateRecorder:
         if is_sorted and len(part.routes) > 1:
             table.outdated[entry.id] = None
         elif is_sorted:
-            table.postings.tell(entry.id, part.id, part.part.service_type, reading.capability, stored.value)
+            table.postings.put_value(entry.id, part.id, part.part.service_type, reading.capability, stored.value)
         if table.collects_states:
             table.changes.note_state(entry, merged, state_of(part.id, reading, stored))
 
@@ -93,7 +93,7 @@ class StateRecorder:
         value = reading.value.plain()
         if number is None or not entry.is_new_event(number, reading.capability, value, source.key, now):
             return
-        stored = StoredValue(value, stamp, stamp, live=True, heard=now)
+        stored = StoredValue(value, stamp, stamp, live=True, heard_at=now)
         source.events = {**source.events, (reading.part, reading.capability): stored}
         if table.collects_states:
             table.changes.note_state(entry, merged, state_of(merged.parts[number].id, reading, stored))

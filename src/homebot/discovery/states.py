@@ -16,19 +16,19 @@ NOT_ANNOUNCED = StoredValue(None, Time.from_seconds(0.0), Time.from_seconds(0.0)
 """Stands for what no part was announced for."""
 
 
-def has_capability(claim: SourceRecord, part_id: str, capability: str) -> bool:
+def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:
     """Return whether a part with that capability was announced."""
-    for part in claim.sighting.parts:
+    for part in source.sighting.parts:
         if part.id == part_id:
             return capability in [offered.name for offered in part.capabilities]
     return False
 
 
-def store_value(claim: SourceRecord, reading: Reading, report: Report, now: float) -> StoredValue | None:
+def store_value(source: SourceRecord, reading: Reading, report: Report, now: float) -> StoredValue | None:
     """Note a value of a part; what the broker had kept never overwrites what was told live.
 
     Args:
-        claim: Through which announcement it was told.
+        source: Through which announcement it was told.
         reading: The value.
         report: What it came in.
         now: When that was, on the clock that is never set.
@@ -39,15 +39,15 @@ def store_value(claim: SourceRecord, reading: Reading, report: Report, now: floa
     """
     place = (reading.part, reading.capability)
     value, stamp, live = reading.value.plain(), report.received_at, not report.retained
-    known = claim.values.get(place)
+    known = source.values.get(place)
     if known is None:
-        if not has_capability(claim, *place):
+        if not has_capability(source, *place):
             return NOT_ANNOUNCED
-        known = claim.values[place] = StoredValue(value, stamp, stamp, live, now)
+        known = source.values[place] = StoredValue(value, stamp, stamp, live, now)
         return known
     if known.live and not live:
         return None
-    known.told_at, known.live, known.heard = stamp, live, now
+    known.told_at, known.live, known.heard_at = stamp, live, now
     before = known.value
     if before == value and type(before) is type(value):
         return None
@@ -56,20 +56,20 @@ def store_value(claim: SourceRecord, reading: Reading, report: Report, now: floa
 
 
 def store_reachability(
-    entry: Entry, claim: SourceRecord, reading: Reading, stamp: Time, now: float, *, live: bool
+    entry: Entry, source: SourceRecord, reading: Reading, stamp: Time, now: float, *, live: bool
 ) -> None:
     """Note whether a device, or one of its parts, can be reached."""
-    if reading.part and all(one.id != reading.part for one in claim.sighting.parts):
+    if reading.part and all(one.id != reading.part for one in source.sighting.parts):
         return
     value = reading.value.plain()
     answer = value if isinstance(value, bool) else None
-    known = claim.reach.get(reading.part)
+    known = source.reach.get(reading.part)
     if known is not None and known.value is answer:
         if known.live is not live:
             known.live = live
-            claim.set_reach(claim.reach)
+            source.set_reach(source.reach)
         return
-    claim.set_reach({**claim.reach, reading.part: Reach(answer, stamp, now, live)})
+    source.set_reach({**source.reach, reading.part: Reach(answer, stamp, now, live)})
     entry.is_denied = is_denied(entry.sources.values())
 
 
@@ -79,13 +79,13 @@ def is_denied(sources: Iterable[SourceRecord]) -> bool:
     return bool(denials)
 
 
-def state_of(part_id: str, reading: Reading, told: StoredValue) -> State:
+def state_of(part_id: str, reading: Reading, stored: StoredValue) -> State:
     """Return the message that tells a value."""
     return State.of_checked(
         part=part_id,
         capability=reading.capability,
         value=reading.value,
-        since=told.since,
-        told_at=told.told_at,
-        live=told.live,
+        since=stored.since,
+        told_at=stored.told_at,
+        live=stored.live,
     )

@@ -154,7 +154,7 @@ class PartFacets:
 
     @property
     def reachable(self) -> str:
-        """Whether it can be reached."""
+        """Reachability: ``yes``, ``no`` or ``unknown``."""
         return "no" if self.part.id in self._device.offline_parts else self._device.reachable.state
 
     @property
@@ -179,7 +179,7 @@ class PartFacets:
 
     @property
     def is_disputed(self) -> bool:
-        """Whether anything about its device is."""
+        """True when anything about its device is disputed."""
         return bool(self._device.conflicts)
 
 

@@ -26,7 +26,7 @@ MAX_IDENTIFIERS = 16
 """Identifiers of one announcement that count; the first ones, hardware addresses before others."""
 
 MAX_HOLDERS = 64
-"""Different voices that may share an identifier; one that more have is nobody's."""
+"""Different identities that may share an identifier; one that more have is nobody's."""
 
 _SHORTEST = 4
 _WORDS = """
@@ -44,7 +44,7 @@ def is_generic(word: str) -> bool:
     return word in _GENERIC
 
 
-_Sign: TypeAlias = tuple[str, str, tuple[str, ...], str]
+_IdentityKey: TypeAlias = tuple[str, str, tuple[str, ...], str]
 
 
 @dataclass(slots=True, eq=False)
@@ -64,7 +64,7 @@ class Identity:
     key: str
 
     @property
-    def key_of(self) -> _Sign:
+    def key_of(self) -> _IdentityKey:
         """Key by which it is known."""
         return self.gateway, self.convention, self.identifiers, self.key
 
@@ -89,9 +89,9 @@ class IdentityGraph:
 
     def __init__(self) -> None:
         self.cut = 0
-        self._voices: dict[SourceKey, Identity] = {}
-        self._known: dict[_Sign, Identity] = {}
-        self._claims: dict[Identity, dict[SourceKey, None]] = {}
+        self._identities: dict[SourceKey, Identity] = {}
+        self._known: dict[_IdentityKey, Identity] = {}
+        self._sources: dict[Identity, dict[SourceKey, None]] = {}
         self._holders: dict[str, dict[Identity, None]] = {}
         self._links: dict[str, bool] = {}
 
@@ -102,81 +102,83 @@ class IdentityGraph:
             Of each device whose bonds may be others now at least one announcement; all of those that *key* may bind
             together, where nobody spoke in this way before. Empty where nothing is new.
         """
-        voice = self._voice(key, sighting)
-        before = self._voices.get(key)
-        if before is voice:
+        identity = self._identity_of(key, sighting)
+        before = self._identities.get(key)
+        if before is identity:
             return frozenset()
         affected = self.discard(key) if before is not None else frozenset()
-        self._voices[key] = voice
-        claims = self._claims.get(voice)
-        if claims is not None:
-            claims[key] = None
+        self._identities[key] = identity
+        sources = self._sources.get(identity)
+        if sources is not None:
+            sources[key] = None
             return affected | {key}
-        self._claims[voice] = {key: None}
+        self._sources[identity] = {key: None}
         changed: set[str] = set()
-        for identifier in voice.identifiers:
+        for identifier in identity.identifiers:
             holders = self._holders.setdefault(identifier, {})
-            holders[voice] = None
+            holders[identity] = None
             if len(holders) > 1:
                 changed.add(identifier)
         if not changed:
             return affected | {key}
-        return affected | self._affected(voice, changed)
+        return affected | self._affected(identity, changed)
 
     def same_identity(self, key: SourceKey) -> SourceKey | None:
         """Return an older announcement that says the same of who the device is; None where there is none."""
-        first = next(iter(self._claims[self._voices[key]]))
+        first = next(iter(self._sources[self._identities[key]]))
         return None if first == key else first
 
     def discard(self, key: SourceKey) -> frozenset[SourceKey]:
         """Forget *key*; return the announcements whose bonds may be others now."""
-        voice = self._voices.pop(key, None)
-        if voice is None:
+        identity = self._identities.pop(key, None)
+        if identity is None:
             return frozenset()
-        claims = self._claims[voice]
-        del claims[key]
-        if claims:
-            return frozenset(claims)
-        del self._claims[voice], self._known[voice.key_of]
-        linked = [one for one in voice.identifiers if self._links.pop(one, True)]
-        for identifier in voice.identifiers:
+        sources = self._sources[identity]
+        del sources[key]
+        if sources:
+            return frozenset(sources)
+        del self._sources[identity], self._known[identity.key_of]
+        linked = [one for one in identity.identifiers if self._links.pop(one, True)]
+        for identifier in identity.identifiers:
             holders = self._holders[identifier]
-            del holders[voice]
+            del holders[identity]
             if not holders:
                 del self._holders[identifier]
         reached: set[Identity] = set()
-        for identifier in voice.identifiers:
+        for identifier in identity.identifiers:
             if identifier in self._holders and (identifier in linked or self._is_link(identifier)):
-                reached |= self._reach(self._holders[identifier])
-        return frozenset(claim for one in reached for claim in self._claims[one])
+                reached |= self._connected(self._holders[identifier])
+        return frozenset(source for one in reached for source in self._sources[one])
 
     def groups(self, keys: Iterable[SourceKey]) -> tuple[frozenset[SourceKey], ...]:
         """Return the devices that the announcements *keys* are about, each as the set of all its announcements."""
         found: list[frozenset[SourceKey]] = []
         done: set[Identity] = set()
         for key in keys:
-            voice = self._voices.get(key)
-            if voice is None or voice in done:
+            identity = self._identities.get(key)
+            if identity is None or identity in done:
                 continue
-            voices = self._reach((voice,))
-            done |= voices
-            found.append(frozenset(claim for one in voices for claim in self._claims[one]))
+            identities = self._connected((identity,))
+            done |= identities
+            found.append(frozenset(source for one in identities for source in self._sources[one]))
         return tuple(found)
 
     def shared(self, keys: Iterable[SourceKey]) -> Iterator[tuple[str, tuple[SourceKey, ...]]]:
-        """Yield each identifier that holds different voices among *keys* together, with one announcement of each."""
-        found = dict.fromkeys(self._voices[key] for key in keys if key in self._voices)
-        voices = {voice: number for number, voice in enumerate(found)}
-        if len(voices) < _PAIR:
+        """Yield each identifier that connects identities among *keys*, with one announcement of each of these."""
+        found = dict.fromkeys(self._identities[key] for key in keys if key in self._identities)
+        identities = {identity: number for number, identity in enumerate(found)}
+        if len(identities) < _PAIR:
             return
-        for identifier in dict.fromkeys(one for voice in voices for one in voice.identifiers):
+        for identifier in dict.fromkeys(one for identity in identities for one in identity.identifiers):
             if not _PAIR <= len(self._holders[identifier]) <= MAX_HOLDERS or not self._is_link(identifier):
                 continue
-            holders = sorted((one for one in self._holders[identifier] if one in voices), key=voices.__getitem__)
+            holders = sorted(
+                (one for one in self._holders[identifier] if one in identities), key=identities.__getitem__
+            )
             if len(holders) >= _PAIR:
-                yield identifier, tuple(next(iter(self._claims[voice])) for voice in holders)
+                yield identifier, tuple(next(iter(self._sources[identity])) for identity in holders)
 
-    def _voice(self, key: SourceKey, sighting: Sighting) -> Identity:
+    def _identity_of(self, key: SourceKey, sighting: Sighting) -> Identity:
         found = sighting.identifiers
         if len(found) > MAX_IDENTIFIERS:
             self.cut += 1
@@ -184,23 +186,23 @@ class IdentityGraph:
         is_own = sighting.whole_device or not _are_specific(found)
         if place := _own_topic(sighting):
             found = tuple(dict.fromkeys((*found, f"id:{place}")))
-        sign = (key[0], sighting.convention, found, key[1] if is_own else "")
-        voice = self._known.get(sign)
-        if voice is None:
-            voice = self._known[sign] = Identity(*sign)
-        return voice
+        identity_key = (key[0], sighting.convention, found, key[1] if is_own else "")
+        identity = self._known.get(identity_key)
+        if identity is None:
+            identity = self._known[identity_key] = Identity(*identity_key)
+        return identity
 
-    def _affected(self, voice: Identity, changed: set[str]) -> frozenset[SourceKey]:
-        reached: set[Identity] = {voice}
+    def _affected(self, identity: Identity, changed: set[str]) -> frozenset[SourceKey]:
+        reached: set[Identity] = {identity}
         for identifier in changed:
             linked = self._links.pop(identifier, True)
             if linked or self._is_link(identifier):
-                reached |= self._reach(self._holders[identifier])
-        return frozenset(claim for one in reached for claim in self._claims[one])
+                reached |= self._connected(self._holders[identifier])
+        return frozenset(source for one in reached for source in self._sources[one])
 
-    def _reach(self, voices: Iterable[Identity]) -> set[Identity]:
-        """All that is bound to one of *voices*, directly or by others."""
-        reached = set(voices)
+    def _connected(self, identities: Iterable[Identity]) -> set[Identity]:
+        """All that is bound to one of *identities*, directly or by others."""
+        reached = set(identities)
         waiting = list(reached)
         while waiting:
             for identifier in waiting.pop().identifiers:
@@ -230,7 +232,7 @@ def _is_specific(identifier: str, holders: dict[Identity, None]) -> bool:
         return not any(_share_a_host(one, other) for one, other in combinations(holders, 2))
     if not _names_somebody(identifier) or len(identifier) < len("id:") + _SHORTEST:
         return False
-    known = [hardware for voice in holders if (hardware := voice.hardware)]
+    known = [hardware for identity in holders if (hardware := identity.hardware)]
     return not any(one.isdisjoint(other) for one, other in combinations(known, 2))
 
 

@@ -30,7 +30,7 @@ class MergedParts:
     Attributes:
         parts: The parts, in the order of the preferred announcements.
         conflicts: What was left out, and why, in words.
-        places: Which part of the device each part of a claim is, by gateway, key and part.
+        places: Which part of the device each part of a source is, by gateway, key and part.
     """
 
     parts: tuple[DevicePart, ...]
@@ -38,23 +38,23 @@ class MergedParts:
     places: dict[PartPlace, int]
 
     def ids(self) -> dict[PartPlace, str]:
-        """Return which id the part has that each part of a claim is."""
+        """Return which id the part has that each part of a source is."""
         return {place: self.parts[number].id for place, number in self.places.items()}
 
 
 @dataclass(slots=True)
-class _Told:
-    """A part as one source tells of it: in one announcement, or in several that agree where it is told things."""
+class _SourcePart:
+    """A part as one origin tells of it: in one announcement, or in several that agree where it is told things."""
 
     part: Part
-    claims: list[SourceRecord]
+    sources: list[SourceRecord]
 
 
 @dataclass(slots=True)
 class _Merged:
     """A part in the making, the so-manieth; *ways* are those that nobody disputes, the preferred ones first.
 
-    What the part is does not depend on who came first, so the ways are asked for that in the order of their sources.
+    What the part is does not depend on who came first, so the ways are asked for that in the order of their origins.
     """
 
     part: Part
@@ -64,44 +64,44 @@ class _Merged:
     ways: list[_Way] = field(default_factory=list)
 
 
-_Source: TypeAlias = tuple[bool, str, str]
+_Origin: TypeAlias = tuple[bool, str, str]
 """Whether its convention is not the device's own, gateway, convention: native ones sort first."""
 
-_Way: TypeAlias = tuple[PartPlace, _Source, Part]
-"""Where a part is announced, by which source, and as what."""
+_Way: TypeAlias = tuple[PartPlace, _Origin, Part]
+"""Where a part is announced, by which origin, and as what."""
 
-_Telling: TypeAlias = tuple[SourceRecord, Part, _Told]
+_Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
 
 
-def merge_parts(claims: Sequence[SourceRecord], topics: TopicOwnership, known: PartIds = NO_IDS) -> MergedParts:
-    """Return the parts that *claims* on one device tell of; those that are *known* keep their ids.
+def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: PartIds = NO_IDS) -> MergedParts:
+    """Return the parts that *sources* on one device tell of; those that are *known* keep their ids.
 
     Parts of different conventions or gateways are one as :mod:`homebot.discovery.merging.matching` says. In one
     convention they are one only when they have one id and the same topics. Two of one id that do not are in conflict:
     the older one counts.
     """
-    if len(claims) == 1:
-        return _parts_of_one(claims[0], topics, known)
+    if len(sources) == 1:
+        return _parts_of_one(sources[0], topics, known)
     conflicts: list[str] = []
-    tellings = _tellings(sorted(claims, key=preference), conflicts)
-    groups = _groups(told for _, _, told in tellings)
+    occurrences = _occurrences(sorted(sources, key=preference), conflicts)
+    groups = _groups(announced for _, _, announced in occurrences)
     numbered: dict[int, _Merged] = {}
     places: dict[PartPlace, int] = {}
     left_out = 0
-    for claim, part, told in tellings:
-        group = groups[id(told)]
+    for source, part, announced in occurrences:
+        group = groups[id(announced)]
         found = numbered.get(group)
         if found is None:
             if len(numbered) >= MAX_PARTS:
                 left_out += 1
                 continue
-            found = numbered[group] = _Merged(part, len(numbered), claim.label)
-        place = (*claim.key, part.id)
-        found.places.append((claim.number, place))
-        if conflict := topics.conflict(claim, part):
+            found = numbered[group] = _Merged(part, len(numbered), source.label)
+        place = (*source.key, part.id)
+        found.places.append((source.number, place))
+        if conflict := topics.conflict(source, part):
             conflicts.append(conflict)
         else:
-            found.ways.append((place, _source(claim), part))
+            found.ways.append((place, _origin(source), part))
         places[place] = found.number
     if left_out:
         conflicts.append(_left_out(left_out))
@@ -150,42 +150,42 @@ def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
 _RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
 
 
-def _tellings(claims: Sequence[SourceRecord], conflicts: list[str]) -> list[_Telling]:
-    """Each part of each claim, and which part of its source that is; those that are another's are in *conflicts*."""
-    found: list[_Telling] = []
-    namesakes: dict[tuple[_Source, str, str], list[_Told]] = {}
-    for claim in claims:
-        source = _source(claim)
-        for part in claim.sighting.parts:
-            others = namesakes.setdefault((source, part.service_type, part.id), [])
-            older = [one for one in others if one.claims[0] is not claim]
-            told = next((one for one in older if _same_topics(part, one.part)), None)
-            if told is None and older and part.id:
-                conflicts.append(f"{claim.label} announces {part.id!r}, which is {older[0].claims[0].label}'s")
+def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[_Occurrence]:
+    """Each part of each source, and which part of its origin that is; those that are another's are in *conflicts*."""
+    found: list[_Occurrence] = []
+    namesakes: dict[tuple[_Origin, str, str], list[_SourcePart]] = {}
+    for source in sources:
+        origin = _origin(source)
+        for part in source.sighting.parts:
+            others = namesakes.setdefault((origin, part.service_type, part.id), [])
+            older = [one for one in others if one.sources[0] is not source]
+            announced = next((one for one in older if _same_topics(part, one.part)), None)
+            if announced is None and older and part.id:
+                conflicts.append(f"{source.label} announces {part.id!r}, which is {older[0].sources[0].label}'s")
                 continue
-            if told is None:
-                told = _Told(part, [])
-                others.append(told)
-            told.claims.append(claim)
-            found.append((claim, part, told))
+            if announced is None:
+                announced = _SourcePart(part, [])
+                others.append(announced)
+            announced.sources.append(source)
+            found.append((source, part, announced))
     return found
 
 
-def _groups(told: Iterable[_Told]) -> dict[int, int]:
+def _groups(announced: Iterable[_SourcePart]) -> dict[int, int]:
     """Return which part of the device each is, by a number of no meaning."""
-    sources: dict[_Source, list[_Told]] = {}
+    origins: dict[_Origin, list[_SourcePart]] = {}
     seen: set[int] = set()
-    for one in told:
+    for one in announced:
         if id(one) not in seen:
             seen.add(id(one))
-            sources.setdefault(_source(one.claims[0]), []).append(one)
+            origins.setdefault(_origin(one.sources[0]), []).append(one)
     groups: list[list[Candidate]] = []
     found: dict[int, int] = {}
-    for source in sorted(sources):
-        parts = sources[source]
-        if len(sources) == 1:
+    for origin in sorted(origins):
+        parts = origins[origin]
+        if len(origins) == 1:
             return {id(one): number for number, one in enumerate(parts)}
-        identifiers = chain.from_iterable(claim.sighting.identifiers for one in parts for claim in one.claims)
+        identifiers = chain.from_iterable(source.sighting.identifiers for one in parts for source in one.sources)
         described = candidates([one.part for one in parts], dict.fromkeys(identifiers))
         same = match(groups, described)
         for number, (one, candidate) in enumerate(zip(parts, described, strict=True)):
@@ -213,8 +213,8 @@ def _device_part(part_id: str, one: _Merged) -> DevicePart:
     return DevicePart.of_checked(id=part_id, part=part, routes=routes)
 
 
-def _source(claim: SourceRecord) -> _Source:
-    sighting = claim.sighting
+def _origin(source: SourceRecord) -> _Origin:
+    sighting = source.sighting
     return not sighting.native, sighting.gateway, sighting.convention
 
 

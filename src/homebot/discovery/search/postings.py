@@ -81,12 +81,12 @@ class Postings:
                 self._leave(key, device_id)
             for key in keys - known:
                 self._join(key, device_id)
-            self._untell(device_id, before)
+            self._discard_values(device_id, before)
         self._posted[device_id] = _Posted(facets)
         for part, service_type, capability, value in values:
-            self.tell(device_id, part, service_type, capability, value)
+            self.put_value(device_id, part, service_type, capability, value)
 
-    def tell(self, device_id: str, part: str, service_type: str, capability: str, value: PlainValue) -> None:
+    def put_value(self, device_id: str, part: str, service_type: str, capability: str, value: PlainValue) -> None:
         """Note that a part has a value; of a device that can be found already."""
         posted = self._posted.get(device_id)
         if posted is None:
@@ -104,7 +104,7 @@ class Postings:
         if posted is not None:
             for key in frozenset(_keys(posted.facets)):
                 self._leave(key, device_id)
-            self._untell(device_id, posted)
+            self._discard_values(device_id, posted)
 
     def facets(self, device_id: str) -> Facets:
         """Return what the device can be found by; its values may be older ones."""
@@ -244,7 +244,7 @@ class Postings:
         else:
             self._values_of[str(key[0])].discard(key[1:])
 
-    def _untell(self, device_id: str, posted: _Posted) -> None:
+    def _discard_values(self, device_id: str, posted: _Posted) -> None:
         for (part, capability), (service_type, _) in posted.values.items():
             self._columns[service_type, capability].pop((device_id, part), None)
 
