@@ -7,7 +7,7 @@ import pytest
 
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
 from homebot.conventions.tasmota.config import read_config
-from homebot.conventions.tasmota.fade_speed import Change, Shown, speed
+from homebot.conventions.tasmota.fade_speed import LampState, Target, speed_for
 from homebot.conventions.tasmota.parts import build_parts
 from homebot.conventions.tasmota.sensors import MOST_SENSORS, read_leaves
 from homebot.conventions.tasmota.shutter import count_shutters
@@ -138,20 +138,20 @@ def test_how_fast_it_fades_depends_on_what_it_shows() -> None:
 @pytest.mark.parametrize(
     ("color", "change", "share"),
     [
-        ("FF0000", Change(color=(0.0, 100.0)), 0.0),
-        ("255,0,0", Change(color=(120.0, 100.0)), 1.0),
-        ("FF000", Change(color=(120.0, 100.0)), 0.0),
-        ("GG0000", Change(level=40), 0.6),
+        ("FF0000", Target(color=(0.0, 100.0)), 0.0),
+        ("255,0,0", Target(color=(120.0, 100.0)), 1.0),
+        ("FF000", Target(color=(120.0, 100.0)), 0.0),
+        ("GG0000", Target(level=40), 0.6),
     ],
 )
-def test_the_channel_that_changes_most_counts(color: str, change: Change, share: float) -> None:
-    shown = Shown()
-    shown.hear(is_on=True, level=100, color=color, mired=None)
-    assert shown.share(change, 3, (153, 500)) == pytest.approx(share)
+def test_the_channel_that_changes_most_counts(color: str, change: Target, share: float) -> None:
+    shown = LampState()
+    shown.update(is_on=True, level=100, color=color, mired=None)
+    assert shown.distance(change, 3, (153, 500)) == pytest.approx(share)
 
 
 def test_a_speed_is_never_out_of_bounds() -> None:
-    assert [speed(2.0, 0.5), speed(0.1, 1.0), speed(1e9, 1.0), speed(2.0, 0.0)] == [8, 1, 40, 1]
+    assert [speed_for(2.0, 0.5), speed_for(0.1, 1.0), speed_for(1e9, 1.0), speed_for(2.0, 0.0)] == [8, 1, 40, 1]
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ class TasmotaConfig:
         commands: Where it listens: a topic's beginning, to which a command is appended.
         results: Where it answers: likewise.
         telemetry: Where it tells by itself: likewise.
-        words: Its words for off, on, toggle and hold.
+        state_texts: Its words for off, on, toggle and hold.
         online: Its word for being there.
         offline: Its last will.
         outputs: What each output is; see :data:`RELAY`.
@@ -66,7 +66,7 @@ class TasmotaConfig:
     commands: str
     results: str
     telemetry: str
-    words: tuple[str, str, str, str]
+    state_texts: tuple[str, str, str, str]
     online: str
     offline: str
     outputs: tuple[int, ...]
@@ -107,7 +107,7 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
     prefixes = _texts(fields, "tp", _MOST_PREFIXES)
     if len(prefixes) != _MOST_PREFIXES or not all(prefixes):
         raise WireError(f"config: tp is {shown(fields.get('tp'))}, not three prefixes")
-    words = _texts(fields, "state", len(_WORDS))
+    texts = _texts(fields, "state", len(_STATE_TEXTS))
     names = _texts(fields, "fn", _MOST_INPUTS)
     return TasmotaConfig(
         mac=mac,
@@ -116,7 +116,9 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         commands=_topic(fields, mac, prefixes[0]),
         results=_topic(fields, mac, prefixes[1]),
         telemetry=_topic(fields, mac, prefixes[2]),
-        words=(words[0], words[1], words[2], words[3]) if len(words) == len(_WORDS) and all(words) else _WORDS,
+        state_texts=(texts[0], texts[1], texts[2], texts[3])
+        if len(texts) == len(_STATE_TEXTS) and all(texts)
+        else _STATE_TEXTS,
         online=_text(fields, "onln") or "Online",
         offline=_text(fields, "ofln") or "Offline",
         outputs=_outputs(fields),
@@ -135,7 +137,7 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
     )
 
 
-_WORDS = ("OFF", "ON", "TOGGLE", "HOLD")
+_STATE_TEXTS = ("OFF", "ON", "TOGGLE", "HOLD")
 _MOST_PREFIXES = 3
 _MOST_OUTPUTS = 64
 _MOST_INPUTS = 64
@@ -184,8 +186,8 @@ _DIGITS = 5
 
 
 def _facts(fields: Mapping[str, object]) -> dict[str, str]:
-    told = {fact: clean_text(_text(fields, key)) for fact, key in _FACTS.items()}
-    return {"manufacturer": "Tasmota", **{fact: text for fact, text in told.items() if text}}
+    values = {fact: clean_text(_text(fields, key)) for fact, key in _FACTS.items()}
+    return {"manufacturer": "Tasmota", **{fact: text for fact, text in values.items() if text}}
 
 
 def _text(fields: Mapping[str, object], key: str) -> str:

@@ -25,7 +25,7 @@ from homebot.conventions.tasmota.sensors import Leaf, read_leaves
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 
-__all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaDiscovery", "TasmotaSettings", "WordsOfWill"]
+__all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaDiscovery", "TasmotaSettings", "WillAvailability"]
 
 MAX_DEVICES = 5_000
 """Most devices; the announcement of one more is refused."""
@@ -49,7 +49,7 @@ class TasmotaSettings(BaseModel):
 
 
 @dataclass(frozen=True, slots=True)
-class WordsOfWill:
+class WillAvailability:
     """The topic of a device's last will, and its two words; see :class:`AvailabilitySource`.
 
     Attributes:
@@ -155,7 +155,7 @@ class TasmotaDiscovery:
     def _described(self, mac: str) -> DeviceAnnounced:
         """Describe a device anew, with codecs that remember nothing."""
         config = self._configs[mac]
-        will = WordsOfWill(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
+        will = WillAvailability(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
         described = DeviceAnnounced(
             key=mac,
             convention=self.name,

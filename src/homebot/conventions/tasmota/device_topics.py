@@ -15,7 +15,7 @@ from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.tasmota.config import TasmotaConfig
 from homebot.devices.value import PlainValue
 
-__all__ = ["TasmotaTopics", "told_of_sensors"]
+__all__ = ["TasmotaTopics", "sensor_values"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,20 +39,20 @@ class TasmotaTopics:
         return f"{self.config.telemetry}SENSOR", f"{self.config.results}STATUS10"
 
     @property
-    def asks_state(self) -> tuple[Publication, ...]:
+    def state_requests(self) -> tuple[Publication, ...]:
         """Commands that make it report its outputs; none for one that sleeps, because it would never receive them."""
-        return self._ask("STATE", b"")
+        return self._request("STATE", b"")
 
     @property
-    def asks_sensors(self) -> tuple[Publication, ...]:
+    def sensor_requests(self) -> tuple[Publication, ...]:
         """Commands that make it report its sensors; likewise."""
-        return self._ask("STATUS", b"10")
+        return self._request("STATUS", b"10")
 
-    def tell(self, command: str, argument: str | int = "") -> tuple[Publication, ...]:
+    def publish(self, command: str, argument: str | int = "") -> tuple[Publication, ...]:
         """Return what to publish for one command."""
         return (Publication(self.topic(command), str(argument).encode()),)
 
-    def tell_all(self, commands: list[tuple[str, str | int]]) -> tuple[Publication, ...]:
+    def publish_all(self, commands: list[tuple[str, str | int]]) -> tuple[Publication, ...]:
         """Return what to publish for several commands that are carried out in one go."""
         backlog = ";".join(f"NoDelay;{command} {argument}" for command, argument in commands)
         return (Publication(self.topic("Backlog"), backlog.encode()),)
@@ -61,44 +61,44 @@ class TasmotaTopics:
         """Return the topic of a command."""
         return f"{self.config.commands}{command}"
 
-    def word(self, on: bool) -> str:  # noqa: FBT001 - it is what the word says
+    def state_text(self, on: bool) -> str:  # noqa: FBT001 - it is what the word says
         """Return its word for on or off."""
-        return self.config.words[1 if on else 0]
+        return self.config.state_texts[1 if on else 0]
 
-    def offer_power(self, part: JsonPart, index: int) -> None:
+    def add_power_switch(self, part: JsonPart, index: int) -> None:
         """Have *part* be switched as the output *index*, by a command of its own."""
         for topic in self.states:
             part.read_from(topic, partial(self.read_power, index))
         part.add_capability("on_off", writer=partial(self._switch, index))
         part.add_command_topics(self.topic(f"Power{index + 1}"))
-        part.add_state_request(*self.asks_state)
+        part.add_state_request(*self.state_requests)
 
-    def tell_power(self, part: JsonPart, index: int) -> None:
+    def add_power_state(self, part: JsonPart, index: int) -> None:
         """Have *part* tell whether the output *index* is on."""
         for topic in self.states:
             part.read_from(topic, partial(self._read_state, index))
         part.add_capability("state")
-        part.add_state_request(*self.asks_state)
+        part.add_state_request(*self.state_requests)
 
     def read_power(self, index: int, message: JsonMessage) -> Readings:
         """Return whether the output *index* is on. The first is not numbered where there is one only."""
-        word = message.get(f"POWER{index + 1}", message.get("POWER") if index == 0 else None)
-        if not isinstance(word, str) or word not in self.config.words[:2]:
+        state = message.get(f"POWER{index + 1}", message.get("POWER") if index == 0 else None)
+        if not isinstance(state, str) or state not in self.config.state_texts[:2]:
             return NO_READINGS
-        return {"on_off": word == self.config.words[1]}
+        return {"on_off": state == self.config.state_texts[1]}
 
     def _read_state(self, index: int, message: JsonMessage) -> Readings:
-        told = self.read_power(index, message)
-        return {"state": told["on_off"]} if told else NO_READINGS
+        readings = self.read_power(index, message)
+        return {"state": readings["on_off"]} if readings else NO_READINGS
 
     def _switch(self, index: int, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self.tell(f"Power{index + 1}", self.word(require_bool("on_off", value)))
+        return self.publish(f"Power{index + 1}", self.state_text(require_bool("on_off", value)))
 
-    def _ask(self, command: str, argument: bytes) -> tuple[Publication, ...]:
+    def _request(self, command: str, argument: bytes) -> tuple[Publication, ...]:
         return () if self.config.is_sleeper else (Publication(self.topic(command), argument),)
 
 
-def told_of_sensors(message: JsonMessage) -> JsonMessage:
+def sensor_values(message: JsonMessage) -> JsonMessage:
     """Return the object that has the sensors: the message itself, or what is in it where it was asked for."""
     inner = message.get("StatusSNS")
     return inner if isinstance(inner, dict) else message

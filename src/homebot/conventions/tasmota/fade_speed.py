@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 from homebot.numbers import finite_number
 
-__all__ = ["Change", "Shown", "speed"]
+__all__ = ["LampState", "Target", "speed_for"]
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
-    """The change that a command makes.
+class Target:
+    """The state that a command leads to.
 
     Attributes:
         on: Whether the lamp is on afterwards.
@@ -33,7 +33,7 @@ class Change:
     color: tuple[float, float] | None = None
 
 
-class Shown:
+class LampState:
     """The last reported state of a lamp. It forgets nothing, and holds four values."""
 
     __slots__ = ("_is_on", "_level", "_mired", "_rgb")
@@ -44,7 +44,7 @@ class Shown:
         self._rgb: tuple[float, ...] = ()
         self._mired = 0.0
 
-    def hear(self, is_on: object, level: object, color: object, mired: object) -> None:
+    def update(self, is_on: object, level: object, color: object, mired: object) -> None:
         """Take what one message says; what it leaves out, or says in another way, stays."""
         if isinstance(is_on, bool):
             self._is_on = is_on
@@ -56,34 +56,34 @@ class Shown:
         if white is not None and white > 0:
             self._mired = white
 
-    def share(self, change: Change, kind: int, mireds: tuple[int, int]) -> float:
-        """Return which part of the whole way *change* is, 0 to 1: that of the channel that changes most.
+    def distance(self, target: Target, kind: int, mireds: tuple[int, int]) -> float:
+        """Return which part of the whole way *target* is away, 0 to 1: that of the channel that changes most.
 
         Args:
-            change: What is told.
+            target: What the command changes.
             kind: The light type.
             mireds: Coldest and warmest white.
         """
         now = self._level if self._is_on else 0.0
-        then = float(change.level) if change.level is not None else self._level if change.on else 0.0
+        then = float(target.level) if target.level is not None else self._level if target.on else 0.0
         before: list[float] = []
         after: list[float] = []
         if kind >= _COLOR and self._rgb:
             before += self._rgb
-            after += self._rgb if change.color is None else _rgb_of(*change.color)
+            after += self._rgb if target.color is None else _rgb_of(*target.color)
         if kind >= _WHITES and self._mired:
             coldest, warmest = mireds
-            wanted = self._mired if change.mired is None else change.mired
+            target_mired = self._mired if target.mired is None else target.mired
             before.append((self._mired - coldest) / (warmest - coldest))
-            after.append((wanted - coldest) / (warmest - coldest))
+            after.append((target_mired - coldest) / (warmest - coldest))
         if not before:
             before, after = [1.0], [1.0]
         return max(abs(one * now - other * then) / _FULL for one, other in zip(before, after, strict=True))
 
 
-def speed(seconds: float, share: float) -> int:
-    """Return the speed at which a *share* of the whole way takes *seconds*, as near as Tasmota can: 1 to 40."""
-    half_seconds = seconds * 2 / share if share else 0.0
+def speed_for(seconds: float, distance: float) -> int:
+    """Return the speed at which a *distance* of the whole way takes *seconds*, as near as Tasmota can: 1 to 40."""
+    half_seconds = seconds * 2 / distance if distance else 0.0
     return round(min(max(half_seconds, _LEAST), _MOST))
 
 

@@ -12,18 +12,18 @@ from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.tasmota.device_topics import TasmotaTopics
 from homebot.devices.value import PlainValue
 
-__all__ = ["offer_fan"]
+__all__ = ["add_fan"]
 
 
-def offer_fan(part: JsonPart, lines: TasmotaTopics) -> None:
+def add_fan(part: JsonPart, topics: TasmotaTopics) -> None:
     """Have *part* be the fan."""
-    fan = _Fan(lines)
-    for topic in lines.states:
+    fan = _Fan(topics)
+    for topic in topics.states:
         part.read_from(topic, fan.read)
     part.add_capability("on_off", writer=fan.switch)
     part.add_capability("fan_speed", writer=fan.set_speed)
-    part.add_command_topics(lines.topic(_COMMAND))
-    part.add_state_request(*lines.asks_state)
+    part.add_command_topics(topics.topic(_COMMAND))
+    part.add_state_request(*topics.state_requests)
 
 
 _COMMAND = "FanSpeed"
@@ -39,10 +39,10 @@ class _Fan:
     It has no command for the speed from before, so the last one that it told is remembered.
     """
 
-    __slots__ = ("_lines", "_speed")
+    __slots__ = ("_speed", "_topics")
 
-    def __init__(self, lines: TasmotaTopics) -> None:
-        self._lines = lines
+    def __init__(self, topics: TasmotaTopics) -> None:
+        self._topics = topics
         self._speed = _MIDDLE
 
     def read(self, message: JsonMessage) -> Readings:
@@ -53,8 +53,8 @@ class _Fan:
         return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
 
     def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._lines.tell(_COMMAND, self._speed if require_bool("on_off", value) else 0)
+        return self._topics.publish(_COMMAND, self._speed if require_bool("on_off", value) else 0)
 
     def set_speed(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         percent = require_number("fan_speed", value, 0, 100, "%")
-        return self._lines.tell(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))
+        return self._topics.publish(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))

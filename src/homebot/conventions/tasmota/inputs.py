@@ -13,23 +13,23 @@ from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.part_builder import PartBuilder
 from homebot.conventions.payload import clean_text
 from homebot.conventions.table_codec import json_object
-from homebot.conventions.tasmota.device_topics import TasmotaTopics, told_of_sensors
+from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
 
 __all__ = ["describe_inputs"]
 
 
-def describe_inputs(lines: TasmotaTopics) -> Iterable[DescribedPart]:
+def describe_inputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
     """Describe what the inputs tell: whether a contact is on, and how a switch or a button was pressed."""
-    for index, mode in enumerate(lines.config.switch_modes):
+    for index, mode in enumerate(topics.config.switch_modes):
         if mode in _FOLLOWED:
-            yield _contact(lines, index, mode)
+            yield _contact(topics, index, mode)
         if mode in _PRESSED:
-            words = {lines.config.words[place]: press for place, press in _PRESSED[mode].items()}
-            yield _presses(lines, f"switch_{index + 1}_press", _switch_name(lines, index), words)
-    if lines.config.option(_BUTTONS_OPTION):
-        for index, is_there in enumerate(lines.config.buttons):
+            actions = {topics.config.state_texts[place]: press for place, press in _PRESSED[mode].items()}
+            yield _presses(topics, f"switch_{index + 1}_press", _switch_name(topics, index), actions)
+    if topics.config.option(_BUTTONS_OPTION):
+        for index, is_there in enumerate(topics.config.buttons):
             if is_there:
-                yield _presses(lines, f"button_{index + 1}", f"Button{index + 1}", _button_words(lines))
+                yield _presses(topics, f"button_{index + 1}", f"Button{index + 1}", _button_actions(topics))
 
 
 _TOGGLE, _HOLD = 2, 3
@@ -58,7 +58,7 @@ _PRESSED: Mapping[int, Mapping[int, str]] = {
 """Modes in which presses are told, and what each word then means."""
 
 _BUTTONS_OPTION, _SWAP_OPTION, _SINGLE_ONLY_OPTION = 73, 11, 13
-_BUTTON_WORDS: Mapping[str, str] = {
+_BUTTON_ACTIONS: Mapping[str, str] = {
     "SINGLE": "single",
     "DOUBLE": "double",
     "TRIPLE": "triple",
@@ -69,54 +69,54 @@ _BUTTON_WORDS: Mapping[str, str] = {
 _PULSE_SECONDS = 1.0
 
 
-def _switch_name(lines: TasmotaTopics, index: int) -> str:
+def _switch_name(topics: TasmotaTopics, index: int) -> str:
     """Return what an input is called in messages."""
-    names = lines.config.switch_names
+    names = topics.config.switch_names
     return (names[index] if index < len(names) else "") or f"Switch{index + 1}"
 
 
-def _contact(lines: TasmotaTopics, index: int, mode: int) -> DescribedPart:
-    name = _switch_name(lines, index)
+def _contact(topics: TasmotaTopics, index: int, mode: int) -> DescribedPart:
+    name = _switch_name(topics, index)
     part = PartBuilder(
         json_object, f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch"
     )
-    read = partial(_read_state, lines.config.words[0], lines.config.words[1], name)
+    read = partial(_read_state, topics.config.state_texts[0], topics.config.state_texts[1], name)
     part.add_capability("state")
     if mode in _PULSES:
-        part.read_events_from(lines.states[0], read)
+        part.read_events_from(topics.states[0], read)
         part.add_expiry(AutoExpiry("state", _PULSE_SECONDS, value=False, only=True))
     else:
-        for topic in (lines.states[0], *lines.sensors):
+        for topic in (topics.states[0], *topics.sensors):
             part.read_from(topic, read)
-        part.add_state_request(*lines.asks_sensors)
+        part.add_state_request(*topics.sensor_requests)
     return part.build()
 
 
 def _read_state(off: str, on: str, name: str, message: JsonMessage) -> Readings:
     """The action on one topic, the bare word on the others."""
-    said = told_of_sensors(message).get(name)
-    word = said.get("Action") if isinstance(said, dict) else said
-    if not isinstance(word, str) or word not in (off, on):
+    value = sensor_values(message).get(name)
+    text = value.get("Action") if isinstance(value, dict) else value
+    if not isinstance(text, str) or text not in (off, on):
         return NO_READINGS
-    return {"state": word == on}
+    return {"state": text == on}
 
 
-def _button_words(lines: TasmotaTopics) -> Mapping[str, str]:
-    if lines.config.option(_SINGLE_ONLY_OPTION):
+def _button_actions(topics: TasmotaTopics) -> Mapping[str, str]:
+    if topics.config.option(_SINGLE_ONLY_OPTION):
         return {"SINGLE": "single"}
-    if lines.config.option(_SWAP_OPTION):
-        return {**_BUTTON_WORDS, "SINGLE": "double", "DOUBLE": "single"}
-    return _BUTTON_WORDS
+    if topics.config.option(_SWAP_OPTION):
+        return {**_BUTTON_ACTIONS, "SINGLE": "double", "DOUBLE": "single"}
+    return _BUTTON_ACTIONS
 
 
-def _presses(lines: TasmotaTopics, part_id: str, name: str, words: Mapping[str, str]) -> DescribedPart:
+def _presses(topics: TasmotaTopics, part_id: str, name: str, actions: Mapping[str, str]) -> DescribedPart:
     part = PartBuilder(json_object, part_id, "generic_switch", name=clean_text(name), advertised="button")
-    part.read_events_from(lines.states[0], partial(_read_press, name, words))
-    part.add_capability("press", options=tuple(dict.fromkeys(words.values())))
+    part.read_events_from(topics.states[0], partial(_read_press, name, actions))
+    part.add_capability("press", options=tuple(dict.fromkeys(actions.values())))
     return part.build()
 
 
-def _read_press(name: str, words: Mapping[str, str], message: JsonMessage) -> Readings:
-    said = message.get(name)
-    action = said.get("Action") if isinstance(said, dict) else None
-    return {"press": words[action]} if isinstance(action, str) and action in words else NO_READINGS
+def _read_press(name: str, actions: Mapping[str, str], message: JsonMessage) -> Readings:
+    value = message.get(name)
+    action = value.get("Action") if isinstance(value, dict) else None
+    return {"press": actions[action]} if isinstance(action, str) and action in actions else NO_READINGS

@@ -15,19 +15,19 @@ from homebot.conventions.light_color import kelvin_mired, mired_bounds
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.tasmota.config import LIGHT, TasmotaConfig
 from homebot.conventions.tasmota.device_topics import TasmotaTopics
-from homebot.conventions.tasmota.fade_speed import Change, Shown, speed
+from homebot.conventions.tasmota.fade_speed import LampState, Target, speed_for
 from homebot.devices.value import PlainValue
 from homebot.numbers import finite_number
 
-__all__ = ["offer_light"]
+__all__ = ["add_light"]
 
 
-def offer_light(part: JsonPart, lines: TasmotaTopics, index: int) -> None:
+def add_light(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
     """Have *part* be the lamp at the output *index*."""
-    lamp = _lamp(lines, index)
-    for topic in lines.states:
+    lamp = _lamp(topics, index)
+    for topic in topics.states:
         part.read_from(topic, lamp.read)
-    part.add_command_topics(lines.topic("Backlog"))
+    part.add_command_topics(topics.topic("Backlog"))
     part.add_capability("on_off", writer=lamp.switch)
     if lamp.kind != _ON_OFF:
         part.add_capability("level", writer=lamp.dim)
@@ -36,7 +36,7 @@ def offer_light(part: JsonPart, lines: TasmotaTopics, index: int) -> None:
     if lamp.has_color:
         part.add_capability("color", writer=lamp.set_color)
         part.add_capability("effect", writer=lamp.play, options=_EFFECTS)
-    part.add_state_request(*lines.asks_state)
+    part.add_state_request(*topics.state_requests)
 
 
 _ON_OFF, _DIMMER, _WHITES, _COLOR, _COLOR_WHITE, _COLOR_WHITES = range(6)
@@ -53,20 +53,20 @@ class _TasmotaLamp:
     """Reads and tells one lamp.
 
     Attributes:
-        lines: Its topics.
+        topics: Its topics.
         index: Which output it is.
         kind: Its light type.
         dimmer: The command for its brightness.
-        dimmer_told: What its brightness is called in messages.
-        shown: What it said last; a command that shall take time depends on it.
+        dimmer_key: What its brightness is called in messages.
+        last_state: What it said last; a command that shall take time depends on it.
     """
 
-    lines: TasmotaTopics
+    topics: TasmotaTopics
     index: int
     kind: int
     dimmer: str
-    dimmer_told: str
-    shown: Shown = field(default_factory=Shown)
+    dimmer_key: str
+    last_state: LampState = field(default_factory=LampState)
 
     @property
     def has_white(self) -> bool:
@@ -83,14 +83,16 @@ class _TasmotaLamp:
 
     @property
     def _mireds(self) -> tuple[int, int]:
-        return _REDUCED_MIRED if self.lines.config.option(_REDUCED_MIRED_OPTION) else _MIRED
+        return _REDUCED_MIRED if self.topics.config.option(_REDUCED_MIRED_OPTION) else _MIRED
 
     def read(self, message: JsonMessage) -> Readings:
-        found = dict(self.lines.read_power(self.index, message))
-        self.shown.hear(found.get("on_off"), message.get(self.dimmer_told), message.get("Color"), message.get("CT"))
+        found = dict(self.topics.read_power(self.index, message))
+        self.last_state.update(
+            found.get("on_off"), message.get(self.dimmer_key), message.get("Color"), message.get("CT")
+        )
         if self.kind == _ON_OFF:
             return found
-        level = finite_number(message.get(self.dimmer_told))
+        level = finite_number(message.get(self.dimmer_key))
         if level is not None and 0 < level <= 100:
             found["level"] = level
         found.update(self._read_color(message))
@@ -101,43 +103,43 @@ class _TasmotaLamp:
 
     def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         on = require_bool("on_off", value)
-        return self._tell([self._power(on)], transition, Change(on=on))
+        return self._publish([self._power(on)], transition, Target(on=on))
 
     def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         """Rounded twice, by way of 0 to 255, as Home Assistant does."""
         percent = require_number("level", value, 0, 100, "%")
         if not percent:
-            return self._tell([self._power(on=False)], transition, Change(on=False))
+            return self._publish([self._power(on=False)], transition, Target(on=False))
         steps = max(1, round(round(255 * percent / 100) / 255 * 100))
-        apart = [self._power(on=True)] if self.lines.config.option(_POWER_APART_OPTION) else []
-        return self._tell([(self.dimmer, steps), *apart], transition, Change(level=steps))
+        apart = [self._power(on=True)] if self.topics.config.option(_POWER_APART_OPTION) else []
+        return self._publish([(self.dimmer, steps), *apart], transition, Target(level=steps))
 
     def set_white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         kelvin = require_number("color_temperature", value, 1_000, 40_000, "K")
         mired = kelvin_mired(int(kelvin))
-        return self._tell([self._power(on=True), ("CT", mired)], transition, Change(mired=mired))
+        return self._publish([self._power(on=True), ("CT", mired)], transition, Target(mired=mired))
 
     def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         hue, saturation = require_color(value)
-        told: list[tuple[str, str | int]] = [("HsbColor1", round(hue)), ("HsbColor2", round(saturation))]
-        return self._tell([self._power(on=True), *told], transition, Change(color=(hue, saturation)))
+        color_commands: list[tuple[str, str | int]] = [("HsbColor1", round(hue)), ("HsbColor2", round(saturation))]
+        return self._publish([self._power(on=True), *color_commands], transition, Target(color=(hue, saturation)))
 
     def play(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         scheme = _EFFECTS.index(require_option("effect", value, _EFFECTS))
-        return self._tell([self._power(on=True), ("Scheme", scheme)], transition, Change())
+        return self._publish([self._power(on=True), ("Scheme", scheme)], transition, Target())
 
     def _power(self, on: bool) -> tuple[str, str | int]:  # noqa: FBT001 - it is what the command says
-        return f"Power{self.index + 1}", self.lines.word(on)
+        return f"Power{self.index + 1}", self.topics.state_text(on)
 
-    def _tell(
-        self, commands: list[tuple[str, str | int]], transition: float, change: Change
+    def _publish(
+        self, commands: list[tuple[str, str | int]], transition: float, target: Target
     ) -> tuple[Publication, ...]:
         """Tell it to fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
-        if not transition or self.kind == _ON_OFF or self.lines.config.is_tuya:
-            return self.lines.tell_all(commands)
-        is_whole = self.lines.config.option(_FIXED_FADE_OPTION)
-        share = 1.0 if is_whole else self.shown.share(change, self.kind, self._mireds)
-        return self.lines.tell_all([("Fade2", 1), ("Speed2", speed(transition, share)), *commands])
+        if not transition or self.kind == _ON_OFF or self.topics.config.is_tuya:
+            return self.topics.publish_all(commands)
+        is_whole = self.topics.config.option(_FIXED_FADE_OPTION)
+        distance = 1.0 if is_whole else self.last_state.distance(target, self.kind, self._mireds)
+        return self.topics.publish_all([("Fade2", 1), ("Speed2", speed_for(transition, distance)), *commands])
 
     def _read_color(self, message: JsonMessage) -> Readings:
         """One with colours and white shows a colour while its white is at 0."""
@@ -155,19 +157,19 @@ class _TasmotaLamp:
         return found or NO_READINGS
 
 
-def _lamp(lines: TasmotaTopics, index: int) -> _TasmotaLamp:
+def _lamp(topics: TasmotaTopics, index: int) -> _TasmotaLamp:
     """One device may be several lamps: each channel a dimmer, or colours and then white where they are not linked."""
-    config = lines.config
+    config = topics.config
     if config.option(_DIMMERS_OPTION):
         channel = f"Channel{index + 1}"
-        return _TasmotaLamp(lines, index, _DIMMER, channel, channel)
+        return _TasmotaLamp(topics, index, _DIMMER, channel, channel)
     place = _place(config, index)
     if config.light_type >= _COLOR_WHITE and not config.is_linked and place < _PAIR:
         white = _DIMMER if config.light_type == _COLOR_WHITE else _WHITES
         dimmer = f"Dimmer{place + 1}"
-        return _TasmotaLamp(lines, index, white if place else _COLOR, dimmer, dimmer)
+        return _TasmotaLamp(topics, index, white if place else _COLOR, dimmer, dimmer)
     kind = config.light_type if _ON_OFF <= config.light_type <= _COLOR_WHITES else _ON_OFF
-    return _TasmotaLamp(lines, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
+    return _TasmotaLamp(topics, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
 
 
 def _place(config: TasmotaConfig, index: int) -> int:

@@ -13,11 +13,11 @@ from homebot.conventions.part_builder import PartBuilder, with_own_ids
 from homebot.conventions.table_codec import json_object
 from homebot.conventions.tasmota.config import LIGHT, RELAY, TasmotaConfig
 from homebot.conventions.tasmota.device_topics import TasmotaTopics
-from homebot.conventions.tasmota.fan import offer_fan
+from homebot.conventions.tasmota.fan import add_fan
 from homebot.conventions.tasmota.inputs import describe_inputs
-from homebot.conventions.tasmota.light import offer_light
+from homebot.conventions.tasmota.light import add_light
 from homebot.conventions.tasmota.sensors import Leaf, describe_sensors
-from homebot.conventions.tasmota.shutter import count_shutters, offer_shutter
+from homebot.conventions.tasmota.shutter import add_shutter, count_shutters
 
 __all__ = ["build_parts"]
 
@@ -28,8 +28,8 @@ def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[Describe
     The first relay of an iFan is its lamp. The others make the speeds of its fan: they are told, and nobody switches
     one of them alone, as Home Assistant would let people do.
     """
-    lines = TasmotaTopics(config)
-    described = chain(_outputs(lines), describe_inputs(lines), describe_sensors(lines, leaves))
+    topics = TasmotaTopics(config)
+    described = chain(_outputs(topics), describe_inputs(topics), describe_sensors(topics, leaves))
     return with_own_ids(described, _MOST_PARTS)
 
 
@@ -39,37 +39,37 @@ _LAMPS_OPTION = 30
 """SetOption30: the user says that lamps hang on the relays."""
 
 
-def _outputs(lines: TasmotaTopics) -> Iterable[DescribedPart]:
-    config = lines.config
+def _outputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
+    config = topics.config
     for index, output in enumerate(config.outputs):
         name = config.output_name(index)
         if config.is_fan and output in (RELAY, LIGHT):
-            yield _relay(lines, index, "light", name) if index == 0 else _relay_of_fan(lines, index, name)
+            yield _relay(topics, index, "light", name) if index == 0 else _relay_of_fan(topics, index, name)
         elif output == LIGHT:
             part = PartBuilder(json_object, f"light_{index + 1}", "light", name=name, advertised="light")
-            offer_light(part, lines, index)
+            add_light(part, topics, index)
             yield part.build()
         elif output == RELAY:
-            yield _relay(lines, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
+            yield _relay(topics, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
     for index in range(count_shutters(config.outputs)):
         part = PartBuilder(json_object, f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
-        offer_shutter(part, lines, index)
+        add_shutter(part, topics, index)
         yield part.build()
     if config.is_fan:
         part = PartBuilder(json_object, "fan", "fan", advertised="fan")
-        offer_fan(part, lines)
+        add_fan(part, topics)
         yield part.build()
 
 
-def _relay(lines: TasmotaTopics, index: int, service_type: str, name: str) -> DescribedPart:
+def _relay(topics: TasmotaTopics, index: int, service_type: str, name: str) -> DescribedPart:
     part = PartBuilder(json_object, f"power_{index + 1}", service_type, name=name, advertised="relay")
-    lines.offer_power(part, index)
+    topics.add_power_switch(part, index)
     return part.build()
 
 
-def _relay_of_fan(lines: TasmotaTopics, index: int, name: str) -> DescribedPart:
+def _relay_of_fan(topics: TasmotaTopics, index: int, name: str) -> DescribedPart:
     part = PartBuilder(
         json_object, f"power_{index + 1}", "x_binary_sensor", name=name, advertised="relay", category="diagnostic"
     )
-    lines.tell_power(part, index)
+    topics.add_power_state(part, index)
     return part.build()

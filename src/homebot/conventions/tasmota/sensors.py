@@ -15,7 +15,7 @@ from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import PartBuilder
 from homebot.conventions.payload import clean_text
 from homebot.conventions.table_codec import json_object
-from homebot.conventions.tasmota.device_topics import TasmotaTopics, told_of_sensors
+from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
 from homebot.conventions.tasmota.sensor_tables import quantity_of
 from homebot.conventions.units import Quantity
 from homebot.numbers import finite_number
@@ -61,7 +61,7 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
     return tuple(leaves)
 
 
-def describe_sensors(lines: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
+def describe_sensors(topics: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
     """Describe a part for each leaf, and one for the strength of the wireless signal."""
     for leaf in leaves:
         what = leaf.quantity
@@ -74,12 +74,12 @@ def describe_sensors(lines: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[D
             advertised=clean_text(str(leaf.path[-1 if isinstance(leaf.path[-1], str) else -2])),
         )
         capability = what.capability if is_number else "value"
-        for topic in lines.sensors:
+        for topic in topics.sensors:
             part.read_from(topic, partial(_read, leaf.path, capability, what))
         part.add_capability(capability, unit=what.unit if is_number else "")
-        part.add_state_request(*lines.asks_sensors)
+        part.add_state_request(*topics.sensor_requests)
         yield part.build()
-    yield _signal(lines)
+    yield _signal(topics)
 
 
 _IGNORED = frozenset({"Time", "PN532", "RDM6300"})
@@ -104,7 +104,7 @@ def _leaves(sensors: Mapping[str, object]) -> Iterable[tuple[Path, object]]:
 
 
 def _read(path: Path, capability: str, what: Quantity, message: JsonMessage) -> Readings:
-    found, value = _at(path, told_of_sensors(message))
+    found, value = _at(path, sensor_values(message))
     if not found:
         return NO_READINGS
     if value is None:
@@ -137,9 +137,9 @@ def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
     return True, value
 
 
-def _signal(lines: TasmotaTopics) -> DescribedPart:
+def _signal(topics: TasmotaTopics) -> DescribedPart:
     part = PartBuilder(json_object, "wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
-    part.read_from(lines.states[1], _read_signal)
+    part.read_from(topics.states[1], _read_signal)
     part.add_capability("signal_strength")
     return part.build()
 
