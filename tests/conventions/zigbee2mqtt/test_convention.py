@@ -7,7 +7,7 @@ import pytest
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
-from homebot.conventions.zigbee2mqtt.availability import StateWord
+from homebot.conventions.zigbee2mqtt.availability import StateAvailability
 from homebot.conventions.zigbee2mqtt.convention import MAX_DEVICES, _read
 from homebot.errors import WireError
 
@@ -243,4 +243,4 @@ def test_info_without_config_is_refused() -> None:
     ],
 )
 def test_the_word_of_availability_is_an_object_or_plain(payload: bytes, expected: object) -> None:
-    assert StateWord("t").read(payload) is expected
+    assert StateAvailability("t").read(payload) is expected

@@ -12,11 +12,11 @@ from homebot.conventions.description import Availability
 from homebot.conventions.payload import parse_json, shown
 from homebot.errors import WireError
 
-__all__ = ["AvailabilityRule", "StateWord", "read_availability_rule"]
+__all__ = ["AvailabilityRule", "StateAvailability", "read_availability_rule"]
 
 
 @dataclass(frozen=True, slots=True)
-class StateWord:
+class StateAvailability:
     """One topic that says ``{"state":"online"}`` or ``{"state":"offline"}``; old bridges say the plain word.
 
     Attributes:
@@ -27,14 +27,14 @@ class StateWord:
 
     def read(self, payload: bytes) -> bool | None:
         """Return whether it can be reached, or None when *payload* says neither."""
-        if payload in _WORDS:
-            return _WORDS[payload]
+        if payload in _STATES:
+            return _STATES[payload]
         try:
-            said = parse_json(payload, _MAX_BYTES)
+            message = parse_json(payload, _MAX_BYTES)
         except WireError:
             return None
-        word = said.get("state") if isinstance(said, dict) else None
-        return _WORDS.get(word.encode()) if isinstance(word, str) else None
+        state = message.get("state") if isinstance(message, dict) else None
+        return _STATES.get(state.encode()) if isinstance(state, str) else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class AvailabilityRule:
 
     def availability(self, base: str, ieee: str, topic: str) -> Availability:
         """Return how the device at *topic* tells it."""
-        sources = (StateWord(f"{base}/bridge/state"), StateWord(f"{topic}/availability"))
+        sources = (StateAvailability(f"{base}/bridge/state"), StateAvailability(f"{topic}/availability"))
         is_on = self.exceptions.get(ieee, self.is_on)
         return Availability(sources if is_on else sources[:1], mode="all")
 
@@ -77,7 +77,7 @@ def read_availability_rule(info: Mapping[str, object]) -> AvailabilityRule:
     )
 
 
-_WORDS = {b"online": True, b"offline": False}
+_STATES = {b"online": True, b"offline": False}
 _MAX_BYTES = 1_024
 
 

@@ -30,7 +30,7 @@ class BridgeDevice:
         model: Which model it is.
         exposes: What it exposes, not yet checked; None where the bridge does not know (yet).
         has_updates: Whether its firmware can be updated over the air.
-        can_fade: Whether it takes the seconds that a change shall take, as the bridge lists among the model's options.
+        takes_transition: Whether it takes the seconds of a change, as the bridge lists among the model's options.
         bare_endpoints: Numbers of its endpoints that the bridge has no name for.
         facts: Such as ``manufacturer`` and ``model``.
     """
@@ -44,7 +44,7 @@ class BridgeDevice:
     model: str
     exposes: object
     has_updates: bool
-    can_fade: bool
+    takes_transition: bool
     bare_endpoints: frozenset[str]
     facts: Mapping[str, str]
 
@@ -81,10 +81,10 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
         is_coordinator=entry.get("type") == "Coordinator",
         is_disabled=entry.get("disabled") is True,
         is_awake=entry.get("power_source") != "Battery",
-        model=_word(definition.get("model")),
+        model=_fact_text(definition.get("model")),
         exposes=definition.get("exposes"),
         has_updates=definition.get("supports_ota") is True,
-        can_fade=_can_fade(definition.get("options")),
+        takes_transition=_takes_transition(definition.get("options")),
         bare_endpoints=_bare_endpoints(entry.get("endpoints")),
         facts=_facts(entry, definition),
     )
@@ -96,7 +96,7 @@ _MAX_NAME = 512
 _MAX_FACT = 255
 
 
-def _can_fade(options: object) -> bool:
+def _takes_transition(options: object) -> bool:
     """A bridge that lists no options, because it is old, is believed to know it."""
     if not isinstance(options, list):
         return True
@@ -119,15 +119,15 @@ _INTERVIEWED = ("", "SUCCESSFUL")
 
 def _facts(entry: Mapping[str, object], definition: Mapping[str, object]) -> dict[str, str]:
     """Collect the facts of a device; the bridge's database counts before what the device reports."""
-    told = {fact: _word(entry.get(key)) for fact, key in {**_ENTRY_FACTS, **_MORE_FACTS}.items()}
-    known = {fact: _word(definition.get(key)) for fact, key in _DEFINITION_FACTS.items()}
-    interview = _word(entry.get("interview_state"))
+    database_facts = {fact: _fact_text(entry.get(key)) for fact, key in {**_ENTRY_FACTS, **_MORE_FACTS}.items()}
+    known = {fact: _fact_text(definition.get(key)) for fact, key in _DEFINITION_FACTS.items()}
+    interview = _fact_text(entry.get("interview_state"))
     states = {
         "interview": "" if interview in _INTERVIEWED else interview.lower(),
         "supported": "no" if entry.get("supported") is False else "",
     }
-    return {fact: text for facts in (told, known, states) for fact, text in facts.items() if text}
+    return {fact: text for facts in (database_facts, known, states) for fact, text in facts.items() if text}
 
 
-def _word(value: object) -> str:
+def _fact_text(value: object) -> str:
     return clean_text(value, _MAX_FACT) if isinstance(value, str) else ""

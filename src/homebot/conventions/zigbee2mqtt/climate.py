@@ -13,8 +13,8 @@ from homebot.conventions.payload import clean_text
 from homebot.conventions.table_codec import json_object
 from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
 from homebot.conventions.zigbee2mqtt.expose import Expose
-from homebot.conventions.zigbee2mqtt.features import offer_enum, offer_number
-from homebot.conventions.zigbee2mqtt.program import offer_mode
+from homebot.conventions.zigbee2mqtt.features import add_enum, add_number
+from homebot.conventions.zigbee2mqtt.program import add_mode
 
 __all__ = ["FEATURES_OF_CLIMATE", "build_climate", "build_thermometer", "climate_type"]
 
@@ -26,38 +26,38 @@ def climate_type(climate: Expose) -> str:
     return "room_air_conditioner" if "cool" in modes and modes & {"dry", "fan_only"} else "thermostat"
 
 
-def build_climate(part: JsonPart, lines: Zigbee2MqttTopics, climate: Expose, program: Expose | None) -> DescribedPart:
+def build_climate(part: JsonPart, topics: Zigbee2MqttTopics, climate: Expose, program: Expose | None) -> DescribedPart:
     """Describe a thermostat.
 
     Args:
         part: The part in the making.
-        lines: Where its device speaks and listens.
+        topics: The topics of its device.
         climate: What it exposes.
         program: The enum that says whether it follows its program; None where it has none.
     """
     for capability, names in _NUMBERS.items():
-        offer_number(part, lines, climate.feature(*names), capability)
+        add_number(part, topics, climate.feature(*names), capability)
     mode = climate.feature("system_mode")
     if mode is not None and program is not None:
-        offer_mode(part, lines, mode, program)
+        add_mode(part, topics, mode, program)
     else:
-        offer_enum(part, lines, mode, "thermostat_mode")
+        add_enum(part, topics, mode, "thermostat_mode")
     for capability, name in _ENUMS.items():
-        offer_enum(part, lines, climate.feature(name), capability)
-    offer_enum(part, lines, climate.feature("running_state"), "thermostat_action", _ACTIONS)
-    part.add_state_request(*lines.ask(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE)))
+        add_enum(part, topics, climate.feature(name), capability)
+    add_enum(part, topics, climate.feature("running_state"), "thermostat_action", _ACTIONS)
+    part.add_state_request(*topics.request_state(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE)))
     return part.build()
 
 
-def build_thermometer(lines: Zigbee2MqttTopics, climate: Expose) -> DescribedPart | None:
+def build_thermometer(topics: Zigbee2MqttTopics, climate: Expose) -> DescribedPart | None:
     """Describe the thermometer in a thermostat, for who asks how warm it is; None where it has none."""
     local = climate.feature("local_temperature")
-    if local is None or not local.is_said:
+    if local is None or not local.is_published:
         return None
     part = PartBuilder(
         json_object, clean_text(local.key), "temperature_sensor", name=local.label, advertised=local.name
     )
-    offer_number(part, lines, local, "temperature")
+    add_number(part, topics, local, "temperature")
     return part.build()
 
 

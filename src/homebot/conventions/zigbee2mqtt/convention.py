@@ -87,8 +87,8 @@ class Zigbee2Mqtt:
         return tuple(
             f"{base}/bridge/info came, but {base}/bridge/devices did not: a list that is larger than max_announcement "
             "is dropped by the broker without a word"
-            for base, is_told in self._listless.items()
-            if is_told
+            for base, has_info in self._listless.items()
+            if has_info
         )
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:

@@ -16,7 +16,7 @@ from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
 from homebot.conventions.zigbee2mqtt.expose import Expose
-from homebot.conventions.zigbee2mqtt.features import hear
+from homebot.conventions.zigbee2mqtt.features import add_reader
 from homebot.devices.value import PlainValue
 from homebot.numbers import finite_number
 
@@ -25,27 +25,27 @@ __all__ = ["FEATURES_OF_COVER", "build_cover"]
 FEATURES_OF_COVER = frozenset({"state", "position", "tilt"})
 
 
-def build_cover(part: JsonPart, lines: Zigbee2MqttTopics, cover: Expose, motor: Expose | None) -> DescribedPart:
+def build_cover(part: JsonPart, topics: Zigbee2MqttTopics, cover: Expose, motor: Expose | None) -> DescribedPart:
     """Describe a cover.
 
     Args:
         part: The part in the making.
-        lines: Where its device speaks and listens.
+        topics: The topics of its device.
         cover: What it exposes.
         motor: The enum that tells how its motor turns; None where it has none.
     """
     state, position, tilt = (cover.feature(name) for name in ("state", "position", "tilt"))
-    part.add_command_topics(lines.told)
+    part.add_command_topics(topics.command)
     if state is not None:
-        part.read_from(lines.said, _Movement(state.key, position.key if position else "", motor).read)
-        writer = partial(_move, lines, state.key) if state.is_settable else None
-        part.add_capability("movement", readable=state.is_said, writer=writer)
+        part.read_from(topics.state, _Movement(state.key, position.key if position else "", motor).read)
+        writer = partial(_move, topics, state.key) if state.is_settable else None
+        part.add_capability("movement", readable=state.is_published, writer=writer)
     for name, feature in (("position", position), ("tilt", tilt)):
         if feature is not None:
-            hear(part, lines, feature, name, _percent)
-            mover = partial(_set, lines, feature.key, name) if feature.is_settable else None
-            part.add_capability(name, readable=feature.is_said, writer=mover)
-    part.add_state_request(*lines.ask(state, position, tilt))
+            add_reader(part, topics, feature, name, _percent)
+            mover = partial(_set, topics, feature.key, name) if feature.is_settable else None
+            part.add_capability(name, readable=feature.is_published, writer=mover)
+    part.add_state_request(*topics.request_state(state, position, tilt))
     return part.build()
 
 
@@ -76,7 +76,7 @@ class _Movement:
 
 
 _STATES: Mapping[str, str] = {"OPEN": "open", "CLOSE": "closed", "STOP": "stopped"}
-_TOLD: Mapping[str, str] = {"open": "OPEN", "closed": "CLOSE", "stopped": "STOP"}
+_COMMANDS: Mapping[str, str] = {"open": "OPEN", "closed": "CLOSE", "stopped": "STOP"}
 _ENDS: Mapping[str, int] = {"open": 100, "closed": 0}
 _DIRECTIONS: Mapping[str, str] = {
     **dict.fromkeys(("opening", "open", "forward", "up", "rising"), "opening"),
@@ -90,11 +90,11 @@ def _percent(value: object) -> float | None:
     return None if number is None else min(100.0, max(0.0, number))
 
 
-def _move(lines: Zigbee2MqttTopics, key: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    return lines.tell({key: _TOLD[require_option("movement", value, _TOLD)]})
+def _move(topics: Zigbee2MqttTopics, key: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    return topics.publish({key: _COMMANDS[require_option("movement", value, _COMMANDS)]})
 
 
 def _set(
-    lines: Zigbee2MqttTopics, key: str, name: str, value: PlainValue, _transition: float
+    topics: Zigbee2MqttTopics, key: str, name: str, value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    return lines.tell({key: round(require_number(name, value, 0, 100, "%"))})
+    return topics.publish({key: round(require_number(name, value, 0, 100, "%"))})

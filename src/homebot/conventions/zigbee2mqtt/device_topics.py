@@ -25,24 +25,24 @@ class Zigbee2MqttTopics:
     """The topics of one device.
 
     Attributes:
-        said: Topic of its state, a JSON object of all that it tells.
+        state: Topic of its state, a JSON object of all that it tells.
         is_awake: Whether it can be asked: one with a battery sleeps and never answers.
-        can_fade: Whether it takes the seconds that a change shall take.
+        takes_transition: Whether it takes the seconds that a change shall take.
         bare_endpoints: Numbers of its endpoints that the bridge has no name for: it does not find them in the name of a
             property, only in the topic.
         endpoint: Which of these is meant; empty for the device.
     """
 
-    said: str
+    state: str
     is_awake: bool = True
-    can_fade: bool = True
+    takes_transition: bool = True
     bare_endpoints: frozenset[str] = frozenset()
     endpoint: str = ""
 
     @property
-    def told(self) -> str:
+    def command(self) -> str:
         """The topic that it listens on."""
-        return f"{self._told_at}/set"
+        return f"{self._base}/set"
 
     def of(self, expose: Expose) -> Zigbee2MqttTopics:
         """Return where *expose* is told and asked for."""
@@ -51,7 +51,7 @@ class Zigbee2MqttTopics:
         keys = [one.key for one in expose.features if one.key] if expose.type in SPECIFIC_TYPES else [expose.key]
         return replace(self, endpoint=expose.endpoint) if all(key.endswith(expose.suffix) for key in keys) else self
 
-    def tell(self, message: Mapping[str, object], transition: float = 0.0) -> tuple[Publication, ...]:
+    def publish(self, message: Mapping[str, object], transition: float = 0.0) -> tuple[Publication, ...]:
         """Return what to publish to set each property of *message*.
 
         Args:
@@ -63,25 +63,25 @@ class Zigbee2MqttTopics:
         """
         seconds = require_transition(transition, _MOST_SECONDS)
         fields = self._plain(message)
-        if seconds and self.can_fade:
+        if seconds and self.takes_transition:
             fields["transition"] = whole_or_not(seconds)
         try:
             payload = json.dumps(fields, ensure_ascii=False, separators=(",", ":")).encode()
         except UnicodeEncodeError:
-            raise RefusedError(f"a command to {self.said}", "it cannot be written in UTF-8") from None
-        return (Publication(self.told, payload),)
+            raise RefusedError(f"a command to {self.state}", "it cannot be written in UTF-8") from None
+        return (Publication(self.command, payload),)
 
-    def ask(self, *features: Expose | None) -> tuple[Publication, ...]:
+    def request_state(self, *features: Expose | None) -> tuple[Publication, ...]:
         """Return what to publish so that the device tells *features*; nothing for those that cannot be asked for."""
-        wanted = self._plain(_gettable(features)) if self.is_awake else {}
-        if not wanted:
+        keys = self._plain(_gettable(features)) if self.is_awake else {}
+        if not keys:
             return ()
-        payload = json.dumps(wanted, ensure_ascii=False, separators=(",", ":")).encode()
-        return (Publication(f"{self._told_at}/get", payload),)
+        payload = json.dumps(keys, ensure_ascii=False, separators=(",", ":")).encode()
+        return (Publication(f"{self._base}/get", payload),)
 
     @property
-    def _told_at(self) -> str:
-        return f"{self.said}/{self.endpoint}" if self.endpoint else self.said
+    def _base(self) -> str:
+        return f"{self.state}/{self.endpoint}" if self.endpoint else self.state
 
     def _plain(self, message: Mapping[str, object]) -> dict[str, object]:
         """Return *message* with properties as their endpoint knows them."""

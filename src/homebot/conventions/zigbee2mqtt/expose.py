@@ -61,7 +61,7 @@ class Expose:
     features: tuple[Expose, ...] = ()
 
     @property
-    def is_said(self) -> bool:
+    def is_published(self) -> bool:
         """True if the device tells it by itself."""
         return bool(self.access & 1)
 
@@ -139,9 +139,9 @@ def _read(entry: object, depth: int) -> Expose | None:
 
 def _category(entry: Mapping[str, object]) -> Category:
     """Return the category; the definition's entry for Home Assistant counts before its general one."""
-    wanted = entry.get("homeassistant")
-    if isinstance(wanted, dict) and isinstance(wanted.get("entityCategory"), str):
-        return _CATEGORIES.get(wanted["entityCategory"], "")
+    override = entry.get("homeassistant")
+    if isinstance(override, dict) and isinstance(override.get("entityCategory"), str):
+        return _CATEGORIES.get(override["entityCategory"], "")
     declared = entry.get("category")
     return _CATEGORIES.get(declared, "") if isinstance(declared, str) else ""
 

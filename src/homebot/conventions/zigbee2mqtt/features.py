@@ -19,11 +19,11 @@ from homebot.numbers import finite_number
 
 __all__ = [
     "MAX_VALUE",
+    "add_enum",
+    "add_flag",
+    "add_number",
+    "add_reader",
     "flag_of",
-    "hear",
-    "offer_enum",
-    "offer_flag",
-    "offer_number",
     "same_scalar",
     "text_of",
 ]
@@ -34,71 +34,71 @@ MAX_VALUE = 255
 _NO_BOUND = 1e12
 
 
-def hear(
-    part: JsonPart, lines: Zigbee2MqttTopics, feature: Expose, capability: str, read: Callable[[object], PlainValue]
+def add_reader(
+    part: JsonPart, topics: Zigbee2MqttTopics, feature: Expose, capability: str, read: Callable[[object], PlainValue]
 ) -> None:
     """Have *part* read the property of *feature*; null is unknown, and so is what says that of a number.
 
     Args:
         part: The part in the making.
-        lines: Where its device speaks.
+        topics: The topics of its device.
         feature: What to read.
         capability: What it is then.
         read: Returns what a value means, None where it means nothing.
     """
     is_number = CAPABILITIES[capability].kind == "number"
-    part.read_from(lines.said, partial(_read, feature.key, capability, read, is_unknown if is_number else _is_null))
+    part.read_from(topics.state, partial(_read, feature.key, capability, read, is_unknown if is_number else _is_null))
 
 
-def offer_flag(part: JsonPart, lines: Zigbee2MqttTopics, feature: Expose | None, capability: str) -> None:
+def add_flag(part: JsonPart, topics: Zigbee2MqttTopics, feature: Expose | None, capability: str) -> None:
     """Have *part* offer a binary *feature* as *capability*: true is what its ``value_on`` says."""
     if feature is None or feature.value_on is None or feature.value_off is None:
         return
-    if feature.is_said:
-        hear(part, lines, feature, capability, partial(flag_of, feature))
-    writer = partial(_write_flag, lines, feature, capability) if feature.is_settable else None
-    part.add_capability(capability, readable=feature.is_said, writer=writer)
-    _connect(part, lines, feature)
+    if feature.is_published:
+        add_reader(part, topics, feature, capability, partial(flag_of, feature))
+    writer = partial(_write_flag, topics, feature, capability) if feature.is_settable else None
+    part.add_capability(capability, readable=feature.is_published, writer=writer)
+    _connect(part, topics, feature)
 
 
-def offer_number(
-    part: JsonPart, lines: Zigbee2MqttTopics, feature: Expose | None, capability: str, *, unit: str = ""
+def add_number(
+    part: JsonPart, topics: Zigbee2MqttTopics, feature: Expose | None, capability: str, *, unit: str = ""
 ) -> None:
     """Have *part* offer a numeric *feature* as *capability*, in the same unit."""
     if feature is None:
         return
-    if feature.is_said:
-        hear(part, lines, feature, capability, finite_number)
+    if feature.is_published:
+        add_reader(part, topics, feature, capability, finite_number)
     bounds = () if feature.least is None or feature.most is None else (feature.least, feature.most)
-    writer = partial(_write_number, lines, feature, capability) if feature.is_settable else None
-    part.add_capability(capability, readable=feature.is_said, writer=writer, unit=unit, bounds=bounds)
-    _connect(part, lines, feature)
+    writer = partial(_write_number, topics, feature, capability) if feature.is_settable else None
+    part.add_capability(capability, readable=feature.is_published, writer=writer, unit=unit, bounds=bounds)
+    _connect(part, topics, feature)
 
 
-def offer_enum(
+def add_enum(
     part: JsonPart,
-    lines: Zigbee2MqttTopics,
+    topics: Zigbee2MqttTopics,
     feature: Expose | None,
     capability: str,
-    words: Mapping[str, str] | None = None,
+    names: Mapping[str, str] | None = None,
 ) -> None:
     """Have *part* offer an enum *feature* as *capability*.
 
     Args:
         part: The part in the making.
-        lines: Where its device speaks and listens.
+        topics: The topics of its device.
         feature: The enum; None does nothing.
         capability: What it is.
-        words: The vocabulary's word for each of the device's; others mean nothing. By default all as they are.
+        names: The vocabulary's word for each of the device's; others mean nothing. By default all as they are.
     """
     if feature is None:
         return
-    if feature.is_said:
-        hear(part, lines, feature, capability, text_of if words is None else partial(_word_of, words))
-    writer: Writer | None = partial(_write_option, lines, feature, capability) if feature.is_settable else None
-    options = tuple(feature.options) if words is None else tuple(words.values())
-    part.add_capability(capability, readable=feature.is_said, writer=writer, options=options)
-    _connect(part, lines, feature)
+    if feature.is_published:
+        add_reader(part, topics, feature, capability, text_of if names is None else partial(_name_of, names))
+    writer: Writer | None = partial(_write_option, topics, feature, capability) if feature.is_settable else None
+    options = tuple(feature.options) if names is None else tuple(names.values())
+    part.add_capability(capability, readable=feature.is_published, writer=writer, options=options)
+    _connect(part, topics, feature)
 
 
 def flag_of(feature: Expose, value: object) -> bool | None:
@@ -124,9 +124,9 @@ def text_of(value: object) -> str | None:
     return None
 
 
-def _connect(part: JsonPart, lines: Zigbee2MqttTopics, feature: Expose) -> None:
+def _connect(part: JsonPart, topics: Zigbee2MqttTopics, feature: Expose) -> None:
     if feature.is_settable:
-        part.add_command_topics(lines.told)
+        part.add_command_topics(topics.command)
 
 
 def _is_null(value: object) -> bool:
@@ -137,40 +137,40 @@ def _read(
     key: str,
     capability: str,
     read: Callable[[object], PlainValue],
-    says_unknown: Callable[[object], bool],
+    means_unknown: Callable[[object], bool],
     message: JsonMessage,
 ) -> Readings:
     if key not in message:
         return NO_READINGS
     value = message[key]
-    if says_unknown(value):
+    if means_unknown(value):
         return {capability: None}
     found = read(value)
     return NO_READINGS if found is None else {capability: found}
 
 
-def _word_of(words: Mapping[str, str], value: object) -> str | None:
-    return words.get(value) if isinstance(value, str) else None
+def _name_of(names: Mapping[str, str], value: object) -> str | None:
+    return names.get(value) if isinstance(value, str) else None
 
 
 def _write_flag(
-    lines: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
+    topics: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    told = feature.value_on if require_bool(capability, value) else feature.value_off
-    return lines.tell({feature.key: told})
+    state = feature.value_on if require_bool(capability, value) else feature.value_off
+    return topics.publish({feature.key: state})
 
 
 def _write_number(
-    lines: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
+    topics: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
     least = -_NO_BOUND if feature.least is None else feature.least
     most = _NO_BOUND if feature.most is None else feature.most
     number = require_number(capability, value, least, most, feature.unit)
-    return lines.tell({feature.key: whole_or_not(number)})
+    return topics.publish({feature.key: whole_or_not(number)})
 
 
 def _write_option(
-    lines: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
+    topics: Zigbee2MqttTopics, feature: Expose, capability: str, value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
     option = require_option(capability, value, feature.options)
-    return lines.tell({feature.key: feature.options[option]})
+    return topics.publish({feature.key: feature.options[option]})

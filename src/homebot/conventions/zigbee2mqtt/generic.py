@@ -20,10 +20,10 @@ from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import (
     MAX_VALUE,
-    hear,
-    offer_enum,
-    offer_flag,
-    offer_number,
+    add_enum,
+    add_flag,
+    add_number,
+    add_reader,
     text_of,
 )
 from homebot.conventions.zigbee2mqtt.sensor_tables import CONDITIONS, TRUE_IS_CLOSED, measure
@@ -35,15 +35,15 @@ from homebot.numbers import finite_number
 __all__ = ["build_generic"]
 
 
-def build_generic(lines: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
+def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
     """Describe one generic expose, as a part of its own; None for one that neither says nor takes anything.
 
     What can be set is a setting, whatever it is called: a child lock is no door lock, and nobody who turns off
     everything wants to turn off an indicator. Only a binary that is called ``state`` is a switch.
     """
     if expose.type == "enum" and expose.name == "action":
-        return _buttons(lines, expose)
-    part = _setting(lines, expose) if expose.is_settable else _sensor(lines, expose) if expose.is_said else None
+        return _buttons(topics, expose)
+    part = _setting(topics, expose) if expose.is_settable else _sensor(topics, expose) if expose.is_published else None
     return None if part is None or part.is_empty else part.build()
 
 
@@ -53,9 +53,9 @@ def _part(expose: Expose, service_type: str, category: Category) -> JsonPart:
     )
 
 
-def _buttons(lines: Zigbee2MqttTopics, action: Expose) -> DescribedPart:
+def _buttons(topics: Zigbee2MqttTopics, action: Expose) -> DescribedPart:
     part = _part(action, "generic_switch", "")
-    part.read_events_from(lines.said, partial(_read_action, action.key))
+    part.read_events_from(topics.state, partial(_read_action, action.key))
     part.add_capability("press", options=tuple(action.options))
     return part.build()
 
@@ -66,50 +66,50 @@ def _read_action(key: str, message: JsonMessage) -> Readings:
     return {"press": clean_text(action, MAX_VALUE)} if isinstance(action, str) and action else NO_READINGS
 
 
-def _sensor(lines: Zigbee2MqttTopics, expose: Expose) -> JsonPart:
+def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> JsonPart:
     category: Category = "diagnostic" if expose.category else ""
     if expose.type == "binary":
         service_type, capability = CONDITIONS.get(expose.name, ("x_binary_sensor", "state"))
         if expose.name in TRUE_IS_CLOSED:
             expose = replace(expose, value_on=False, value_off=True)
         part = _part(expose, service_type, category)
-        offer_flag(part, lines, expose, capability)
+        add_flag(part, topics, expose, capability)
     elif expose.type == "numeric":
         what = measure(expose.name, expose.unit)
         part = _part(expose, what.service_type, category)
-        hear(part, lines, expose, what.capability, partial(_measured, what))
+        add_reader(part, topics, expose, what.capability, partial(_measured, what))
         part.add_capability(what.capability, unit=what.unit)
     else:
         part = _part(expose, "x_sensor", category)
-        hear(part, lines, expose, "value", text_of if expose.type == "enum" else _json_text)
+        add_reader(part, topics, expose, "value", text_of if expose.type == "enum" else _json_text)
         part.add_capability("value", options=tuple(expose.options))
     if not category:
-        part.add_state_request(*lines.ask(expose))
+        part.add_state_request(*topics.request_state(expose))
     return part
 
 
-def _setting(lines: Zigbee2MqttTopics, expose: Expose) -> JsonPart | None:
+def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> JsonPart | None:
     is_switch = expose.type == "binary" and expose.name == "state" and not expose.category
     part = _part(expose, "switch" if is_switch else "x_setting", "" if is_switch else expose.category or "config")
     match expose.type:
         case "binary":
-            offer_flag(part, lines, expose, "on_off")
+            add_flag(part, topics, expose, "on_off")
         case "numeric":
-            offer_number(part, lines, expose, "number", unit=expose.unit)
+            add_number(part, topics, expose, "number", unit=expose.unit)
         case "enum" if len(expose.options) == 1:
-            part.add_capability(_push_of(expose), readable=False, writer=partial(_push, lines, expose))
-            part.add_command_topics(lines.told)
+            part.add_capability(_push_of(expose), readable=False, writer=partial(_push, topics, expose))
+            part.add_command_topics(topics.command)
         case "enum":
-            offer_enum(part, lines, expose, "option")
+            add_enum(part, topics, expose, "option")
         case "text":
-            if expose.is_said:
-                hear(part, lines, expose, "text", _json_text)
-            part.add_capability("text", readable=expose.is_said, writer=partial(_write_text, lines, expose))
-            part.add_command_topics(lines.told)
+            if expose.is_published:
+                add_reader(part, topics, expose, "text", _json_text)
+            part.add_capability("text", readable=expose.is_published, writer=partial(_write_text, topics, expose))
+            part.add_command_topics(topics.command)
         case _:
-            return _sensor(lines, expose) if expose.is_said else None
+            return _sensor(topics, expose) if expose.is_published else None
     if is_switch:
-        part.add_state_request(*lines.ask(expose))
+        part.add_state_request(*topics.request_state(expose))
     return part
 
 
@@ -131,15 +131,15 @@ def _push_of(expose: Expose) -> str:
     return "locate" if expose.name == "identify" else "push"
 
 
-def _push(lines: Zigbee2MqttTopics, expose: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+def _push(topics: Zigbee2MqttTopics, expose: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
     if not require_bool(_push_of(expose), value):
         raise RefusedError(f"{_push_of(expose)} {shown(value)}", "it takes true")
-    return lines.tell({expose.key: expose.values[0]})
+    return topics.publish({expose.key: expose.values[0]})
 
 
 def _write_text(
-    lines: Zigbee2MqttTopics, expose: Expose, value: PlainValue, _transition: float
+    topics: Zigbee2MqttTopics, expose: Expose, value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
     if not isinstance(value, str) or len(value) > _MAX_TEXT:
         raise RefusedError(f"text {shown(value)}", f"it takes a text of at most {_MAX_TEXT} characters")
-    return lines.tell({expose.key: value})
+    return topics.publish({expose.key: value})

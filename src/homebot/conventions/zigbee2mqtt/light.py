@@ -32,31 +32,31 @@ __all__ = ["FEATURES_OF_LIGHT", "build_light"]
 FEATURES_OF_LIGHT = frozenset({"state", "brightness", "color_temp", "color_xy", "color_hs"})
 
 
-def build_light(part: JsonPart, lines: Zigbee2MqttTopics, light: Expose, effect: Expose | None) -> DescribedPart:
+def build_light(part: JsonPart, topics: Zigbee2MqttTopics, light: Expose, effect: Expose | None) -> DescribedPart:
     """Describe a lamp.
 
     Args:
         part: The part in the making.
-        lines: Where its device speaks and listens.
+        topics: The topics of its device.
         light: What it exposes.
         effect: The enum of its effects; None where it has none.
     """
     features = {one.name: one for one in light.features if one.name in FEATURES_OF_LIGHT}
-    lamp = _Zigbee2MqttLamp(lines, features, light.suffix, _color_mode(light), effect)
+    lamp = _Zigbee2MqttLamp(topics, features, light.suffix, _color_mode(light), effect)
     state = features.get("state")
-    is_said = state is not None and state.is_said
-    part.read_from(lines.said, lamp.read)
-    part.add_command_topics(lines.told)
-    part.add_capability("on_off", readable=is_said, writer=lamp.switch)
+    is_readable = state is not None and state.is_published
+    part.read_from(topics.state, lamp.read)
+    part.add_command_topics(topics.command)
+    part.add_capability("on_off", readable=is_readable, writer=lamp.switch)
     if "brightness" in features:
-        part.add_capability("level", readable=is_said, writer=lamp.dim)
+        part.add_capability("level", readable=is_readable, writer=lamp.dim)
     if "color_temp" in features:
         part.add_capability("color_temperature", writer=lamp.set_white, bounds=_kelvins(features["color_temp"]))
     if lamp.mode:
         part.add_capability("color", writer=lamp.set_color)
     if effect is not None:
-        part.add_capability("effect", readable=effect.is_said, writer=lamp.play, options=tuple(effect.options))
-    part.add_state_request(*lines.ask(*features.values()))
+        part.add_capability("effect", readable=effect.is_published, writer=lamp.play, options=tuple(effect.options))
+    part.add_state_request(*topics.request_state(*features.values()))
     return part.build()
 
 
@@ -65,14 +65,14 @@ class _Zigbee2MqttLamp:
     """Reads and tells one lamp.
 
     Attributes:
-        lines: Its topics.
+        topics: Its topics.
         features: What it exposes, by name.
         suffix: What its properties end in.
         mode: ``xy`` or ``hs``, in which its colours are told; empty where it has none.
         effect: The enum of its effects.
     """
 
-    lines: Zigbee2MqttTopics
+    topics: Zigbee2MqttTopics
     features: Mapping[str, Expose]
     suffix: str
     mode: str
@@ -98,42 +98,42 @@ class _Zigbee2MqttLamp:
         return found
 
     def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        return self._tell({}, transition, on=require_bool("on_off", value))
+        return self._publish({}, transition, on=require_bool("on_off", value))
 
     def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         """Rounded twice, by way of 0 to 255, as Home Assistant does."""
         percent = require_number("level", value, 0, 100, "%")
         if not percent:
-            return self._tell({}, transition, on=False)
+            return self._publish({}, transition, on=False)
         brightness = self.features["brightness"]
         steps = max(1, round(round(255 * percent / 100) * _full(brightness) / 255))
-        return self._tell({brightness.key: steps}, transition)
+        return self._publish({brightness.key: steps}, transition)
 
     def set_white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         low, high = _kelvins(self.features["color_temp"]) or _KELVIN
         kelvin = require_number("color_temperature", value, min(low, _KELVIN[0]), max(high, _KELVIN[1]), "K")
-        return self._tell({self.features["color_temp"].key: kelvin_mired(int(kelvin))}, transition)
+        return self._publish({self.features["color_temp"].key: kelvin_mired(int(kelvin))}, transition)
 
     def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         hue, saturation = require_color(value)
         channels = from_hue_saturation(self.mode, hue, saturation, _NO_WHITE)
         color = dict(zip(CHANNELS[self.mode], channels, strict=True))
-        return self._tell({self._color_property: color}, transition)
+        return self._publish({self._color_property: color}, transition)
 
     def play(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         if self.effect is None:
             return ()
-        told: Scalar = self.effect.options[require_option("effect", value, self.effect.options)]
-        return self._tell({self.effect.key: told}, transition)
+        option: Scalar = self.effect.options[require_option("effect", value, self.effect.options)]
+        return self._publish({self.effect.key: option}, transition)
 
     @property
     def _color_property(self) -> str:
         return self.features[f"color_{self.mode}"].key
 
-    def _tell(self, message: Mapping[str, object], transition: float, *, on: bool = True) -> tuple[Publication, ...]:
+    def _publish(self, message: Mapping[str, object], transition: float, *, on: bool = True) -> tuple[Publication, ...]:
         state = self.features.get("state")
-        told = {} if state is None else {state.key: state.value_on if on else state.value_off}
-        return self.lines.tell({**told, **message}, transition)
+        state_fields = {} if state is None else {state.key: state.value_on if on else state.value_off}
+        return self.topics.publish({**state_fields, **message}, transition)
 
     def _only_mode(self, message: JsonMessage) -> str:
         """Return the one mode in which the message has a value; empty where it has none, or several."""

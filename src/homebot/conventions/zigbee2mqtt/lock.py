@@ -22,15 +22,15 @@ __all__ = ["FEATURES_OF_LOCK", "build_lock"]
 FEATURES_OF_LOCK = frozenset({"state", "lock_state"})
 
 
-def build_lock(part: JsonPart, lines: Zigbee2MqttTopics, lock: Expose) -> DescribedPart:
+def build_lock(part: JsonPart, topics: Zigbee2MqttTopics, lock: Expose) -> DescribedPart:
     """Describe a lock. A bolt that is not fully out counts as unlocked, which is the careful reading."""
     state, bolt = lock.feature("state"), lock.feature("lock_state")
-    part.read_from(lines.said, partial(_read, state, bolt))
-    writer = partial(_write, lines, state) if state is not None and state.is_settable else None
-    is_said = any(one is not None and one.is_said for one in (state, bolt))
-    part.add_capability("lock", readable=is_said, writer=writer, options=("locked", "unlocked"))
-    part.add_command_topics(lines.told)
-    part.add_state_request(*lines.ask(state))
+    part.read_from(topics.state, partial(_read, state, bolt))
+    writer = partial(_write, topics, state) if state is not None and state.is_settable else None
+    is_readable = any(one is not None and one.is_published for one in (state, bolt))
+    part.add_capability("lock", readable=is_readable, writer=writer, options=("locked", "unlocked"))
+    part.add_command_topics(topics.command)
+    part.add_state_request(*topics.request_state(state))
     return part.build()
 
 
@@ -42,14 +42,14 @@ def _read(state: Expose | None, bolt: Expose | None, message: JsonMessage) -> Re
         value = message[state.key]
         if value is None:
             return {"lock": None}
-        for word, expected in (("locked", state.value_on), ("unlocked", state.value_off)):
+        for position, expected in (("locked", state.value_on), ("unlocked", state.value_off)):
             if same_scalar(value, expected):
-                return {"lock": word}
+                return {"lock": position}
         return NO_READINGS
-    told = message.get(bolt.key) if bolt is not None else None
-    return {"lock": _BOLTS[told]} if isinstance(told, str) and told in _BOLTS else NO_READINGS
+    bolt_state = message.get(bolt.key) if bolt is not None else None
+    return {"lock": _BOLTS[bolt_state]} if isinstance(bolt_state, str) and bolt_state in _BOLTS else NO_READINGS
 
 
-def _write(lines: Zigbee2MqttTopics, state: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    wanted = require_option("lock", value, ("locked", "unlocked"))
-    return lines.tell({state.key: state.value_on if wanted == "locked" else state.value_off})
+def _write(topics: Zigbee2MqttTopics, state: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    target = require_option("lock", value, ("locked", "unlocked"))
+    return topics.publish({state.key: state.value_on if target == "locked" else state.value_off})

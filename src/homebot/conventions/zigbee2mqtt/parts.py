@@ -23,7 +23,7 @@ from homebot.conventions.zigbee2mqtt.cover import FEATURES_OF_COVER, build_cover
 from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, read_exposes
 from homebot.conventions.zigbee2mqtt.fan import FEATURES_OF_FAN, build_fan
-from homebot.conventions.zigbee2mqtt.features import offer_flag, text_of
+from homebot.conventions.zigbee2mqtt.features import add_flag, text_of
 from homebot.conventions.zigbee2mqtt.generic import build_generic
 from homebot.conventions.zigbee2mqtt.light import FEATURES_OF_LIGHT, build_light
 from homebot.conventions.zigbee2mqtt.lock import FEATURES_OF_LOCK, build_lock
@@ -35,9 +35,9 @@ __all__ = ["build_parts"]
 
 def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
     """Describe the parts of a device, each id once. One that the bridge does not know shows what it says as it is."""
-    lines = Zigbee2MqttTopics(device.topic, device.is_awake, device.can_fade, device.bare_endpoints)
+    topics = Zigbee2MqttTopics(device.topic, device.is_awake, device.takes_transition, device.bare_endpoints)
     exposes = read_exposes(device.exposes)
-    return with_own_ids(_described(device, lines, exposes), _MOST_PARTS) or (_unknown(lines),)
+    return with_own_ids(_described(device, topics, exposes), _MOST_PARTS) or (_unknown(topics),)
 
 
 _FEATURES: Mapping[str, frozenset[str]] = {
@@ -55,22 +55,22 @@ _MOST_PARTS = 500
 
 def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> Iterable[DescribedPart]:
     beside = _beside(exposes)
-    has_thermometer = any(one.name in ("temperature", "local_temperature") and one.is_said for one in exposes)
+    has_thermometer = any(one.name in ("temperature", "local_temperature") and one.is_published for one in exposes)
     for expose in exposes:
-        lines = whole.of(expose)
+        topics = whole.of(expose)
         if expose.type in SPECIFIC_TYPES:
-            yield _specific(device, lines, expose, beside)
-            if expose.type == "climate" and not has_thermometer and (thermometer := build_thermometer(lines, expose)):
+            yield _specific(device, topics, expose, beside)
+            if expose.type == "climate" and not has_thermometer and (thermometer := build_thermometer(topics, expose)):
                 yield thermometer
             rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
         elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
             yield build_siren(
-                PartBuilder(json_object, "siren" + expose.suffix, "siren", advertised="warning"), lines, expose
+                PartBuilder(json_object, "siren" + expose.suffix, "siren", advertised="warning"), topics, expose
             )
             rest = []
         else:
             rest = [] if expose is beside.get("effect") else [expose]
-        yield from (part for one in rest if (part := build_generic(lines, one)) is not None)
+        yield from (part for one in rest if (part := build_generic(topics, one)) is not None)
     if device.has_updates and exposes:
         yield _update(whole)
 
@@ -87,7 +87,7 @@ def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
             continue
         if one.name == "effect" and one.is_settable and not one.endpoint and has_lamp:
             found.setdefault("effect", one)
-        if one.name in ("motor_state", "moving") and one.is_said:
+        if one.name in ("motor_state", "moving") and one.is_published:
             found.setdefault(f"motor{one.suffix}", one)
         if is_program(one):
             found.setdefault("program", one)
@@ -95,10 +95,10 @@ def _beside(exposes: tuple[Expose, ...]) -> dict[str, Expose]:
 
 
 def _specific(
-    device: BridgeDevice, lines: Zigbee2MqttTopics, expose: Expose, beside: Mapping[str, Expose]
+    device: BridgeDevice, topics: Zigbee2MqttTopics, expose: Expose, beside: Mapping[str, Expose]
 ) -> DescribedPart:
     if expose.type == "switch":
-        return _switch(lines, expose)
+        return _switch(topics, expose)
     service_type = climate_type(expose) if expose.type == "climate" else _SERVICES[expose.type]
     part = PartBuilder(
         json_object,
@@ -110,21 +110,21 @@ def _specific(
     )
     match expose.type:
         case "light":
-            return build_light(part, lines, expose, None if expose.endpoint else beside.get("effect"))
+            return build_light(part, topics, expose, None if expose.endpoint else beside.get("effect"))
         case "cover":
-            return build_cover(part, lines, expose, beside.get(f"motor{expose.suffix}"))
+            return build_cover(part, topics, expose, beside.get(f"motor{expose.suffix}"))
         case "lock":
-            return build_lock(part, lines, expose)
+            return build_lock(part, topics, expose)
         case "fan":
-            return build_fan(part, lines, expose, device.model)
+            return build_fan(part, topics, expose, device.model)
         case _:
-            return build_climate(part, lines, expose, beside.get("program"))
+            return build_climate(part, topics, expose, beside.get("program"))
 
 
 _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
 
 
-def _switch(lines: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
+def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
     """Describe a relay. One whose property is no state, such as ``window_detection``, is a setting."""
     state = expose.feature("state")
     is_setting = state is not None and not state.key.startswith("state")
@@ -136,14 +136,14 @@ def _switch(lines: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
         advertised="switch",
         category=expose.category or ("config" if is_setting else ""),
     )
-    offer_flag(part, lines, state, "on_off")
-    part.add_state_request(*lines.ask(state))
+    add_flag(part, topics, state, "on_off")
+    part.add_state_request(*topics.request_state(state))
     return part.build()
 
 
-def _update(lines: Zigbee2MqttTopics) -> DescribedPart:
+def _update(topics: Zigbee2MqttTopics) -> DescribedPart:
     part = PartBuilder(json_object, "update", "x_update", advertised="update", category="diagnostic")
-    part.read_from(lines.said, _read_update)
+    part.read_from(topics.state, _read_update)
     for capability in ("version", "latest_version", "update_available"):
         part.add_capability(capability)
     return part.build()
@@ -160,9 +160,9 @@ def _read_update(message: JsonMessage) -> Readings:
     return {**known, "update_available": state == "available" if isinstance(state, str) else None}
 
 
-def _unknown(lines: Zigbee2MqttTopics) -> DescribedPart:
+def _unknown(topics: Zigbee2MqttTopics) -> DescribedPart:
     part = PartBuilder(json_object, "", "x_unknown")
-    part.read_from(lines.said, _read_raw)
+    part.read_from(topics.state, _read_raw)
     part.add_capability("raw")
     return part.build()
 

@@ -16,41 +16,41 @@ from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.devices.value import PlainValue
 
-__all__ = ["is_program", "offer_mode"]
+__all__ = ["add_mode", "is_program"]
 
 _MANUAL = "manual"
 _MODES = {"schedule": "auto", "pause": "off"}
-_WORDS = {mode: word for word, mode in _MODES.items()}
+_OPTIONS = {mode: option for option, mode in _MODES.items()}
 _PAIR = 2
 
 
 def is_program(expose: Expose) -> bool:
     """Return whether *expose* says if a thermostat follows its program, is told by hand, or paused."""
-    is_whole = expose.is_said and expose.is_settable
+    is_whole = expose.is_published and expose.is_settable
     return expose.name == "operating_mode" and is_whole and set(expose.options) == {_MANUAL, *_MODES}
 
 
-def offer_mode(part: JsonPart, lines: Zigbee2MqttTopics, mode: Expose, program: Expose) -> None:
+def add_mode(part: JsonPart, topics: Zigbee2MqttTopics, mode: Expose, program: Expose) -> None:
     """Have *part* offer ``thermostat_mode``.
 
     Args:
         part: The part in the making.
-        lines: Where its device speaks and listens.
+        topics: The topics of its device.
         mode: The enum ``system_mode``.
         program: The enum ``operating_mode``.
     """
-    by_hand = tuple(one for one in mode.options if one not in _WORDS)
-    both = _Mode(lines, mode, program, by_hand)
-    part.read_from(lines.said, both.read)
+    by_hand = tuple(one for one in mode.options if one not in _OPTIONS)
+    both = _Mode(topics, mode, program, by_hand)
+    part.read_from(topics.state, both.read)
     part.add_capability("thermostat_mode", writer=both.write, options=("off", *by_hand, "auto"))
-    part.add_command_topics(lines.told)
+    part.add_command_topics(topics.command)
 
 
 @dataclass(frozen=True, slots=True)
 class _Mode:
     """Reads and tells the mode; *by_hand* are those of manual operation."""
 
-    lines: Zigbee2MqttTopics
+    topics: Zigbee2MqttTopics
     mode: Expose
     program: Expose
     by_hand: tuple[str, ...]
@@ -58,19 +58,19 @@ class _Mode:
     def read(self, message: JsonMessage) -> Readings:
         if self.program.key not in message:
             return NO_READINGS
-        said = message[self.program.key]
-        if said is None:
+        reported = message[self.program.key]
+        if reported is None:
             return {"thermostat_mode": None}
-        if said == _MANUAL:
-            said = message.get(self.mode.key)
-            found = said if said in self.by_hand else self.by_hand[0] if len(self.by_hand) == 1 else None
+        if reported == _MANUAL:
+            reported = message.get(self.mode.key)
+            found = reported if reported in self.by_hand else self.by_hand[0] if len(self.by_hand) == 1 else None
         else:
-            found = _MODES.get(said) if isinstance(said, str) else None
+            found = _MODES.get(reported) if isinstance(reported, str) else None
         return NO_READINGS if found is None else {"thermostat_mode": found}
 
     def write(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        wanted = require_option("thermostat_mode", value, ("off", *self.by_hand, "auto"))
-        if wanted in _WORDS:
-            return self.lines.tell({self.program.key: _WORDS[wanted]})
-        further = {self.mode.key: self.mode.options[wanted]} if len(self.mode.options) >= _PAIR else {}
-        return self.lines.tell({self.program.key: _MANUAL, **further})
+        target = require_option("thermostat_mode", value, ("off", *self.by_hand, "auto"))
+        if target in _OPTIONS:
+            return self.topics.publish({self.program.key: _OPTIONS[target]})
+        further = {self.mode.key: self.mode.options[target]} if len(self.mode.options) >= _PAIR else {}
+        return self.topics.publish({self.program.key: _MANUAL, **further})

@@ -78,7 +78,7 @@ _NAMES: Mapping[str, str] = {
 _SERVICES_OF_PLAIN: Mapping[str, str] = {"voc": _AIR, "eco2": _AIR, "voc_index": _AIR}
 
 _BY_UNIT_ALONE = ("power", "energy", "current", "voltage", "frequency")
-_BY_WORD = ("temperature", "humidity")
+_BY_NAME = ("temperature", "humidity")
 _NO_READINGS = frozenset(
     {"limit", "setpoint", "target", "calibration", "offset", "max", "min", "threshold", "alarm", "deadzone"}
 )
@@ -90,7 +90,7 @@ def _capability_of(name: str, unit: str) -> str:
     for capability in _BY_UNIT_ALONE:
         if conversion_of(capability, unit) is not None:
             return capability
-    words = set(re.split(r"[^a-z]+", re.sub(r"([A-Z])", r"_\1", name).lower()))
-    if words & _NO_READINGS:
+    tokens = set(re.split(r"[^a-z]+", re.sub(r"([A-Z])", r"_\1", name).lower()))
+    if tokens & _NO_READINGS:
         return ""
-    return next((one for one in _BY_WORD if one in words), "")
+    return next((one for one in _BY_NAME if one in tokens), "")

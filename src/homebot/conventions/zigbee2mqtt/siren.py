@@ -18,17 +18,17 @@ from homebot.devices.value import PlainValue
 __all__ = ["build_siren"]
 
 
-def build_siren(part: JsonPart, lines: Zigbee2MqttTopics, warning: Expose) -> DescribedPart:
+def build_siren(part: JsonPart, topics: Zigbee2MqttTopics, warning: Expose) -> DescribedPart:
     """Describe a siren."""
     mode = warning.feature("mode")
     tones = tuple(one for one in mode.options if one != _SILENT) if mode is not None else ()
-    siren = _Siren(lines, warning.key, tones)
+    siren = _Siren(topics, warning.key, tones)
     part.add_capability("on_off", readable=False, writer=siren.switch)
     if tones:
         part.add_capability("siren_tone", readable=False, writer=siren.sound, options=tones)
     if warning.feature("level") is not None:
         part.add_capability("volume", readable=False, writer=siren.set_volume)
-    part.add_command_topics(lines.told)
+    part.add_command_topics(topics.command)
     return part.build()
 
 
@@ -42,14 +42,14 @@ _LEVELS = ((25.0, "low"), (50.0, "medium"), (75.0, "high"), (100.0, "very_high")
 class _Siren:
     """Tells the siren. Tone and volume also turn it on."""
 
-    lines: Zigbee2MqttTopics
+    topics: Zigbee2MqttTopics
     key: str
     tones: tuple[str, ...]
 
     def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         if require_bool("on_off", value):
             return self._warn()
-        return self.lines.tell({self.key: {"mode": _SILENT}})
+        return self.topics.publish({self.key: {"mode": _SILENT}})
 
     def sound(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return self._warn(tone=require_option("siren_tone", value, self.tones))
@@ -60,4 +60,4 @@ class _Siren:
 
     def _warn(self, *, tone: str = "", level: str = "medium") -> tuple[Publication, ...]:
         usual = _TONE if _TONE in self.tones or not self.tones else self.tones[0]
-        return self.lines.tell({self.key: {"mode": tone or usual, "level": level, "duration": _SECONDS}})
+        return self.topics.publish({self.key: {"mode": tone or usual, "level": level, "duration": _SECONDS}})
