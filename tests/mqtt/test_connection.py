@@ -44,6 +44,7 @@ class FakeClient:
         self.burst = 0
         self.acked: list[MqttMessage] = []
         self.counters = MqttCounters()
+        self.limits: tuple[str, ...] = ()
         self.inbox: list[MqttMessage] = []
         self._up = False
         self._gone = anyio.Event()

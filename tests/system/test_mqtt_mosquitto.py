@@ -117,7 +117,8 @@ async def test_messages_of_every_qos_go_round(mosquitto: Mosquitto, protocol: Mq
         for qos in (0, 1, 2):
             await hub.publish("open/t", bytes([qos]), qos=qos)
         messages = await receive(hub, 3)
-    assert [(message.qos, message.payload) for message in messages] == [(0, b"\0"), (1, b"\1"), (2, b"\2")]
+    most = 1 if kind is AiomqttClient else 2
+    assert [(message.qos, message.payload) for message in messages] == [(0, b"\0"), (1, b"\1"), (most, b"\2")]
 
 
 async def test_more_messages_than_any_window_go_round(

@@ -81,12 +81,14 @@ class HealthResponse(Message):
         quarantined: Where it listens only a little now.
         troubles: What is wrong with it now, in words; empty where nothing is.
         failures: What failed in it.
+        notes: What it cannot do the way it is set up, in words; nothing is wrong.
     """
 
     counts: tuple[Count, ...]
     quarantined: tuple[Quarantine, ...] = ()
     troubles: tuple[str, ...] = ()
     failures: tuple[PartFailure, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 GetHealth = ServiceType("homebot/srv/GetHealth", HealthRequest, HealthResponse)

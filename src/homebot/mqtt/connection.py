@@ -148,6 +148,11 @@ class MqttConnection:
         """Messages received and dropped, over all links."""
         return self._client.counters
 
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """What the client cannot do, in words; see `MqttClient.limits`."""
+        return self._client.limits
+
     async def states(self) -> AsyncIterator[ConnectionState]:
         """The state now and each later one, until CLOSED; a slow reader misses some but never the latest."""
         seen: ConnectionState | None = None

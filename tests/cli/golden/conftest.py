@@ -292,7 +292,10 @@ class StillHouse:
         counts = (Count(name="announcements", count=1024), Count(name="announcements_rejected", count=7))
         more = tuple(Count(name=name, count=count) for name, count in self.counted.items())
         return HealthResponse(
-            counts=counts + more, quarantined=() if self.is_well else (offender,), failures=tuple(self.failures)
+            counts=counts + more,
+            quarantined=() if self.is_well else (offender,),
+            failures=tuple(self.failures),
+            notes=("aiomqtt carries QoS 2 as QoS 1",),
         )
 
     def _directory_health(self, request: HealthRequest) -> HealthResponse:

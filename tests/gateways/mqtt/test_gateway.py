@@ -15,6 +15,7 @@ import pytest
 from structlog.testing import capture_logs
 
 from homebot.devices import Device, Devices, Endpoint, GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
+from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.services import NEVER, SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.errors import LinkError, RefusedError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
@@ -491,3 +492,12 @@ async def test_a_broker_that_refuses_subscriptions_is_told_in_one_line(
     assert "refused the subscription to" in now.reason
     (told,) = [line for line in lines if line["event"] == "gateway.subscription_refused"]
     assert outcome in told["message"]
+
+
+@pytest.mark.parametrize(("client", "notes"), [("aiomqtt", 1), ("native", 0)])
+async def test_its_health_tells_what_its_client_cannot_do(embedded_broker_url: str, client: str, notes: int) -> None:
+    async with gateway_on(embedded_broker_url, client=client) as house:
+        asked = house.watcher.create_client(GetHealth, house.gateway.names.health)
+        health = await asked.call(HealthRequest())
+    assert len(health.notes) == notes
+    assert health.troubles == ()

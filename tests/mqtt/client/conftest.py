@@ -23,7 +23,17 @@ def client_kind(request: pytest.FixtureRequest) -> ClientKind:
 
 @pytest.fixture
 def make(client_kind: ClientKind) -> MakeClient:
+    return maker_of(client_kind)
+
+
+@pytest.fixture
+def make_native() -> MakeClient:
+    """For promises of the port that aiomqtt cannot keep; `test_aiomqtt_adapter` has what it does instead."""
+    return maker_of(NativeClient)
+
+
+def maker_of(kind: ClientKind) -> MakeClient:
     def make(port: int, *, timeout: float = 60.0, **settings: Any) -> MqttClient:
-        return client_kind(MqttOptions(host="127.0.0.1", port=port, timeout=timeout, **settings))
+        return kind(MqttOptions(host="127.0.0.1", port=port, timeout=timeout, **settings))
 
     return make

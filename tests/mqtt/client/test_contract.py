@@ -94,6 +94,8 @@ async def receive(client: MqttClient | MqttConnection, count: int) -> list[MqttM
 
 
 async def test_a_message_comes_back_as_it_was_published(make: Make, options: MqttOptions) -> None:
+    """With aiomqtt at most with QoS 1."""
+    most = 1 if make is AiomqttClient else 2
     client = make(options)
     properties = MessageProperties(
         payload_is_text=True, content_type="text/plain", response_topic="r", correlation_data=b"\0", user=(("k", "v"),)
@@ -105,7 +107,7 @@ async def test_a_message_comes_back_as_it_was_published(make: Make, options: Mqt
         messages = await receive(client, 3)
         client.ack(messages)
     expected = properties if session.protocol == "5" else MessageProperties()
-    assert messages == [MqttMessage("a/ü/c", bytes([qos]), qos, properties=expected) for qos in (0, 1, 2)]
+    assert messages == [MqttMessage("a/ü/c", bytes([qos]), min(qos, most), properties=expected) for qos in (0, 1, 2)]
 
 
 async def test_a_thousand_messages_come_in_order(make: Make, options: MqttOptions) -> None:

@@ -85,6 +85,8 @@ def _print_gateway(name: str, state: GatewayState | None) -> bool:
 def _print_health(name: str, health: HealthResponse, now: float, *, everything: bool) -> bool:
     for problem in health.troubles:
         print(f"problem of {name}: {printable(problem)}")
+    for note in health.notes:
+        print(f"note on {name}: {printable(note)}")
     shown = [one for one in health.counts if everything or (one.count and _is_one_of(_FAULTS, one))]
     _print_section(
         f"counted by {name} since it started", [(one.name.replace("_", " "), str(one.count)) for one in shown]

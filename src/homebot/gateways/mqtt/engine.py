@@ -352,7 +352,12 @@ class AnnouncedDevices:
         troubled = (one for one in self.conventions if isinstance(one, TroubledConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self.lease.trouble,) if self.lease.trouble else ()
-        return HealthResponse(counts=counts, quarantined=self.tribunal.quarantined(), troubles=(*rivals, *troubles))
+        return HealthResponse(
+            counts=counts,
+            quarantined=self.tribunal.quarantined(),
+            troubles=(*rivals, *troubles),
+            notes=self._connection.limits,
+        )
 
 
 def _publishers(

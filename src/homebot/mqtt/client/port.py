@@ -100,6 +100,11 @@ class MqttClient(Protocol):
         """Counters of the events so far."""
         ...
 
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """Promises of this port that the client does not keep, each in words for people; empty where it keeps all."""
+        ...
+
     def connected(self) -> AbstractAsyncContextManager[SessionGrant]:
         """Make the link; leaving the block says good-bye and drops it. Can be used again afterwards.
 

@@ -17,7 +17,7 @@ from homebot.mqtt.client.refusals import disconnect_error, login_error
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.send_window import SendWindow
 from homebot.mqtt.client.transport import SEND_BUFFER, ClientTransport, Dial
-from homebot.mqtt.client.version_choice import ClosedEarlyError
+from homebot.mqtt.client.version_choice import ClosedEarlyError, early_end
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import (
     Connack,
@@ -97,10 +97,10 @@ class ClientProtocol:
             with anyio.fail_after(self._options.timeout):
                 return await self._greeting
         except TimeoutError:
-            self._break(LinkError(words))
+            self.cut(LinkError(words))
             raise LinkError(words) from None
         except BaseException:
-            self._break(LinkError("the connection attempt was cancelled"))
+            self.cut(LinkError("the connection attempt was cancelled"))
             raise
 
     async def close(self, *, ends_session: bool) -> None:
@@ -113,9 +113,11 @@ class ClientProtocol:
             await transport.wait_closed()
         self._lose(LinkError("closed"))
 
-    def drop(self) -> None:
-        """Cut the link without a word."""
-        self._break(LinkError("dropped"))
+    def cut(self, reason: LinkError | RefusedError) -> None:
+        """End the link without a word because of *reason*; nothing where it has ended."""
+        if self._transport is not None and self._lost is None:
+            self._transport.abort()
+        self._lose(reason)
 
     @property
     def is_alive(self) -> bool:
@@ -196,9 +198,7 @@ class ClientProtocol:
                 else:
                     self._handle(frame)
         except WireError as error:
-            self._break(
-                LinkError(_NO_MQTT if self.granted is None else f"the broker sent something unreadable: {error}")
-            )
+            self.cut(LinkError(_NO_MQTT if self.granted is None else f"the broker sent something unreadable: {error}"))
             return
         if answers:
             self.put(bytes(answers))
@@ -211,18 +211,13 @@ class ClientProtocol:
 
     def link_ended(self, reason: LinkError | RefusedError) -> None:
         """The broker closed the link, or it broke."""
-        if self.granted is None and isinstance(reason, LinkError):
-            hint = "does it want a client certificate (cert_file)?"
-            if not self._options.tls:
-                hint = "is this a port for TLS (mqtts://)?"
-            reason = LinkError(f"{reason} instead of answering; {hint}")
-        self._lose(reason)
+        self._lose(reason if self.granted is not None else early_end(reason, self._options))
 
     def _handle(self, frame: Frame) -> None:
         kind = frame.first >> 4
         if self.granted is None and kind != PacketType.CONNACK:
             in_tls = frame.first == _TLS_ALERT and not self._options.tls
-            self._break(LinkError(_IN_TLS if in_tls else _NO_MQTT))
+            self.cut(LinkError(_IN_TLS if in_tls else _NO_MQTT))
         elif frame.oversize:
             raise WireError(f"a packet of type {kind} of {frame.oversize} bytes")
         elif kind in _ANSWERS:
@@ -242,7 +237,7 @@ class ClientProtocol:
             case Connack():
                 self._on_connack(packet)
             case Disconnect():
-                self._break(disconnect_error(packet.reason))
+                self.cut(disconnect_error(packet.reason))
             case _:
                 raise WireError(f"a broker must not send {type(packet).__name__}")
 
@@ -252,7 +247,7 @@ class ClientProtocol:
         if packet.reason.failed:
             reason = login_error(packet.reason)
             self._greeting.set_exception(reason)
-            self._break(reason)
+            self.cut(reason)
             return
         self.granted = session = session_of(packet, self.version)
         seconds = packet.properties.server_keep_alive or self._options.keep_alive
@@ -275,18 +270,13 @@ class ClientProtocol:
     def _check_signs_of_life(self, keep_alive: KeepAlive) -> None:
         match keep_alive.check(self._loop.time()):
             case LifeSign.LOST:
-                self._break(LinkError("the broker does not answer any more"))
+                self.cut(LinkError("the broker does not answer any more"))
                 return
             case LifeSign.PING:
                 self.send_packet(Pingreq())
             case LifeSign.WAIT:
                 pass
         self._check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
-
-    def _break(self, reason: LinkError | RefusedError) -> None:
-        if self._transport is not None:
-            self._transport.abort()
-        self._lose(reason)
 
     def _lose(self, reason: LinkError | RefusedError) -> None:
         if self._lost is not None:

@@ -22,7 +22,7 @@ from homebot.mqtt.client.read_ahead import ReadAhead
 from homebot.mqtt.client.transport import SEND_BUFFER, TransportUser
 from homebot.mqtt.options import MqttOptions
 
-__all__ = ["TcpTransport", "acknowledge_at_once", "dial_tcp", "make_tls_context", "socket_error"]
+__all__ = ["TcpTransport", "acknowledge_at_once", "dial_error", "dial_tcp", "make_tls_context", "socket_error"]
 
 _PORTION: Final = 32 * 1024
 """Bytes understood in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
@@ -222,6 +222,16 @@ def socket_error(error: OSError) -> LinkError | RefusedError:
     return LinkError(_words(error))
 
 
+def dial_error(error: OSError, *, in_tls: bool) -> LinkError | RefusedError:
+    """Interpret the failure to connect; *in_tls* where it may have ended in the TLS hand-shake."""
+    if in_tls and isinstance(error, _CUT):
+        return LinkError(
+            "the broker closed the connection during the TLS hand-shake; is this its port for TLS, "
+            "and does it want a client certificate (cert_file)?"
+        )
+    return socket_error(error)
+
+
 async def _open(transport: TcpTransport, options: MqttOptions, context: ssl.SSLContext | None) -> None:
     loop = asyncio.get_running_loop()
     sock = await _connect(options)
@@ -237,12 +247,9 @@ async def _open(transport: TcpTransport, options: MqttOptions, context: ssl.SSLC
             ssl_handshake_timeout=2 * options.timeout,  # never; ours ends it sooner
             ssl_shutdown_timeout=_GOODBYE,
         )
-    except _CUT as error:
+    except OSError as error:
         sock.close()
-        raise LinkError(
-            "the broker closed the connection during the TLS hand-shake; is this its port for TLS, "
-            "and does it want a client certificate (cert_file)?"
-        ) from error
+        raise dial_error(error, in_tls=context is not None) from error
     except BaseException:
         sock.close()
         raise

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias, final
+from collections.abc import Awaitable, Callable
+from typing import Literal, TypeAlias, TypeVar, final
 
-from homebot.errors import HomebotError, LinkError, RefusedError
+from homebot.errors import LinkError, RefusedError
 from homebot.logger import get_logger
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.reason import ReasonCode
 
-__all__ = ["ClosedEarlyError", "MqttVersion", "VersionChoice"]
+__all__ = ["ClosedEarlyError", "MqttVersion", "VersionChoice", "early_end"]
 
 MqttVersion: TypeAlias = Literal["5", "3.1.1"]
+T = TypeVar("T")
 _log = get_logger()
 
 
@@ -25,44 +27,51 @@ class VersionChoice:
 
     Args:
         options: What is allowed.
-
-    Attributes:
-        version: For the next try.
     """
 
     def __init__(self, options: MqttOptions) -> None:
         self._options = options
         self._has_spoken = False
-        self._reason = ""
-        self.version: MqttVersion = "3.1.1" if options.protocol == "3.1.1" else "5"
+        self._version: MqttVersion = "3.1.1" if options.protocol == "3.1.1" else "5"
 
-    def falls_back(self, error: HomebotError) -> bool:
-        """Return True to try 3.1.1 after *error*; then `version` says so."""
-        if self._options.protocol != "auto" or self.version != "5":
+    async def open(self, open_as: Callable[[MqttVersion], Awaitable[T]]) -> T:
+        """Make a link with *open_as*, once more with 3.1.1 where "auto" allows that and the broker wants it so.
+
+        Raises:
+            LinkError: As *open_as* does.
+            RefusedError: Likewise.
+        """
+        try:
+            opened = await open_as(self._version)
+        except (RefusedError, ClosedEarlyError) as error:
+            if not self._falls_back(error):
+                raise
+            reason = str(error)
+        else:
+            self._has_spoken = True
+            return opened
+        opened = await open_as("3.1.1")
+        self._version = "3.1.1"  # from now on the first, so this is said once
+        self._has_spoken = True
+        _log.info(
+            "mqtt.fell_back",
+            message=f"{self._options.url} speaks MQTT 3.1.1, not 5",
+            broker=self._options.url,
+            reason=reason,
+        )
+        return opened
+
+    def _falls_back(self, error: RefusedError | ClosedEarlyError) -> bool:
+        if self._options.protocol != "auto" or self._version != "5":
             return False
         if isinstance(error, RefusedError):
-            if error.code != ReasonCode.UNSUPPORTED_PROTOCOL_VERSION:
-                return False
-        elif self._has_spoken or not isinstance(error, ClosedEarlyError):
-            return False  # a broker that has spoken 5 before closed for another reason
-        self._reason = str(error)
-        self.version = "3.1.1"
-        return True
+            return error.code == ReasonCode.UNSUPPORTED_PROTOCOL_VERSION
+        return not self._has_spoken  # a broker that has spoken 5 before closed for another reason
 
-    def succeeded(self) -> None:
-        """The broker speaks `version`: it is asked for this one from now on."""
-        if self._reason:
-            _log.info(
-                "mqtt.fell_back",
-                message=f"{self._options.url} speaks MQTT 3.1.1, not 5",
-                broker=self._options.url,
-                reason=self._reason,
-            )
-            self._reason = ""
-        self._has_spoken = True
 
-    def failed(self) -> None:
-        """No link came of it: where 3.1.1 was only a try, the next link begins with 5 again."""
-        if self._reason:
-            self._reason = ""
-            self.version = "5"
+def early_end(reason: LinkError | RefusedError, options: MqttOptions) -> LinkError | RefusedError:
+    """Interpret the end of a link before the answer to CONNECT; *reason* is how it ended."""
+    if isinstance(reason, RefusedError):
+        return reason
+    hint = "does it want a client certificate (cert_file)?" if options.tls else "is this a port for TLS (mqtts://)?"
+    return ClosedEarlyError(f"{reason} instead of answering; {hint}")

@@ -1,0 +1,151 @@
+"""Between the values of the client port and those of aiomqtt and paho, pure."""
+
+from __future__ import annotations
+
+import logging
+import socket
+import struct
+from typing import Any, Final
+
+import aiomqtt
+from paho.mqtt import MQTTException
+from paho.mqtt import client as paho
+from paho.mqtt.packettypes import PacketTypes
+from paho.mqtt.properties import Properties
+from paho.mqtt.subscribeoptions import SubscribeOptions
+
+from homebot.errors import UsageError
+from homebot.mqtt.client.port import MqttSubscription, SessionGrant
+from homebot.mqtt.client.version_choice import MqttVersion
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.options import MqttOptions
+
+__all__ = [
+    "MOST_QOS",
+    "grant_of",
+    "message_of",
+    "packed_size",
+    "properties_of",
+    "publish_properties",
+    "settings_of",
+    "subscribe_options",
+]
+
+MOST_QOS: Final = 1
+"""The highest QoS: paho answers an arriving message of QoS 2 before anybody has it."""
+
+_KEEP_ALIVE: Final = 0.75  # paho finds a dead link out within two intervals; the port promises one and a half
+_NODELAY: Final = (socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+# The libraries log what a peer makes them log, without a limit; the facts are in our errors and events.
+_SILENCE: Final = logging.getLogger("homebot.mqtt.silence")
+_SILENCE.disabled = True
+
+
+def settings_of(options: MqttOptions, version: MqttVersion) -> dict[str, Any]:
+    """Return what aiomqtt makes a client from."""
+    clean, will, is_v5 = options.session_expiry == 0, options.will, version == "5"
+    return {
+        "hostname": options.host,
+        "port": options.port,
+        "username": options.user,
+        "password": None if options.password is None else options.password.get_secret_value(),
+        "logger": _SILENCE,
+        "identifier": options.client_id,
+        "protocol": aiomqtt.ProtocolVersion.V5 if is_v5 else aiomqtt.ProtocolVersion.V311,
+        "will": None
+        if will is None
+        else aiomqtt.Will(
+            will.topic,
+            will.payload,
+            will.qos,
+            will.retain,
+            publish_properties(will.properties, PacketTypes.WILLMESSAGE) if is_v5 else None,
+        ),
+        "clean_session": None if is_v5 else clean,
+        "clean_start": clean if is_v5 else paho.MQTT_CLEAN_START_FIRST_ONLY,
+        "timeout": options.timeout,
+        "keepalive": int(options.keep_alive * _KEEP_ALIVE),
+        "max_inflight_messages": 0,  # the window here is the bound
+        "socket_options": (_NODELAY,),
+        # No TopicAliasMaximum: paho does not resolve aliases.
+        "properties": properties_of(
+            PacketTypes.CONNECT,
+            ReceiveMaximum=options.receive_maximum,
+            MaximumPacketSize=options.maximum_packet_size,
+            SessionExpiryInterval=options.session_expiry,
+        )
+        if is_v5
+        else None,
+    }
+
+
+def properties_of(packet_type: int, **values: object) -> Properties:
+    """Return properties of a packet; None leaves one out."""
+    properties = Properties(packet_type)  # type: ignore[no-untyped-call] # paho has no types there
+    for name, value in values.items():
+        if value is not None:
+            setattr(properties, name, value)
+    return properties
+
+
+def publish_properties(wanted: MessageProperties, packet_type: int = PacketTypes.PUBLISH) -> Properties:
+    """Return the properties of a PUBLISH or a will."""
+    return properties_of(
+        packet_type,
+        PayloadFormatIndicator=1 if wanted.payload_is_text else None,
+        MessageExpiryInterval=wanted.expiry,
+        ContentType=wanted.content_type,
+        ResponseTopic=wanted.response_topic,
+        CorrelationData=wanted.correlation_data,
+        UserProperty=list(wanted.user) or None,
+    )
+
+
+def packed_size(properties: Properties | None) -> int:
+    """Bytes of the properties; it also checks them, which paho does only when half of a publish is booked."""
+    try:
+        return 0 if properties is None else len(properties.pack())  # type: ignore[no-untyped-call] # as above
+    except (MQTTException, ValueError, struct.error) as error:
+        raise UsageError(f"these message properties cannot be sent: {error}") from error
+
+
+def message_of(message: paho.MQTTMessage, receipt: int) -> MqttMessage:
+    """Return *message* as the port has it; raises UnicodeDecodeError where its topic is not UTF-8."""
+    properties = _message_properties(message.properties)
+    return MqttMessage(
+        message.topic, bytes(message.payload), message.qos, message.retain, properties, receipt if message.qos else 0
+    )
+
+
+def _message_properties(found: Properties | None) -> MessageProperties:
+    if found is None or found.isEmpty():  # type: ignore[no-untyped-call] # as above
+        return NO_PROPERTIES
+    return MessageProperties(
+        payload_is_text=getattr(found, "PayloadFormatIndicator", 0) == 1,
+        expiry=getattr(found, "MessageExpiryInterval", None),
+        content_type=getattr(found, "ContentType", None),
+        response_topic=getattr(found, "ResponseTopic", None),
+        correlation_data=getattr(found, "CorrelationData", None),
+        user=tuple(getattr(found, "UserProperty", ())),
+    )
+
+
+def subscribe_options(wanted: MqttSubscription, version: MqttVersion) -> int | SubscribeOptions:
+    """Return how paho subscribes to it."""
+    qos = min(wanted.qos, MOST_QOS)
+    if version != "5":
+        return qos
+    return SubscribeOptions(qos, wanted.no_local, wanted.retain_as_published, wanted.retain_handling)
+
+
+def grant_of(version: MqttVersion, flags: paho.ConnectFlags, properties: Properties | None) -> SessionGrant:
+    """Return what the broker granted."""
+    return SessionGrant(
+        resumed=bool(flags.session_present),
+        protocol=version,
+        maximum_qos=min(getattr(properties, "MaximumQoS", MOST_QOS), MOST_QOS),
+        retain_available=bool(getattr(properties, "RetainAvailable", 1)),
+        receive_maximum=getattr(properties, "ReceiveMaximum", 65_535),
+        maximum_packet_size=getattr(properties, "MaximumPacketSize", None),
+    )
