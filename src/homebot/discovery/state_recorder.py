@@ -10,7 +10,7 @@ from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.source_record import SourceRecord, StoredValue
-from homebot.discovery.states import NOT_ANNOUNCED, has_capability, state_of, store_reachability, store_value
+from homebot.discovery.states import has_capability, state_of, store_reachability
 from homebot.messages import Time
 
 __all__ = ["StateRecorder"]
@@ -33,29 +33,46 @@ class StateRecorder:
 
     def record(self, entry: Entry, source: SourceRecord, report: Report) -> None:
         """Take in *report*, which came through *source*, an announcement of *entry*."""
-        live, now = not report.retained, self._liveness.now
+        live, now, stamp = not report.retained, self._liveness.now, report.received_at
         shows_life = live and report.address != ""
         before = self._reach(entry) if entry.is_denied else None
         for reading in report.readings:
-            capability = reading.capability
-            if capability == REACHABLE:
-                before = before or self._reach(entry)
-                if report.address:
-                    store_reachability(entry, source, reading, report.received_at, now, live=live)
-                else:  # the device reports it no longer
-                    source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
-                shows_life = shows_life and reading.value.flag
-            elif capability in EVENTS:
-                if live:
-                    self._record_event(entry, source, reading, report.received_at)
-            elif (stored := store_value(source, reading, report, now)) is not None:
-                self._publish_value(entry, source, reading, stored)
+            stored = source.values.get((reading.part, reading.capability))
+            if stored is None:
+                if reading.capability == REACHABLE:
+                    before = before or self._reach(entry)
+                    shows_life = shows_life and reading.value.flag
+                self._record_new(entry, source, reading, report)
+            elif live or not stored.live:  # what the broker had kept never overwrites what came live
+                stored.told_at, stored.live, stored.heard_at = stamp, live, now
+                value, known = reading.value.plain(), stored.value
+                if known != value or type(known) is not type(value):
+                    stored.value, stored.since = value, stamp
+                    self._publish_value(entry, source, reading, stored)
         if shows_life:
             self._liveness.mark_seen(entry, source, report.received_at, "it reported live")
         else:
             entry.invalidate_device()
         if before is not None and self._reach(entry) != before:
             self._table.note("changed", entry, entry.reachability().why)
+
+    def _record_new(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> None:
+        """Take in what is no newer value of a known one: a first value, an event, or reachability."""
+        capability, stamp, live = reading.capability, report.received_at, not report.retained
+        if capability == REACHABLE:
+            if report.address:
+                store_reachability(entry, source, reading, stamp, self._liveness.now, live=live)
+            else:  # the device reports it no longer
+                source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
+        elif capability in EVENTS:
+            if live:
+                self._record_event(entry, source, reading, stamp)
+        elif has_capability(source, reading.part, capability):
+            stored = StoredValue(reading.value.plain(), stamp, stamp, live, self._liveness.now)
+            source.values[reading.part, capability] = stored
+            self._publish_value(entry, source, reading, stored)
+        else:
+            self._table.counters.unknown_parts += 1
 
     def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...]]:
         """Return whether *entry* can be reached, and which of its parts cannot."""
@@ -64,9 +81,6 @@ class StateRecorder:
     def _publish_value(self, entry: Entry, source: SourceRecord, reading: Reading, stored: StoredValue) -> None:
         """Make a new value findable, and publish it."""
         table = self._table
-        if stored is NOT_ANNOUNCED:
-            table.counters.unknown_parts += 1
-            return
         is_sorted = entry.id not in table.outdated
         if not (is_sorted or table.collects_states):
             return

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from homebot.devices import State
-from homebot.devices.report import Reading, Report
+from homebot.devices.report import Reading
 from homebot.discovery.entry import Entry
 from homebot.discovery.source_record import Reach, SourceRecord, StoredValue
 from homebot.messages import Time
 
-__all__ = ["NOT_ANNOUNCED", "has_capability", "is_denied", "state_of", "store_reachability", "store_value"]
-
-NOT_ANNOUNCED = StoredValue(None, Time.from_seconds(0.0), Time.from_seconds(0.0), live=False)
-"""Stands for what no part was announced for."""
+__all__ = ["has_capability", "is_denied", "state_of", "store_reachability"]
 
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:
@@ -22,37 +19,6 @@ def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:
         if part.id == part_id:
             return capability in [offered.name for offered in part.capabilities]
     return False
-
-
-def store_value(source: SourceRecord, reading: Reading, report: Report, now: float) -> StoredValue | None:
-    """Note a value of a part; what the broker had kept never overwrites what was told live.
-
-    Args:
-        source: Through which announcement it was told.
-        reading: The value.
-        report: What it came in.
-        now: When that was, on the clock that is never set.
-
-    Returns:
-        What is known now, where the value is a new one; else None. :data:`NOT_ANNOUNCED` where no such part was
-        announced, or not with that capability.
-    """
-    place = (reading.part, reading.capability)
-    value, stamp, live = reading.value.plain(), report.received_at, not report.retained
-    known = source.values.get(place)
-    if known is None:
-        if not has_capability(source, *place):
-            return NOT_ANNOUNCED
-        known = source.values[place] = StoredValue(value, stamp, stamp, live, now)
-        return known
-    if known.live and not live:
-        return None
-    known.told_at, known.live, known.heard_at = stamp, live, now
-    before = known.value
-    if before == value and type(before) is type(value):
-        return None
-    known.value, known.since = value, stamp
-    return known
 
 
 def store_reachability(
