@@ -34,7 +34,7 @@ def test_the_app_runs_as_a_program_until_ctrl_c() -> None:
     environment = {**unmarked(), "HOMEBOT_DOOR": "127.0.0.1:0"}
     with subprocess.Popen(program, stderr=subprocess.PIPE, text=True, env=environment) as process:
         assert process.stderr is not None
-        assert any("the app window_light runs" in line for line in process.stderr)  # reads until that line
+        assert any("running the app window_light" in line for line in process.stderr)  # reads until that line
         process.send_signal(signal.SIGINT)
         _, rest = process.communicate(timeout=20)
     assert "Traceback" not in rest

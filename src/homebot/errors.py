@@ -14,7 +14,8 @@
     │   └── PluginError             a plug-in cannot be found, loaded or made
     ├── PeerError                   somebody outside is wrong or says no: repeating does not help
     │   ├── WireError               bytes that do not follow their protocol
-    │   └── RefusedError            a login, subscription, publish or command was answered with no
+    │   ├── RefusedError            a login, subscription, publish or command was answered with no
+    │   └── UnableError             a part cannot do that as it is described; nothing was sent
     ├── LinkError                   the way to somebody outside is not there: try again later
     ├── ExitError                   a part of the program called sys.exit(): it counts as a crash of that part
     ├── AbortError                  a part awaited a cancelled task, or raised what is Python's own: likewise
@@ -47,6 +48,7 @@ __all__ = [
     "ServiceTimeoutError",
     "ServiceUnavailableError",
     "TypeMismatchError",
+    "UnableError",
     "UsageError",
     "WireError",
     "WrongCodeError",
@@ -161,6 +163,10 @@ class RefusedError(PeerError):
 
 class WrongCodeError(RefusedError):
     """A device requires a code and got none, or a wrong one. The message never shows it."""
+
+
+class UnableError(PeerError):
+    """A part of a device cannot do what a command asks, as it is described; nothing was sent, another way may do."""
 
 
 class LinkError(HomebotError):

@@ -19,6 +19,9 @@ whose protocol has them.
 =====================  ==========================================================================================
 
 Apps that work with texts, such as the light service, need ``out`` and ``subscribe_to_topic``; typed handles do not.
+:class:`homebot.gateways.announced.published_devices.PublishedDevices` has the first seven but ``state``, for gateways
+that know their devices' parts; :mod:`homebot.gateways.memory` is the reference, and ``tests/gateways/contract.py`` the
+test.
 
 *Key* is what the gateway calls a device, or one announcement of it: unique in the gateway, and the same after a
 restart. *Address* is a place in the protocol where the device reports or takes commands (MQTT: a topic); a protocol

@@ -10,7 +10,7 @@ import anyio
 from homebot.clock import Clock
 from homebot.devices import GatewayNames, RawMessage
 from homebot.errors import ClosedError, RefusedError
-from homebot.graph import Node, Publisher, QoSProfile
+from homebot.graph import EntityKind, Node, Publisher, QoSProfile
 from homebot.log import LogLimit
 from homebot.messages import Time
 
@@ -129,6 +129,19 @@ class RawDelivery:
         """Forget the nodes that are no longer on the graph; return the addresses that nobody listens to any more."""
         left = [name for name, asker in self._askers.items() if self._node.graph.get_node(name) is not asker.node]
         return tuple(address for name in left for address in self._drop(name))
+
+    async def watch_nodes(self) -> None:
+        """Drop each node that leaves the graph, until cancelled."""
+        with self._node.graph.watch() as changes:
+            lost = 0
+            async for change in changes:
+                is_removal = change.change == "removed" and change.entity.kind is EntityKind.NODE
+                if is_removal or changes.lost > lost:
+                    lost = changes.lost
+                    while changes.take() is not None:
+                        pass
+                    for address in self.drop_nodes_that_left():
+                        self.tidy(address)
 
     def _asker(self, listener: str) -> _Asker | None:
         node = self._node.graph.get_node(listener)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import REACHABLE, Reading, Report
 from homebot.devices.services import NEVER
 from homebot.devices.value import Value
@@ -81,6 +84,25 @@ class DeviceReporter:
                 heard_at=self.now,
             )
         )
+
+    def publish_readings(
+        self, device: ReportedDevice, readings: Sequence[Reading], source: str, address: str, *, retained: bool
+    ) -> None:
+        """Publish states and events that a device reported; an event that was kept from before is over.
+
+        Args:
+            device: The device.
+            readings: What it reported.
+            source: Tells its streams apart: the address or the part.
+            address: Where it was said; empty where the protocol has no addresses.
+            retained: Whether it was kept from before.
+        """
+        events = tuple(one for one in readings if one.capability in EVENTS)
+        states = tuple(one for one in readings if one.capability not in EVENTS) if events else tuple(readings)
+        if states:
+            self.publish_report(device.key, states, address, device.report_stream(source), retained=retained)
+        if events and not retained:
+            self.report_events(device.key, events, address)
 
     def report_reachable(
         self, device: ReportedDevice, part: str, address: str, *, reachable: bool | None, retained: bool

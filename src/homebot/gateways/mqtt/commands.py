@@ -1,15 +1,13 @@
-"""Brings commands to devices."""
+"""Commands on their way to devices: written by their convention, checked, and published."""
 
 from __future__ import annotations
 
 from homebot.conventions.description import Publication, TakesCode
-from homebot.devices.command import Command, SendCommandResponse
-from homebot.devices.text.encode import decode_command
+from homebot.devices.command import Command
+from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
-from homebot.errors import HomebotError, LinkError, RefusedError, WrongCodeError
-from homebot.gateways.base import Gateway
+from homebot.errors import HomebotError, RefusedError, UnableError, WrongCodeError
 from homebot.gateways.mqtt.announcement import AnnouncedPart
-from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
@@ -17,20 +15,18 @@ from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.topics import validate_topic
 
-__all__ = ["CommandServer"]
+__all__ = ["CommandPublisher"]
 
 
-class CommandServer:
+class CommandPublisher:
     """The way from commands to publications.
 
     Args:
         claims: Who can be told.
         connection: Where it is published.
         tribunal: Judges conventions that fail.
-        counters: Of the gateway.
         reserved: The topics on which no device is told anything.
         secrets: Knows what was sent with a code.
-        gateway: Says whether anything is sent at all.
     """
 
     def __init__(
@@ -38,58 +34,46 @@ class CommandServer:
         claims: AnnouncementRegistry,
         connection: MqttConnection,
         tribunal: PeerQuarantine,
-        counters: GatewayCounters,
         reserved: ReservedTopics,
         secrets: SentSecrets,
-        gateway: Gateway,
     ) -> None:
         self._claims = claims
         self._connection = connection
         self._tribunal = tribunal
-        self._counters = counters
         self._reserved = reserved
         self._secrets = secrets
-        self._gateway = gateway
 
-    async def serve(self, command: Command) -> SendCommandResponse:
-        """Answer the service: send *command*, and say what became of it when the broker has it."""
-        is_able = True
+    async def perform(self, command: Command) -> None:
+        """Publish *command*; return when the broker has it.
+
+        Raises:
+            UnableError: No part is described that can do that; nothing was sent.
+            RefusedError: The code is wrong, or the broker said no.
+            LinkError: There is no link.
+        """
         try:
-            self._permit(command.key)
-            is_able = False
             voice = self._voice(command.key, command.part)
             value = command.value.plain()
             publications = self._written(voice, command.capability, value, command.transition, command.code)
-            is_able = True
-            if command.code:
-                publications = tuple(self._secrets.keep(one) for one in publications)
-            await self._publish(publications)
-        except LinkError as exc:
-            self._counters.commands_failed += 1
-            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
+        except WrongCodeError:
+            raise  # no other way to the part is tried with a wrong code: it might ask for none
         except HomebotError as exc:
-            self._counters.commands_refused += 1
-            # No other way to the part is tried with a wrong code: it might ask for none.
-            is_able = is_able or isinstance(exc, WrongCodeError)
-            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=not is_able)
-        self._counters.commands += 1
-        return SendCommandResponse(success=True)
+            raise UnableError(str(exc)) from exc
+        if command.code:
+            publications = tuple(self._secrets.keep(one) for one in publications)
+        for one in publications:
+            await self._connection.publish(one.topic, one.payload, qos=one.qos, retain=one.retain)
 
-    async def tell(self, key: str, part_id: str, said: str) -> None:
-        """Tell a part the word *said*; see :mod:`homebot.devices.text.encode`.
+    def find_part(self, key: str, part_id: str) -> Part:
+        """Return a part that is described.
 
         Raises:
-            RefusedError: Nobody is described by that key and part, it does not take that word, the gateway only
-                observes, or the broker said no.
-            LinkError: There is no link.
+            UnableError: Nobody is described by that key and part.
         """
-        self._permit(key)
-        voice = self._voice(key, part_id)
-        await self._publish(self._written(voice, *decode_command(said, voice.described.part), 0.0))
-
-    def _permit(self, key: str) -> None:
-        if not self._gateway.acts:
-            raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
+        try:
+            return self._voice(key, part_id).described.part
+        except RefusedError as exc:
+            raise UnableError(str(exc)) from exc
 
     def _voice(self, key: str, part_id: str) -> AnnouncedPart:
         what = f"a command to {key[:100]}"
@@ -101,10 +85,6 @@ class CommandServer:
             known = ", ".join(repr(one) for one in sorted(claim.parts)[:10])
             raise RefusedError(what, f"it has no part {part_id[:100]!r}; it has {known}")
         return voice
-
-    async def _publish(self, publications: tuple[Publication, ...]) -> None:
-        for one in publications:
-            await self._connection.publish(one.topic, one.payload, qos=one.qos, retain=one.retain)
 
     def _written(
         self, voice: AnnouncedPart, capability: str, value: PlainValue, transition: float, code: str = ""

@@ -22,16 +22,16 @@ from homebot.conventions.convention import (
 )
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawMessage
-from homebot.devices.command import SendCommand
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.text.encode import read_text_address
 from homebot.errors import WireError
+from homebot.gateways.announced.command_server import CommandServer
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader
-from homebot.gateways.mqtt.commands import CommandServer
+from homebot.gateways.mqtt.commands import CommandPublisher
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.intake import AnnouncementHandler
 from homebot.gateways.mqtt.last_messages import CachedMessage, LastMessageCache
@@ -130,17 +130,9 @@ class AnnouncedDevices:
             on_question=self._subscriber.question,
         )
         self.secrets = SentSecrets()
-        self.commands = CommandServer(
-            self._claims,
-            connection,
-            self.tribunal,
-            counters,
-            reserved,
-            self.secrets,
-            gateway,
-        )
+        publisher = CommandPublisher(self._claims, connection, self.tribunal, reserved, self.secrets)
+        self.commands = CommandServer(gateway, publisher.perform, publisher.find_part, counters)
         self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.tribunal)
-        gateway.node.create_service(SendCommand, gateway.names.send_command, self.commands.serve, concurrent=True)
         gateway.node.create_service(GetHealth, gateway.names.health, self._health)
 
     def filters(self) -> tuple[str, ...]:

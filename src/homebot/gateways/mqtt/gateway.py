@@ -33,7 +33,7 @@ from homebot.gateways.mqtt.loaded_conventions import find_conventions
 from homebot.gateways.mqtt.registry import TopicReaders
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.gateways.raw_delivery import RawDelivery, begin_of
-from homebot.graph import EntityKind, Node
+from homebot.graph import Node
 from homebot.isolation import run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.choice import client_maker
@@ -173,7 +173,7 @@ class MqttGateway(Gateway):
             )
             report = LinkReport(self, connection, self._listening_to(), (*texts, *announcements))
             receive = partial(self._receive, connection)
-            for work in (report.watch, self._described.serve, self._lease.serve, self._watch_nodes, receive):
+            for work in (report.watch, self._described.serve, self._lease.serve, self._listeners.watch_nodes, receive):
                 tasks.start_soon(run_as, self.node.full_name, work)
             await report.wait_for_first_try()
             task_status.started()
@@ -189,18 +189,6 @@ class MqttGateway(Gateway):
 
     def _listening_to(self) -> str:
         return f"home {self._settings.root}" if self._settings.root else "every home"
-
-    async def _watch_nodes(self) -> None:
-        with self.node.graph.watch() as changes:
-            lost = 0
-            async for change in changes:
-                is_removal = change.change == "removed" and change.entity.kind is EntityKind.NODE
-                if is_removal or changes.lost > lost:
-                    lost = changes.lost
-                    while changes.take() is not None:
-                        pass
-                    for address in self._listeners.drop_nodes_that_left():
-                        self._listeners.tidy(address)
 
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
         described, lease, sent = self._described, self._lease, self._described.secrets.sent

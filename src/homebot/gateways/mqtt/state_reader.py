@@ -108,7 +108,7 @@ class StateReader:
         told = self._decode(part, message)
         if told is not None:
             self._counters.reports += 1
-            self._tell(claim, told[1], message)
+            self._board.publish_readings(claim, told[1], message.topic, message.topic, retained=message.retain)
         raw = RawMessage.of_checked(
             gateway=claim.gateway,
             key=claim.key,
@@ -150,19 +150,9 @@ class StateReader:
         if not message.retain and (not claim.is_confirmed or self._board.now >= claim.refresh_at):
             # First: to a directory that has forgotten the device, a report alone is of nobody.
             self._board.publish_sighting(claim, "updated", f"message on {message.topic}", confirmed=True)
-        self._tell(claim, readings, message)
+        self._board.publish_readings(claim, readings, message.topic, message.topic, retained=message.retain)
         if not message.retain and False in claim.reachable.values():
             self._doubt(claim, {"", *(one.part for one in readings)}, message.topic)
-
-    def _tell(self, claim: StoredAnnouncement, readings: list[Reading], message: MqttMessage) -> None:
-        """Tell what lasts, and what happened; that the broker had kept an event says that it happened before."""
-        events = tuple(one for one in readings if one.capability in EVENTS)
-        states = tuple(one for one in readings if one.capability not in EVENTS) if events else tuple(readings)
-        if states:
-            stream = claim.report_stream(message.topic)
-            self._board.publish_report(claim.key, states, message.topic, stream, retained=message.retain)
-        if events and not message.retain:
-            self._board.report_events(claim.key, events, message.topic)
 
     def _doubt(self, claim: StoredAnnouncement, parts: set[str], topic: str) -> None:
         """The *parts* spoke: an "offline" of theirs that the broker had kept was of before."""

@@ -1,0 +1,89 @@
+"""The service ``send_command`` of a gateway, over one port."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import Protocol, TypeAlias
+
+from homebot.devices.command import Command, SendCommand, SendCommandResponse
+from homebot.devices.part import Part
+from homebot.devices.text.encode import decode_command
+from homebot.devices.value import Value
+from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
+from homebot.gateways.base import Gateway
+
+__all__ = ["CommandCounters", "CommandServer", "FindPart", "Perform"]
+
+Perform: TypeAlias = Callable[[Command], Awaitable[None]]
+"""The port: carries out a command of which it returns when the network has it.
+
+It raises :class:`UnableError` where the part cannot do that as it is described and nothing was sent,
+:class:`LinkError` where the device or its network cannot be reached now, and :class:`RefusedError` where one of them
+says no.
+"""
+
+
+FindPart: TypeAlias = Callable[[str, str], Part]
+"""Returns the part of a device, by the device's key and its own id; raises :class:`UnableError` for none."""
+
+
+class CommandCounters(Protocol):
+    """The counts of commands.
+
+    Attributes:
+        commands: Commands that the network took.
+        commands_refused: Commands that were refused, by the gateway or the network.
+        commands_failed: Commands that found no link.
+    """
+
+    commands: int
+    commands_refused: int
+    commands_failed: int
+
+
+class CommandServer:
+    """The service ``send_command`` of a gateway, and the way from texts to commands.
+
+    Args:
+        gateway: The gateway; one that only observes refuses every command.
+        perform: Carries commands out.
+        find_part: Finds the part that a text is for.
+        counters: Its counters.
+    """
+
+    def __init__(self, gateway: Gateway, perform: Perform, find_part: FindPart, counters: CommandCounters) -> None:
+        self._gateway = gateway
+        self._perform = perform
+        self._find_part = find_part
+        self._counters = counters
+        gateway.node.create_service(SendCommand, gateway.names.send_command, self.serve, concurrent=True)
+
+    async def serve(self, command: Command) -> SendCommandResponse:
+        """Answer the service: carry *command* out, and return what became of it."""
+        try:
+            self._permit(command.key)
+            await self._perform(command)
+        except LinkError as exc:
+            self._counters.commands_failed += 1
+            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
+        except HomebotError as exc:
+            self._counters.commands_refused += 1
+            is_unable = isinstance(exc, UnableError)
+            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=is_unable)
+        self._counters.commands += 1
+        return SendCommandResponse(success=True)
+
+    async def tell(self, key: str, part_id: str, text: str) -> None:
+        """Carry out what *text* means to a part; see :mod:`homebot.devices.text.encode`.
+
+        Raises:
+            RefusedError: The gateway only observes, the part takes no such text, or as :data:`Perform`.
+            UnableError, LinkError: As :data:`Perform`.
+        """
+        self._permit(key)
+        capability, value = decode_command(text, self._find_part(key, part_id))
+        await self._perform(Command(key=key, part=part_id, capability=capability, value=Value.of(value)))
+
+    def _permit(self, key: str) -> None:
+        if not self._gateway.acts:
+            raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)

@@ -1,0 +1,63 @@
+"""The description of a device that a gateway publishes. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.part import Capability, Part
+from homebot.errors import UsageError
+
+__all__ = ["GatewayDevice", "simple_part"]
+
+
+@dataclass(frozen=True, slots=True)
+class GatewayDevice:
+    """A device in a protocol that knows what its devices are.
+
+    Attributes:
+        key: What the gateway calls it: unique there, and the same after a restart.
+        name: The name for people.
+        parts: What can be used by itself; a device whose parts are unknown has none.
+        metadata: Further facts, for example ``manufacturer`` and ``model``.
+        identifiers: See :func:`homebot.devices.identity.identifiers`; what it is known by beyond this gateway.
+        area: The room that it is said to be in; empty for none.
+        service_type: Its type in the protocol's own words; by default the type of its main part.
+        address: Where it reports raw messages; by default the text address of its main part.
+        command_address: Where it takes raw commands; likewise.
+    """
+
+    key: str
+    name: str
+    parts: tuple[Part, ...] = ()
+    metadata: Mapping[str, str] = field(default_factory=dict)
+    identifiers: tuple[str, ...] = ()
+    area: str = ""
+    service_type: str = ""
+    address: str = ""
+    command_address: str = ""
+
+
+def simple_part(service_type: str, *, settable: tuple[str, ...] = (), readable: tuple[str, ...] = ()) -> Part:
+    """Return the only part of a simple device.
+
+    Args:
+        service_type: A device type of the vocabulary, for example ``light``.
+        settable: The capabilities that can be set, and are reported.
+        readable: Those that are only reported.
+
+    Raises:
+        UsageError: The vocabulary has no such type or capability.
+    """
+    if service_type not in DEVICE_TYPES:
+        raise UsageError(f"{service_type!r} is no device type; known are {', '.join(sorted(DEVICE_TYPES))}")
+    for name in (*settable, *readable):
+        if name not in CAPABILITIES:
+            raise UsageError(f"{name!r} is no capability; known are {', '.join(sorted(CAPABILITIES))}")
+    capabilities = (
+        *(Capability(name=name, settable=True) for name in settable),
+        *(Capability(name=name) for name in readable),
+    )
+    return Part(id="", service_type=service_type, capabilities=capabilities)

@@ -1,0 +1,139 @@
+"""The gateway of the examples keeps the contract, and its lamp is found, switched and shown."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import anyio
+import pytest
+from tests.gateways.contract import GatewayContract, Lamp, running
+
+from homebot import App, Light
+from homebot.gateways import Gateway
+from homebot.graph import Graph, Node
+from homebot.plugins import load_plugin
+from homebot.testing import TestHouse
+
+EXAMPLE = Path(__file__).parent.parent.parent / "examples" / "06_gateway"
+CLASS = "json_folder:FolderGateway"
+
+
+@pytest.fixture(autouse=True)
+def in_its_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where it is run: a module that is not installed is found in the working directory."""
+    monkeypatch.chdir(EXAMPLE)
+    monkeypatch.syspath_prepend(EXAMPLE)
+
+
+def write(file: Path, *, on: bool) -> None:
+    """Write at once, as a program does that does not want to be read half-way."""
+    whole = file.with_suffix(".new")
+    whole.write_text(json.dumps({"name": "Hall", "on": on}))
+    whole.replace(file)
+
+
+class FileLamp(Lamp):
+    """A lamp that is a file."""
+
+    def __init__(self, gateway: Gateway, folder: Path) -> None:
+        super().__init__(gateway, "hall")
+        self._file = folder / "hall.json"
+        self._own: str | None = None
+
+    async def announce(self) -> None:
+        await self.report(on=False)
+
+    async def report(self, *, on: bool) -> None:
+        write(self._file, on=on)
+        self._own = self._file.read_text()
+
+    async def withdraw(self) -> None:
+        self._file.unlink()
+
+    async def told(self) -> bool | None:
+        """The gateway writes what it tells the lamp into the file, in a spelling of its own."""
+        content = self._file.read_text()
+        return None if content in {"", self._own} else bool(json.loads(content)["on"])
+
+    async def lose_link(self) -> None:
+        self._file.parent.rename(self._file.parent.with_name("away"))
+
+    async def mend_link(self) -> None:
+        self._file.parent.with_name("away").rename(self._file.parent)
+
+
+class TestFolderGateway(GatewayContract):
+    """One file."""
+
+    @pytest.fixture(autouse=True)
+    def _folder(self, tmp_path: Path) -> None:
+        self.folder = tmp_path / "lamps"
+        self.folder.mkdir()
+
+    @asynccontextmanager
+    async def lamp(self) -> AsyncIterator[Lamp]:
+        kind = load_plugin("homebot.gateways", CLASS)
+        async with Node(Graph(), "folder", namespace="/gateway") as node:
+            gateway = kind(node, kind.Settings(folder=str(self.folder)))
+            async with running(gateway):
+                yield FileLamp(gateway, self.folder)
+
+
+@pytest.fixture
+def homebot_config(tmp_path: Path) -> dict[str, object]:
+    return {"gateways": {"folder": {"class": CLASS, "folder": str(tmp_path)}}}
+
+
+async def becomes(file: Path, *, on: bool) -> None:
+    with anyio.fail_after(10):
+        while json.loads(file.read_text() or "{}").get("on") is not on:  # noqa: ASYNC110 - a file tells nobody
+            await anyio.sleep(0.02)
+
+
+class Dusk(App):
+    """Turns every light on once it is found."""
+
+    async def run(self) -> None:
+        async for change in self.devices.follow(Light, on=False):
+            if change.kind == "appeared":
+                (lamp,) = await self.devices.find(Light)
+                await lamp.turn_on()
+
+
+@pytest.mark.homebot.with_args(Dusk)
+async def test_an_app_finds_the_lamp_and_turns_it_on(homebot: TestHouse, tmp_path: Path) -> None:
+    """By ``find(Light)``."""
+    assert homebot.crashed == ()
+    write(tmp_path / "hall.json", on=False)
+    await becomes(tmp_path / "hall.json", on=True)
+
+
+@pytest.mark.homebot("light_service")
+async def test_the_light_service_turns_the_lamp_off(homebot: TestHouse, tmp_path: Path) -> None:
+    """By texts: it knows no handle."""
+    write(tmp_path / "hall.json", on=True)
+    await becomes(tmp_path / "hall.json", on=False)
+    assert homebot.crashed == ()
+
+
+async def test_the_command_line_lists_the_lamp_with_its_state(homebot: TestHouse, tmp_path: Path) -> None:
+    write(tmp_path / "hall.json", on=True)
+    assert homebot.runtime.door is not None
+    door = {**os.environ, "HOMEBOT_DOOR": f"127.0.0.1:{homebot.runtime.door.port}"}
+    with anyio.fail_after(20):
+        lines: list[list[str]] = []
+        while len(lines) < 2 or "on" not in lines[1]:
+            done = await anyio.run_process([sys.executable, "-m", "homebot", "devices"], env=door)
+            lines = [line.split() for line in done.stdout.decode().splitlines()]
+    assert lines[0][0] == "DEVICE"
+    assert "folder" in lines[1]
+
+
+def test_the_program_is_short() -> None:
+    """As the guide promises."""
+    assert len((EXAMPLE / "json_folder.py").read_text().splitlines()) <= 80
