@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from homebot.conventions.description import Publication
 from homebot.conventions.homeassistant.config import MAX_OPTIONS, DiscoveryConfig
-from homebot.conventions.homeassistant.incoming import Said
+from homebot.conventions.homeassistant.incoming import StateMessage
 from homebot.errors import RefusedError, WireError
 
 
@@ -88,15 +88,15 @@ def test_a_field_that_cannot_be_is_refused_shortly(read: Callable[[DiscoveryConf
 )
 def test_a_source_reads_the_encoding_of_its_config(encoding: str, payload: bytes, text: str | None) -> None:
     source = config(encoding=encoding, state_topic="a").required_source("state_topic")
-    assert source.text(Said(payload)) == text
+    assert source.text(StateMessage(payload)) == text
 
 
 def test_a_source_gives_its_template_the_message_and_its_own_variables() -> None:
     one = config(state_topic="a", value_template="{{ value_json.n + more }}")
     source = one.source("state_topic", variables={"more": 2})
     assert source is not None
-    assert source.text(Said(b'{"n": 3}')) == "5"
-    assert source.without_payload().text(Said(b"{}")) is None
+    assert source.text(StateMessage(b'{"n": 3}')) == "5"
+    assert source.without_payload().text(StateMessage(b"{}")) is None
 
 
 @pytest.mark.parametrize(
@@ -117,9 +117,9 @@ def test_a_source_gives_its_template_the_message_and_its_own_variables() -> None
 def test_what_a_template_lacks_is_made_up_for_by_the_payload(template: str, payload: bytes, text: str | None) -> None:
     """As in Home Assistant, which passes the message over only where the values do not fit the template."""
     source = config(state_topic="a", value_template=template).required_source("state_topic")
-    assert source.text(Said(payload)) == text
+    assert source.text(StateMessage(payload)) == text
     if text is not None and text == payload.decode():
-        assert source.without_payload().text(Said(payload)) is None
+        assert source.without_payload().text(StateMessage(payload)) is None
 
 
 def test_a_command_has_the_qos_retain_and_encoding_of_its_config() -> None:

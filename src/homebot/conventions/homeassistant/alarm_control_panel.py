@@ -28,16 +28,16 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
     """
     source = config.required_source("state_topic")
     features = frozenset(config.options("supported_features") if config.has("supported_features") else _FEATURES)
-    listens = _AlarmCommands(
+    commands = _AlarmCommands(
         config.required_command(),
         {
-            word: config.text(f"payload_{action}", action.upper())
-            for word, action in _TOLD.items()
+            state: config.text(f"payload_{action}", action.upper())
+            for state, action in _ACTIONS.items()
             if action == "disarm" or action in features
         },
         frozenset(
-            word
-            for word, action in _TOLD.items()
+            state
+            for state, action in _ACTIONS.items()
             if config.has("code") and config.flag(f"code_{action.partition('_')[0]}_required", default=True)
         ),
         config.text("code"),
@@ -49,12 +49,12 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
         return {"alarm": text} if text in _STATES else NO_READINGS
 
     entity = Entity(config, "x_alarm_panel")
-    entity.offers_coded("alarm", listens.set, readable=entity.hears(source, read), options=_STATES)
-    entity.listens_at(listens.command)
+    entity.offers_coded("alarm", commands.set, readable=entity.read_text_from(source, read), options=_STATES)
+    entity.add_commands(commands.command)
     return entity.build()
 
 
-_TOLD = {
+_ACTIONS = {
     "disarmed": "disarm",
     "armed_home": "arm_home",
     "armed_away": "arm_away",
@@ -63,9 +63,9 @@ _TOLD = {
     "armed_custom_bypass": "arm_custom_bypass",
     "triggered": "trigger",
 }
-_FEATURES = tuple(action for action in _TOLD.values() if action != "disarm")
+_FEATURES = tuple(action for action in _ACTIONS.values() if action != "disarm")
 _REMOTE = frozenset({"REMOTE_CODE", "REMOTE_CODE_TEXT"})
-_STATES = (*_TOLD, "pending", "arming", "disarming")
+_STATES = (*_ACTIONS, "pending", "arming", "disarming")
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,15 +78,15 @@ class _AlarmCommands:
     code: str = field(repr=False)
 
     def set(self, value: PlainValue, code: str) -> tuple[Publication, ...]:
-        word = require_option("alarm", value, self.payloads)
-        if word in self.coded:
-            self._check(word, code)
-        action = self.payloads[word]
-        told = action if self.command.template is None else None
-        return (self.command.publication_with_code(told, code, {"action": action}),)
+        state = require_option("alarm", value, self.payloads)
+        if state in self.coded:
+            self._check(state, code)
+        action = self.payloads[state]
+        payload = action if self.command.template is None else None
+        return (self.command.publication_with_code(payload, code, {"action": action}),)
 
-    def _check(self, word: str, code: str) -> None:
+    def _check(self, state: str, code: str) -> None:
         if not code:
-            raise WrongCodeError(f"alarm {word}", "it wants a code")
+            raise WrongCodeError(f"alarm {state}", "it wants a code")
         if self.code not in _REMOTE and not compare_digest(code.encode(), self.code.encode()):
-            raise WrongCodeError(f"alarm {word}", "it wants another code")
+            raise WrongCodeError(f"alarm {state}", "it wants another code")

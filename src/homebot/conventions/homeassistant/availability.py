@@ -12,19 +12,19 @@ from typing import get_args
 
 from homebot.conventions.description import Availability, AvailabilityMode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.incoming import Said
+from homebot.conventions.homeassistant.incoming import StateMessage
 from homebot.conventions.homeassistant.value_source import ValueSource
 from homebot.conventions.payload import shown
 from homebot.errors import WireError
 
-__all__ = ["MAX_SOURCES", "WordsOfAvailability", "read_availability"]
+__all__ = ["MAX_SOURCES", "PayloadAvailability", "read_availability"]
 
 MAX_SOURCES = 16
 """Most topics that one device's availability may hang on."""
 
 
 @dataclass(frozen=True, slots=True)
-class WordsOfAvailability:
+class PayloadAvailability:
     """One topic that says two words, and which they are; see :class:`AvailabilitySource`.
 
     Attributes:
@@ -41,10 +41,10 @@ class WordsOfAvailability:
 
     def read(self, payload: bytes) -> bool | None:
         """Return whether the device can be reached, or None when *payload* says neither."""
-        word = self.source.text(Said(payload))
-        if word == self.available:
+        text = self.source.text(StateMessage(payload))
+        if text == self.available:
             return True
-        return False if word == self.unavailable else None
+        return False if text == self.unavailable else None
 
 
 def read_availability(config: DiscoveryConfig) -> Availability | None:
@@ -56,7 +56,7 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
     listed = config.values.get("availability")
     if listed is None:
         topic = config.state_topic("availability_topic")
-        return Availability((_words(config, topic, "availability_template"),)) if topic else None
+        return Availability((_source(config, topic, "availability_template"),)) if topic else None
     if config.has("availability_topic"):
         raise WireError("availability and availability_topic exclude each other")
     entries = listed if isinstance(listed, list) else [listed]
@@ -66,7 +66,7 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
     return Availability(sources, _mode(config.text("availability_mode", "latest"))) if sources else None
 
 
-def _entry(config: DiscoveryConfig, entry: object) -> WordsOfAvailability:
+def _entry(config: DiscoveryConfig, entry: object) -> PayloadAvailability:
     if not isinstance(entry, dict):
         raise WireError(f"availability has {shown(entry)}, not an object")
     if all(type(value) is str for value in entry.values()):
@@ -74,23 +74,23 @@ def _entry(config: DiscoveryConfig, entry: object) -> WordsOfAvailability:
     return _new_entry(entry, config.encoding)
 
 
-def _new_entry(entry: Mapping[str, object], encoding: str) -> WordsOfAvailability:
+def _new_entry(entry: Mapping[str, object], encoding: str) -> PayloadAvailability:
     config = DiscoveryConfig("availability", "", {**entry, "encoding": encoding} if "encoding" in entry else entry)
     config.encoding = encoding
     topic = config.state_topic("topic")
     if not topic:
         raise WireError("availability has an entry without topic")
-    return _words(config, topic, "value_template")
+    return _source(config, topic, "value_template")
 
 
 @lru_cache(maxsize=128)
-def _known_entry(fields: tuple[tuple[str, str], ...], encoding: str) -> WordsOfAvailability:
+def _known_entry(fields: tuple[tuple[str, str], ...], encoding: str) -> PayloadAvailability:
     """All devices of a bridge share its entry, and all parts of a device share the device's."""
     return _new_entry(dict(fields), encoding)
 
 
-def _words(config: DiscoveryConfig, topic: str, template_key: str) -> WordsOfAvailability:
-    return WordsOfAvailability(
+def _source(config: DiscoveryConfig, topic: str, template_key: str) -> PayloadAvailability:
+    return PayloadAvailability(
         topic,
         ValueSource(topic, config.template(template_key), config.encoding),
         config.text("payload_available", "online"),

@@ -20,7 +20,7 @@ __all__ = ["CONDITION_CLASSES", "build_binary_sensor"]
 def build_binary_sensor(config: DiscoveryConfig) -> DescribedPart:
     """Describe a sensor of one condition; its class says which. One of no known class has a ``state``."""
     source = config.required_source("state_topic")
-    service_type, capability = _CLASSES.get(config.words("device_class"), _OTHER)
+    service_type, capability = _CLASSES.get(config.clean_text("device_class"), _OTHER)
     states: dict[str, bool | None] = {
         "None": None,
         config.text("payload_off", "OFF"): False,
@@ -31,7 +31,7 @@ def build_binary_sensor(config: DiscoveryConfig) -> DescribedPart:
         return {capability: states[text]} if text in states and text.strip() else NO_READINGS
 
     entity = Entity(config, service_type)
-    if entity.hears(source, read):
+    if entity.read_text_from(source, read):
         entity.add_capability(capability)
         delay = seconds_of(config, "off_delay")
         if delay is not None:

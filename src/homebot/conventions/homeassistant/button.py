@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/button.py`` and ``scene.py
 from __future__ import annotations
 
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.homeassistant.capabilities import offer_push
+from homebot.conventions.homeassistant.capabilities import add_push
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 
@@ -18,14 +18,14 @@ def build_button(config: DiscoveryConfig) -> DescribedPart:
     command = config.required_command()
     payload = config.text("payload_press", "PRESS")
     entity = Entity(config, "x_setting")
-    offer_push(entity, "push", command, payload)
+    add_push(entity, "push", command, payload)
     if config.text("device_class") == "identify":
-        offer_push(entity, "locate", command, payload)
+        add_push(entity, "locate", command, payload)
     return entity.build()
 
 
 def build_scene(config: DiscoveryConfig) -> DescribedPart:
     """Describe a scene."""
     entity = Entity(config, "x_scene")
-    offer_push(entity, "scene", config.required_command(template_key=""), config.text("payload_on", "ON"))
+    add_push(entity, "scene", config.required_command(template_key=""), config.text("payload_on", "ON"))
     return entity.build()

@@ -33,5 +33,5 @@ _IMAGE = Capability(name="image", readable=False)
 
 
 def _seen(config: DiscoveryConfig, service_type: str, topic: str) -> DescribedPart:
-    described = Entity(config, service_type, config.words("device_class") or "image").build()
+    described = Entity(config, service_type, config.clean_text("device_class") or "image").build()
     return replace(described, part=described.part.model_copy(update={"capabilities": (_IMAGE,), "reads": (topic,)}))

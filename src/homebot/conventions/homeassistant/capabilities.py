@@ -16,19 +16,19 @@ from homebot.conventions.payload import shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = ["offer_choice", "offer_flag", "offer_number", "offer_push"]
+__all__ = ["add_choice", "add_flag", "add_number", "add_push"]
 
 _WIDE = (-1e15, 1e15)
 
 
-def offer_choice(
+def add_choice(
     entity: Entity,
     name: str,
     source: ValueSource | None,
     command: CommandTopic | None,
     options: tuple[str, ...],
-    words: Mapping[str, str | None] | None = None,
-    on_told: Callable[[str], None] = lambda _word: None,
+    meanings: Mapping[str, str | None] | None = None,
+    on_command: Callable[[str], None] = lambda _option: None,
 ) -> None:
     """Let *entity* have a word out of *options*; other words are not heard, and not told.
 
@@ -38,27 +38,32 @@ def offer_choice(
         source: Where it is said, if it is.
         command: Where it is told, if it is.
         options: The words.
-        words: What further words mean; by default ``None`` means that it is unknown.
-        on_told: Given each word that it is told.
+        meanings: What further words mean; by default ``None`` means that it is unknown.
+        on_command: Given each word that it is told.
     """
     if not options:
         return
-    known: dict[str, str | None] = {**{word: word for word in options}, **(_UNKNOWN if words is None else words)}
+    known: dict[str, str | None] = {
+        **{option: option for option in options},
+        **(_UNKNOWN if meanings is None else meanings),
+    }
 
     def read(text: str) -> Readings:
         return {name: known[text]} if text and text in known else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        word = require_option(name, value, options)
-        told = (command.publication(word),) if command else ()
-        on_told(word)
-        return told
+        option = require_option(name, value, options)
+        publications = (command.publication(option),) if command else ()
+        on_command(option)
+        return publications
 
-    entity.add_capability(name, readable=entity.hears(source, read), writer=write if command else None, options=options)
-    entity.listens_at(command)
+    entity.add_capability(
+        name, readable=entity.read_text_from(source, read), writer=write if command else None, options=options
+    )
+    entity.add_commands(command)
 
 
-def offer_flag(
+def add_flag(
     entity: Entity,
     name: str,
     source: ValueSource | None,
@@ -75,11 +80,11 @@ def offer_flag(
         payload = payloads[require_bool(name, value)]
         return (command.publication(payload),) if command else ()
 
-    entity.add_capability(name, readable=entity.hears(source, read), writer=write if command else None)
-    entity.listens_at(command)
+    entity.add_capability(name, readable=entity.read_text_from(source, read), writer=write if command else None)
+    entity.add_commands(command)
 
 
-def offer_number(
+def add_number(
     entity: Entity,
     name: str,
     source: ValueSource | None,
@@ -88,8 +93,8 @@ def offer_number(
     bounds: tuple[float, float] = _WIDE,
     unit: str = "",
     unknown: str = "None",
-    heard: Callable[[float], float | None] = float,
-    told: Callable[[float], float] = float,
+    from_device: Callable[[float], float | None] = float,
+    to_device: Callable[[float], float] = float,
 ) -> None:
     """Let *entity* have a number.
 
@@ -101,26 +106,26 @@ def offer_number(
         bounds: Smallest and largest number that it is told.
         unit: Of the numbers, outside of the device.
         unknown: The word which says that it is unknown.
-        heard: Makes the outside number of what the device says; None where that cannot be.
-        told: Makes what the device is told of the outside number.
+        from_device: Makes the outside number of what the device says; None where that cannot be.
+        to_device: Makes what the device is told of the outside number.
     """
-    read = partial(read_number, name, unknown=unknown, heard=heard)
+    read = partial(read_number, name, unknown=unknown, convert=from_device)
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        number = told(require_number(name, value, *bounds, unit))
+        number = to_device(require_number(name, value, *bounds, unit))
         return (command.publication(number),) if command else ()
 
     entity.add_capability(
         name,
-        readable=entity.hears(source, read),
+        readable=entity.read_text_from(source, read),
         writer=write if command else None,
         unit=unit,
         bounds=bounds if command else (),
     )
-    entity.listens_at(command)
+    entity.add_commands(command)
 
 
-def offer_push(entity: Entity, name: str, command: CommandTopic, payload: str) -> None:
+def add_push(entity: Entity, name: str, command: CommandTopic, payload: str) -> None:
     """Let *entity* be told true, and nothing else: it does something and has no state."""
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
@@ -129,7 +134,7 @@ def offer_push(entity: Entity, name: str, command: CommandTopic, payload: str) -
         return (command.publication(payload),)
 
     entity.add_capability(name, readable=False, writer=write)
-    entity.listens_at(command)
+    entity.add_commands(command)
 
 
 _UNKNOWN: Mapping[str, str | None] = {"None": None}

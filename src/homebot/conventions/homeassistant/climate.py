@@ -10,9 +10,9 @@ from functools import partial
 from homebot.conventions.command_values import require_bool
 from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
-from homebot.conventions.homeassistant.capabilities import offer_choice, offer_number
+from homebot.conventions.homeassistant.capabilities import add_choice, add_number
 from homebot.conventions.homeassistant.climate_source import source_at, source_of
-from homebot.conventions.homeassistant.climate_targets import TargetMode, offer_temperatures
+from homebot.conventions.homeassistant.climate_targets import TargetMode, add_temperatures
 from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
@@ -28,18 +28,20 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
     modes = _modes(config)
     is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
     entity = Entity(config, "room_air_conditioner" if is_conditioner else "thermostat")
-    target_mode = TargetMode(is_said=config.has("mode_state_topic") and not config.flag("optimistic"))
-    offer_temperatures(entity, config, modes, target_mode)
-    _offer_humidity(entity, config)
+    target_mode = TargetMode(is_reported=config.has("mode_state_topic") and not config.flag("optimistic"))
+    add_temperatures(entity, config, modes, target_mode)
+    _add_humidity(entity, config)
     mode = config.command("mode_command_topic", "mode_command_template")
-    offer_choice(entity, "thermostat_mode", source_of(config, "mode_state"), mode, modes, on_told=target_mode.told)
-    _offer_switch(entity, config, mode, modes, target_mode)
-    offer_choice(entity, "thermostat_action", source_at(config, "action_topic", "action_template"), None, _ACTIONS)
+    add_choice(
+        entity, "thermostat_mode", source_of(config, "mode_state"), mode, modes, on_command=target_mode.take_command
+    )
+    _add_switch(entity, config, mode, modes, target_mode)
+    add_choice(entity, "thermostat_action", source_at(config, "action_topic", "action_template"), None, _ACTIONS)
     for name, default in _CHOICES.items():
         command = config.command(f"{name}_command_topic", f"{name}_command_template")
         options = config.options(f"{name}s") if config.has(f"{name}s") else default
-        offer_choice(entity, name, source_of(config, f"{name}_state"), command, options)
-    _offer_preset(entity, config)
+        add_choice(entity, name, source_of(config, f"{name}_state"), command, options)
+    _add_preset(entity, config)
     return entity.build()
 
 
@@ -63,8 +65,8 @@ def _modes(config: DiscoveryConfig) -> tuple[str, ...]:
     return _MODES if config.has("mode_command_topic") or config.has("mode_state_topic") else ()
 
 
-def _offer_humidity(entity: Entity, config: DiscoveryConfig) -> None:
-    offer_number(entity, "humidity", source_of(config, "current_humidity"), None, unit="%")
+def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
+    add_number(entity, "humidity", source_of(config, "current_humidity"), None, unit="%")
     command = config.command("target_humidity_command_topic", "target_humidity_command_template")
     source = source_of(config, "target_humidity_state")
     least, most = config.number("min_humidity", 30.0), config.number("max_humidity", 99.0)
@@ -72,31 +74,31 @@ def _offer_humidity(entity: Entity, config: DiscoveryConfig) -> None:
         raise WireError(f"climate: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
     if source is not None and command is None:
         raise WireError("climate: target_humidity_state_topic is there without target_humidity_command_topic")
-    offer_number(entity, "humidity_setpoint", source, command, bounds=(least, most), unit="%", told=int)
+    add_number(entity, "humidity_setpoint", source, command, bounds=(least, most), unit="%", to_device=int)
 
 
-def _offer_switch(
+def _add_switch(
     entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: TargetMode
 ) -> None:
     """Offer on and off: with a topic of its own, and else as Home Assistant does, by changing the mode."""
     power = config.command("power_command_topic", "power_command_template")
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
     command = power or mode
-    words = payloads if power else _modes_of_switch(modes)
+    texts = payloads if power else _modes_of_switch(modes)
     source = source_of(config, "mode_state") if "off" in modes else None
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         is_on = require_bool("on_off", value)
-        if is_on not in words:
+        if is_on not in texts:
             raise RefusedError(f"on_off {shown(value)}", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")
-        told = (command.publication(words[is_on]),) if command else ()
+        publications = (command.publication(texts[is_on]),) if command else ()
         if power is None:
-            target_mode.told(words[is_on])
-        return told
+            target_mode.take_command(texts[is_on])
+        return publications
 
-    is_readable = entity.hears(source, partial(_read_switch, modes))
-    entity.add_capability("on_off", readable=is_readable, writer=write if command and words else None)
-    entity.listens_at(power)
+    is_readable = entity.read_text_from(source, partial(_read_switch, modes))
+    entity.add_capability("on_off", readable=is_readable, writer=write if command and texts else None)
+    entity.add_commands(power)
 
 
 def _modes_of_switch(modes: tuple[str, ...]) -> dict[bool, str]:
@@ -112,11 +114,11 @@ def _read_switch(modes: tuple[str, ...], text: str) -> Readings:
     return {"on_off": text != "off"} if text in modes else NO_READINGS
 
 
-def _offer_preset(entity: Entity, config: DiscoveryConfig) -> None:
+def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:
     presets = config.options("preset_modes")
     if "none" in presets:
         raise WireError("climate: preset_modes has none, which means that there is no preset")
     command = config.command("preset_mode_command_topic", "preset_mode_command_template")
     if presets and command is not None:
         source = source_at(config, "preset_mode_state_topic", "preset_mode_value_template")
-        offer_choice(entity, "preset_mode", source, command, ("none", *presets), words={"None": "none"})
+        add_choice(entity, "preset_mode", source, command, ("none", *presets), meanings={"None": "none"})

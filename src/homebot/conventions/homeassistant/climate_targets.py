@@ -12,7 +12,7 @@ from functools import partial
 from homebot.conventions.command_values import require_number
 from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import Publication
-from homebot.conventions.homeassistant.capabilities import offer_number
+from homebot.conventions.homeassistant.capabilities import add_number
 from homebot.conventions.homeassistant.climate_source import source_of
 from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -22,7 +22,7 @@ from homebot.conventions.homeassistant.value_parsing import read_number
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = ["TargetMode", "offer_temperatures"]
+__all__ = ["TargetMode", "add_temperatures"]
 
 
 @dataclass(slots=True)
@@ -30,16 +30,16 @@ class TargetMode:
     """The mode of a thermostat, as far as its targets depend on it.
 
     Attributes:
-        is_said: Whether it says its mode; else what it was told counts.
+        is_reported: Whether it says its mode; else what it was told counts.
         mode: Its last mode; None for unknown.
     """
 
-    is_said: bool
+    is_reported: bool
     mode: str | None = None
 
-    def told(self, mode: str) -> None:
+    def take_command(self, mode: str) -> None:
         """Take the mode that it was told."""
-        if not self.is_said:
+        if not self.is_reported:
             self.mode = mode
 
     @property
@@ -48,7 +48,7 @@ class TargetMode:
         return self.mode == "heat_cool"
 
 
-def offer_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], mode: TargetMode) -> None:
+def add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], mode: TargetMode) -> None:
     """Offer what it measures and what it shall reach.
 
     A single target is a ``heating_setpoint`` where it can heat or does not say what it can, and a ``cooling_setpoint``
@@ -61,20 +61,20 @@ def offer_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str
     has_pair = any(_is_there(config, end) for end in _ENDS.values())
     by_single = _by_single(modes)
     if has_pair and _is_there(config, _SINGLE):
-        _offer_both(entity, config, modes, mode, limits, by_single)
+        _add_both(entity, config, modes, mode, limits, by_single)
     else:
         for name, key in _ENDS.items() if has_pair else ((name, _SINGLE) for name in by_single):
-            offer_number(
+            add_number(
                 entity,
                 name,
                 source_of(config, f"{key}_state"),
                 _command(config, key),
                 bounds=limits.bounds,
                 unit="°C",
-                heard=thermometer.celsius,
-                told=limits.number,
+                from_device=thermometer.celsius,
+                to_device=limits.number,
             )
-    offer_number(entity, "local_temperature", measured, None, unit="°C", heard=thermometer.celsius)
+    add_number(entity, "local_temperature", measured, None, unit="°C", from_device=thermometer.celsius)
 
 
 _SINGLE = "temperature"
@@ -97,7 +97,7 @@ def _command(config: DiscoveryConfig, key: str) -> CommandTopic | None:
     return config.command(f"{key}_command_topic", f"{key}_command_template")
 
 
-def _offer_both(
+def _add_both(
     entity: Entity,
     config: DiscoveryConfig,
     modes: tuple[str, ...],
@@ -109,23 +109,25 @@ def _offer_both(
     commands = {key: command for key in keys if (command := _command(config, key)) is not None}
     targets = _Targets(mode, limits, by_single, commands)
     mode_source = source_of(config, "mode_state")  # is read first: of one message it selects what the others mean
-    entity.hears(mode_source, partial(targets.read_mode, frozenset(modes)))
-    heard = {key: entity.hears(source_of(config, f"{key}_state"), partial(targets.read, key)) for key in keys}
+    entity.read_text_from(mode_source, partial(targets.read_mode, frozenset(modes)))
+    readable = {
+        key: entity.read_text_from(source_of(config, f"{key}_state"), partial(targets.read, key)) for key in keys
+    }
     for name, end in _ENDS.items():
         ways = [_SINGLE] if name in by_single else []
         ways += [end] if end in keys else []
         if not ways:
             continue
-        is_told = any(way in commands for way in ways)
+        is_settable = any(way in commands for way in ways)
         targets.names.append(name)
         entity.add_capability(
             name,
-            readable=any(heard[way] for way in ways),
-            writer=partial(targets.write, name) if is_told else None,
+            readable=any(readable[way] for way in ways),
+            writer=partial(targets.write, name) if is_settable else None,
             unit="°C",
-            bounds=limits.bounds if is_told else (),
+            bounds=limits.bounds if is_settable else (),
         )
-    entity.listens_at(*commands.values())
+    entity.add_commands(*commands.values())
     entity.remembers()
 
 
@@ -138,7 +140,7 @@ class _Targets:
     by_single: tuple[str, ...]
     commands: Mapping[str, CommandTopic]
     names: list[str] = field(default_factory=list)
-    said: dict[str, PlainValue] = field(default_factory=dict)
+    last_values: dict[str, PlainValue] = field(default_factory=dict)
 
     def read_mode(self, modes: frozenset[str], text: str) -> Readings:
         """Take the mode; with it other targets may count, which were said before."""
@@ -148,14 +150,14 @@ class _Targets:
         self.mode.mode = None if text == "None" else text
         if self.mode.is_pair == was_pair:
             return NO_READINGS
-        return {name: self.said.get(self._key(name)) for name in self.names}
+        return {name: self.last_values.get(self._key(name)) for name in self.names}
 
     def read(self, key: str, text: str) -> Readings:
         """Take the target *key*."""
-        found = read_number(key, text, heard=self.limits.thermometer.celsius)
+        found = read_number(key, text, convert=self.limits.thermometer.celsius)
         if not found:
             return NO_READINGS
-        self.said[key] = found[key]
+        self.last_values[key] = found[key]
         return {name: found[key] for name in self.names if self._key(name) == key}
 
     def write(self, name: str, value: PlainValue, _transition: float) -> tuple[Publication, ...]:

@@ -72,7 +72,7 @@ class DiscoveryConfig:
             return default
         return value if type(value) is str and len(value) <= _MAX_TEXT else self._as_text(key, value)
 
-    def words(self, key: str, limit: int = 120) -> str:
+    def clean_text(self, key: str, limit: int = 120) -> str:
         """Return a text fit to be shown; empty where there is none."""
         text = self.text(key)
         return clean_text(text, limit) if text else ""
@@ -91,8 +91,8 @@ class DiscoveryConfig:
                 return value
             case int() | float():
                 return value != 0
-            case str() if (word := value.strip().lower()) in _FLAGS:
-                return _FLAGS[word]
+            case str() if (text := value.strip().lower()) in _FLAGS:
+                return _FLAGS[text]
             case _:
                 raise self._refusal(key, value, "true or false")
 
@@ -209,8 +209,8 @@ class DiscoveryConfig:
             raise self._refusal(key, value, "a number")
         return number
 
-    def _refusal(self, key: str, value: object, wanted: str) -> WireError:
-        return WireError(f"{self.component}: {key} is {shown(value)}, not {wanted}")
+    def _refusal(self, key: str, value: object, expected: str) -> WireError:
+        return WireError(f"{self.component}: {key} is {shown(value)}, not {expected}")
 
 
 _CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})

@@ -15,7 +15,7 @@ from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.incoming import Said
+from homebot.conventions.homeassistant.incoming import StateMessage
 from homebot.conventions.homeassistant.scale import Scale
 from homebot.conventions.homeassistant.value_parsing import fields_of, number_of
 from homebot.conventions.homeassistant.value_source import ValueSource
@@ -31,29 +31,29 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
         Scale(config.integer("position_closed", 0), config.integer("position_open", 100)),
         Scale(config.integer("tilt_min", 0), config.integer("tilt_max", 100)),
     )
-    speaks = _CoverStateDecoder(
+    decoder = _CoverStateDecoder(
         steps,
-        words={config.text(f"state_{state}", state): state for state in _STATES} | {"None": None},
+        states={config.text(f"state_{state}", state): state for state in _STATES} | {"None": None},
         state=config.source("state_topic"),
         position=config.source("position_topic", "position_template", steps.variables),
     )
     tilt = config.source("tilt_status_topic", "tilt_status_template", steps.variables)
     entity = Entity(config, "closure" if config.text("device_class") in _CLOSURES else "window_covering")
-    says_position = entity.hears(speaks.position, speaks.read_position)
-    says_state = entity.hears_message(speaks.state, speaks.read_state)
-    says_tilt = entity.hears(tilt, speaks.read_tilt)
+    has_position = entity.read_text_from(decoder.position, decoder.read_position)
+    has_state = entity.read_message_from(decoder.state, decoder.read_state)
+    has_tilt = entity.read_text_from(tilt, decoder.read_tilt)
 
     move = config.command("command_topic", template_key="")
     set_position = config.command("set_position_topic", "set_position_template")
     set_tilt = config.command("tilt_command_topic", "tilt_command_template")
-    entity.add_capability("movement", readable=says_state or says_position, writer=_mover(config, move))
+    entity.add_capability("movement", readable=has_state or has_position, writer=_mover(config, move))
     entity.add_capability(
         "position",
-        readable=says_position,
+        readable=has_position,
         writer=_setter("position", set_position, steps.position, steps.variables),
     )
-    entity.add_capability("tilt", readable=says_tilt, writer=_setter("tilt", set_tilt, steps.tilt, steps.variables))
-    entity.listens_at(move, set_position, set_tilt)
+    entity.add_capability("tilt", readable=has_tilt, writer=_setter("tilt", set_tilt, steps.tilt, steps.variables))
+    entity.add_commands(move, set_position, set_tilt)
     return entity.build()
 
 
@@ -61,7 +61,11 @@ _CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
 _STATES = ("closed", "open", "closing", "opening", "stopped")
 """Where two states have the same word, the later one counts."""
 
-_TOLD = {"open": ("payload_open", "OPEN"), "closed": ("payload_close", "CLOSE"), "stopped": ("payload_stop", "STOP")}
+_COMMANDS = {
+    "open": ("payload_open", "OPEN"),
+    "closed": ("payload_close", "CLOSE"),
+    "stopped": ("payload_stop", "STOP"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,17 +91,17 @@ class _CoverStateDecoder:
     """Reads what the cover says."""
 
     steps: _Steps
-    words: Mapping[str, str | None]
+    states: Mapping[str, str | None]
     state: ValueSource | None
     position: ValueSource | None
 
-    def read_state(self, said: Said, text: str) -> Readings:
+    def read_state(self, message: StateMessage, text: str) -> Readings:
         """One that stopped is closed where the same message says that it is at 0, and else open."""
-        if text not in self.words:
+        if text not in self.states:
             return NO_READINGS
-        movement = self.words[text]
+        movement = self.states[text]
         if movement == "stopped" and self.position is not None and self.state is not None:
-            beside = self.position.text(said) if self.position.topic == self.state.topic else None
+            beside = self.position.text(message) if self.position.topic == self.state.topic else None
             known = self.read_position(beside).get("position") if beside else None
             if known is not None:
                 movement = "open" if known else "closed"
@@ -132,7 +136,9 @@ class _CoverStateDecoder:
 
 def _mover(config: DiscoveryConfig, command: CommandTopic | None) -> Writer | None:
     payloads = {
-        word: payload for word, (key, default) in _TOLD.items() if (payload := config.payload(key, default)) is not None
+        movement: payload
+        for movement, (key, default) in _COMMANDS.items()
+        if (payload := config.payload(key, default)) is not None
     }
     return partial(_move, command, payloads) if command is not None and payloads else None
 

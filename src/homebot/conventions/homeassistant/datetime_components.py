@@ -48,8 +48,8 @@ def build_moment(config: DiscoveryConfig) -> DescribedPart:
         return (command.publication(moment),)
 
     entity = Entity(config, "x_setting", kind)
-    entity.add_capability("text", readable=entity.hears(config.source("state_topic"), read), writer=write)
-    entity.listens_at(command)
+    entity.add_capability("text", readable=entity.read_text_from(config.source("state_topic"), read), writer=write)
+    entity.add_commands(command)
     return entity.build()
 
 

@@ -57,8 +57,8 @@ def read_device(device: Mapping[str, object], origin: Mapping[str, object]) -> D
     facts.update(_facts(origin, _ORIGIN_FACTS))
     return DeviceInfo(
         identifiers(declared),
-        _word(device.get("name"), _MAX_NAME),
-        _word(device.get("suggested_area"), _MAX_NAME),
+        _as_text(device.get("name"), _MAX_NAME),
+        _as_text(device.get("suggested_area"), _MAX_NAME),
         facts,
     )
 
@@ -101,10 +101,10 @@ _PAIR = 2
 
 
 def _facts(fields: Mapping[str, object], names: Mapping[str, str]) -> dict[str, str]:
-    return {names[key]: text for key, value in fields.items() if key in names and (text := _word(value, _MAX_FACT))}
+    return {names[key]: text for key, value in fields.items() if key in names and (text := _as_text(value, _MAX_FACT))}
 
 
-def _word(value: object, limit: int) -> str:
+def _as_text(value: object, limit: int) -> str:
     if isinstance(value, str):
         return clean_text(value, limit)
     if isinstance(value, (bool, float)) or (isinstance(value, int) and abs(value) < _HUGE):
@@ -126,7 +126,7 @@ def _declared(device: Mapping[str, object]) -> list[str]:
 
 
 def _identifier(value: object) -> str:
-    text = _word(value, _MAX_ID)
+    text = _as_text(value, _MAX_ID)
     if not text:
         raise WireError(f"an identifier of a device is {shown(value)}, not a text")
     return text

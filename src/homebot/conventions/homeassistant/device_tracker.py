@@ -31,8 +31,8 @@ def build_device_tracker(config: DiscoveryConfig) -> DescribedPart:
             return NO_READINGS
         return {"place": places[text] if text in places else clean_text(text, _LONGEST)}
 
-    entity = Entity(config, "x_tracker", config.words("source_type"))
-    entity.add_capability("place", readable=entity.hears(source, read))
+    entity = Entity(config, "x_tracker", config.clean_text("source_type"))
+    entity.add_capability("place", readable=entity.read_text_from(source, read))
     return entity.build()
 
 

@@ -9,7 +9,7 @@ from typing import TypeVar
 from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.incoming import Said
+from homebot.conventions.homeassistant.incoming import StateMessage
 from homebot.conventions.homeassistant.value_source import ValueSource
 from homebot.conventions.part_builder import PartBuilder
 from homebot.conventions.payload import clean_text, shown
@@ -21,7 +21,7 @@ __all__ = ["Entity"]
 ReadT = TypeVar("ReadT")
 
 
-class Entity(PartBuilder[Said]):
+class Entity(PartBuilder[StateMessage]):
     """Collects what one part can do, and what its config says of it.
 
     Args:
@@ -32,32 +32,32 @@ class Entity(PartBuilder[Said]):
 
     def __init__(self, config: DiscoveryConfig, service_type: str, tag: str | None = None) -> None:
         super().__init__(
-            Said,
+            StateMessage,
             clean_text(config.text("unique_id") or config.discovery_id, _MAX_ID),
             service_type,
-            name=config.words("name"),
+            name=config.clean_text("name"),
             advertised=config.component,
-            tag=config.words("device_class") if tag is None else tag,
+            tag=config.clean_text("device_class") if tag is None else tag,
             category=_category(config),
         )
 
-    def hears(self, source: ValueSource | None, read: Callable[[str], Readings]) -> bool:
+    def read_text_from(self, source: ValueSource | None, read: Callable[[str], Readings]) -> bool:
         """Read the text at *source* with *read*, which never raises; tell whether it can be read.
 
         Where the template of the source is not supported, the part shows the payload as ``raw`` instead.
         """
-        return self._hears(source, _read_text, read)
+        return self._add_reader(source, _read_text, read)
 
-    def hears_message(self, source: ValueSource | None, read: Callable[[Said, str], Readings]) -> bool:
-        """As :meth:`hears`, but *read* is given the whole message before the text."""
-        return self._hears(source, _read_source, read)
+    def read_message_from(self, source: ValueSource | None, read: Callable[[StateMessage, str], Readings]) -> bool:
+        """As :meth:`read_text_from`, but *read* is given the whole message before the text."""
+        return self._add_reader(source, _read_source, read)
 
-    def listens_at(self, *commands: CommandTopic | None) -> None:
+    def add_commands(self, *commands: CommandTopic | None) -> None:
         """Name the topics that the part listens on."""
         self.add_command_topics(*(one.topic for one in commands if one is not None))
 
-    def _hears(
-        self, source: ValueSource | None, opened: Callable[[ValueSource, ReadT, Said], Readings], read: ReadT
+    def _add_reader(
+        self, source: ValueSource | None, opened: Callable[[ValueSource, ReadT, StateMessage], Readings], read: ReadT
     ) -> bool:
         if source is None:
             return False
@@ -81,16 +81,16 @@ def _category(config: DiscoveryConfig) -> Category:
     raise WireError(f"{config.component}: entity_category is {shown(category)}, not config or diagnostic")
 
 
-def _read_source(source: ValueSource, read: Callable[[Said, str], Readings], said: Said) -> Readings:
-    text = source.text(said)
-    return NO_READINGS if text is None else read(said, text)
+def _read_source(source: ValueSource, read: Callable[[StateMessage, str], Readings], message: StateMessage) -> Readings:
+    text = source.text(message)
+    return NO_READINGS if text is None else read(message, text)
 
 
-def _read_text(source: ValueSource, read: Callable[[str], Readings], said: Said) -> Readings:
-    text = source.text(said)
+def _read_text(source: ValueSource, read: Callable[[str], Readings], message: StateMessage) -> Readings:
+    text = source.text(message)
     return NO_READINGS if text is None else read(text)
 
 
-def _read_raw(encoding: str, said: Said) -> Readings:
-    text = said.text(encoding)
+def _read_raw(encoding: str, message: StateMessage) -> Readings:
+    text = message.text(encoding)
     return NO_READINGS if text is None else {"raw": clean_text(text, _MAX_RAW)}

@@ -11,7 +11,7 @@ from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.incoming import Said
+from homebot.conventions.homeassistant.incoming import StateMessage
 from homebot.conventions.homeassistant.value_parsing import fields_of
 from homebot.conventions.payload import clean_text, shown
 from homebot.errors import WireError
@@ -26,35 +26,35 @@ def build_event(config: DiscoveryConfig) -> DescribedPart:
         raise WireError("event: event_types is None, not a list of texts")
     types = config.options("event_types")
 
-    def read(said: Said, text: str) -> Readings:
-        event = None if said.retained else fields_of(text).get("event_type")
+    def read(message: StateMessage, text: str) -> Readings:
+        event = None if message.retained else fields_of(text).get("event_type")
         if isinstance(event, (bool, int, float)):
             event = str(event)
         return {"press": event} if isinstance(event, str) and event in types else NO_READINGS
 
     entity = Entity(config, "generic_switch")
-    if entity.hears_message(source, read):
+    if entity.read_message_from(source, read):
         entity.add_capability("press", options=types)
     return entity.build()
 
 
 def build_trigger(config: DiscoveryConfig) -> DescribedPart:
     """Describe one event of a remote: ``single`` where its type is only ``action``, and else ``type subtype``."""
-    kind, subtype = (config.words(key) for key in ("type", "subtype"))
+    kind, subtype = (config.clean_text(key) for key in ("type", "subtype"))
     automation = config.text("automation_type")
     if automation != "trigger":
         raise WireError(f"device_automation: automation_type is {shown(automation)}, not trigger")
     if not kind or not subtype:
         raise WireError("device_automation: it misses type or subtype")
     source = config.required_source("topic").without_payload()
-    wanted = config.text("payload")
+    expected = config.text("payload")
     press = subtype if kind == "action" else f"{kind} {subtype}"
 
-    def read(said: Said, text: str) -> Readings:
-        return {"press": press} if not said.retained and wanted in ("", text) else NO_READINGS
+    def read(message: StateMessage, text: str) -> Readings:
+        return {"press": press} if not message.retained and expected in ("", text) else NO_READINGS
 
     entity = Entity(config, "generic_switch", kind)
-    if entity.hears_message(source, read):
+    if entity.read_message_from(source, read):
         entity.add_capability("press", options=(press,))
     return entity.build()
 
@@ -63,12 +63,12 @@ def build_tag(config: DiscoveryConfig) -> DescribedPart:
     """Describe a reader of tags: each of its messages is one that it read."""
     source = config.required_source("topic").without_payload()
 
-    def read(said: Said, text: str) -> Readings:
-        tag = "" if said.retained else clean_text(text, _LONGEST)
+    def read(message: StateMessage, text: str) -> Readings:
+        tag = "" if message.retained else clean_text(text, _LONGEST)
         return {"scan": tag} if tag else NO_READINGS
 
     entity = Entity(config, "x_tag_reader")
-    if entity.hears_message(source, read):
+    if entity.read_message_from(source, read):
         entity.add_capability("scan")
     return entity.build()
 

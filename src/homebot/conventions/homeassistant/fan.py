@@ -25,7 +25,7 @@ __all__ = ["build_fan"]
 def build_fan(config: DiscoveryConfig) -> DescribedPart:
     """Describe a fan."""
     entity = Entity(config, "fan")
-    _offer_switch(
+    _add_switch(
         entity,
         config,
         "on_off",
@@ -33,9 +33,9 @@ def build_fan(config: DiscoveryConfig) -> DescribedPart:
         ("state_topic", "state_value_template"),
         {config.text("payload_off", "OFF"): False, config.text("payload_on", "ON"): True, "None": None},
     )
-    _offer_speed(entity, config)
-    _offer_preset(entity, config)
-    _offer_switch(
+    _add_speed(entity, config)
+    _add_preset(entity, config)
+    _add_switch(
         entity,
         config,
         "oscillation",
@@ -46,34 +46,36 @@ def build_fan(config: DiscoveryConfig) -> DescribedPart:
             config.text("payload_oscillation_on", "oscillate_on"): True,
         },
     )
-    _offer_direction(entity, config)
+    _add_direction(entity, config)
     return entity.build()
 
 
 _DIRECTIONS = ("forward", "reverse")
 
 
-def _offer_switch(
+def _add_switch(
     entity: Entity,
     config: DiscoveryConfig,
     name: str,
     command: CommandTopic | None,
     source: tuple[str, str],
-    words: dict[str, bool | None],
+    states: dict[str, bool | None],
 ) -> None:
-    payloads = {flag: word for word, flag in words.items()}
+    payloads = {flag: payload for payload, flag in states.items()}
 
     def read(text: str) -> Readings:
-        return {name: words[text]} if text in words else NO_READINGS
+        return {name: states[text]} if text in states else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return (command.publication(payloads[require_bool(name, value)]),) if command else ()
 
-    entity.add_capability(name, readable=entity.hears(config.source(*source), read), writer=write if command else None)
-    entity.listens_at(command)
+    entity.add_capability(
+        name, readable=entity.read_text_from(config.source(*source), read), writer=write if command else None
+    )
+    entity.add_commands(command)
 
 
-def _offer_speed(entity: Entity, config: DiscoveryConfig) -> None:
+def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
     least = config.integer("speed_range_min", 1, least=1)
     most = config.integer("speed_range_max", 100, least=1)
     if least >= most:
@@ -94,11 +96,11 @@ def _offer_speed(entity: Entity, config: DiscoveryConfig) -> None:
         return (command.publication(math.ceil(scale.value(percent))),) if command else ()
 
     source = config.source("percentage_state_topic", "percentage_value_template")
-    entity.add_capability("fan_speed", readable=entity.hears(source, read), writer=write if command else None)
-    entity.listens_at(command)
+    entity.add_capability("fan_speed", readable=entity.read_text_from(source, read), writer=write if command else None)
+    entity.add_commands(command)
 
 
-def _offer_preset(entity: Entity, config: DiscoveryConfig) -> None:
+def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:
     modes = config.options("preset_modes")
     unknown = config.text("payload_reset_preset_mode", "None")
     command = config.command("preset_mode_command_topic", "preset_mode_command_template")
@@ -115,12 +117,15 @@ def _offer_preset(entity: Entity, config: DiscoveryConfig) -> None:
 
     source = config.source("preset_mode_state_topic", "preset_mode_value_template") if modes else None
     entity.add_capability(
-        "preset_mode", readable=entity.hears(source, read), writer=write if command and modes else None, options=modes
+        "preset_mode",
+        readable=entity.read_text_from(source, read),
+        writer=write if command and modes else None,
+        options=modes,
     )
-    entity.listens_at(command)
+    entity.add_commands(command)
 
 
-def _offer_direction(entity: Entity, config: DiscoveryConfig) -> None:
+def _add_direction(entity: Entity, config: DiscoveryConfig) -> None:
     command = config.command("direction_command_topic", "direction_command_template")
 
     def read(text: str) -> Readings:
@@ -130,5 +135,5 @@ def _offer_direction(entity: Entity, config: DiscoveryConfig) -> None:
         return (command.publication(require_option("direction", value, _DIRECTIONS)),) if command else ()
 
     source = config.source("direction_state_topic", "direction_value_template")
-    entity.add_capability("direction", readable=entity.hears(source, read), writer=write if command else None)
-    entity.listens_at(command)
+    entity.add_capability("direction", readable=entity.read_text_from(source, read), writer=write if command else None)
+    entity.add_commands(command)

@@ -8,10 +8,10 @@ from functools import lru_cache
 from homebot.conventions.jinja import PayloadContext
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
 
-__all__ = ["Said"]
+__all__ = ["StateMessage"]
 
 
-class Said:
+class StateMessage:
     """One payload. Its JSON is parsed at most once, when the first part asks for it.
 
     Attributes:

@@ -18,8 +18,8 @@ __all__ = ["build_lawn_mower"]
 def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
     """Describe a robot that mows; each of its commands has a topic of its own."""
     commands = {
-        word: (command, action)
-        for word, action in _TOLD.items()
+        state: (command, action)
+        for state, action in _ACTIONS.items()
         if (command := config.command(f"{action}_command_topic", f"{action}_command_template")) is not None
     }
 
@@ -34,10 +34,10 @@ def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
 
     entity = Entity(config, "x_lawn_mower")
     source = config.source("activity_state_topic", "activity_value_template")
-    entity.add_capability("mower", readable=entity.hears(source, read), writer=write if commands else None)
-    entity.listens_at(*(command for command, _ in commands.values()))
+    entity.add_capability("mower", readable=entity.read_text_from(source, read), writer=write if commands else None)
+    entity.add_commands(*(command for command, _ in commands.values()))
     return entity.build()
 
 
-_TOLD = {"mowing": "start_mowing", "paused": "pause", "docked": "dock"}
+_ACTIONS = {"mowing": "start_mowing", "paused": "pause", "docked": "dock"}
 _STATES = frozenset({"mowing", "paused", "docked", "returning", "error"})

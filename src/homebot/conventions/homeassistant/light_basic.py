@@ -13,7 +13,7 @@ from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.light_basic_state import BasicState, Remembered
-from homebot.conventions.homeassistant.light_command import Lamp, LightOrder, read_white_range
+from homebot.conventions.homeassistant.light_command import LightCommand, LightFeatures, read_white_range
 from homebot.conventions.light_color import CHANNELS, Channels, kelvin_mired
 from homebot.conventions.payload import shown
 from homebot.errors import WireError
@@ -23,7 +23,7 @@ __all__ = ["build_basic_light"]
 
 def build_basic_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that has a topic for each thing."""
-    listens = _BasicLightCommands(
+    commands = _BasicLightCommands(
         command=config.required_command(template_key=""),
         payload_on=config.text("payload_on", "ON"),
         payload_off=config.text("payload_off", "OFF"),
@@ -41,13 +41,15 @@ def build_basic_light(config: DiscoveryConfig) -> DescribedPart:
         remembered=Remembered(),
         assumes=_assumed(config),
     )
-    effects = config.options("effect_list") if listens.effect else ()
-    has_effect = listens.effect is not None and not effects
-    lamp = Lamp(listens.modes(), read_white_range(config), listens.publish, effects, any_effect=has_effect)
+    effects = config.options("effect_list") if commands.effect else ()
+    has_effect = commands.effect is not None and not effects
+    lamp = LightFeatures(commands.modes(), read_white_range(config), commands.publish, effects, any_effect=has_effect)
     entity = Entity(config, "light")
-    lamp.offer(entity, BasicState(lamp, listens.remembered).hear(config, entity).__contains__)
+    lamp.add_to(entity, BasicState(lamp, commands.remembered).add_readers(config, entity).__contains__)
     entity.remembers()
-    entity.listens_at(listens.command, listens.brightness, listens.white, listens.effect, *listens.colors.values())
+    entity.add_commands(
+        commands.command, commands.brightness, commands.white, commands.effect, *commands.colors.values()
+    )
     return entity.build()
 
 
@@ -106,47 +108,49 @@ class _BasicLightCommands:
         modes = frozenset(self.colors) | ({"color_temp"} if self.white else frozenset())
         return modes or frozenset({"brightness" if self.brightness else "onoff"})
 
-    def publish(self, order: LightOrder) -> tuple[Publication, ...]:
-        if not order.on:
+    def publish(self, command: LightCommand) -> tuple[Publication, ...]:
+        if not command.on:
             return (self.command.publication(self.payload_off),)
         on = self.command.publication(self.payload_on)
-        values = self._values(order)
+        values = self._values(command)
         if self.order == "first":
             return (on, *values)
         return (*values, on) if self.order == "last" else values
 
-    def _values(self, order: LightOrder) -> tuple[Publication, ...]:
+    def _values(self, command: LightCommand) -> tuple[Publication, ...]:
         found: list[Publication] = []
-        brightness = order.brightness
+        brightness = command.brightness
         if self.order == "brightness" and brightness is None:
             brightness = self.remembered.brightness or _BYTE
-        if order.color:
+        if command.color:
             full = self.brightness is not None
-            found.append(self._color(order.mode, order.color, _BYTE if full else self.remembered.brightness or _BYTE))
-            if order.mode in self.assumes:
-                self.remembered.colors[order.mode] = order.color
+            found.append(
+                self._color(command.mode, command.color, _BYTE if full else self.remembered.brightness or _BYTE)
+            )
+            if command.mode in self.assumes:
+                self.remembered.colors[command.mode] = command.color
         if brightness is not None:
-            found += self._brightness(brightness, has_color=bool(order.color))
-        if order.kelvin is not None and self.white is not None:
-            value = order.kelvin if self.in_kelvin else kelvin_mired(order.kelvin)
+            found += self._brightness(brightness, has_color=bool(command.color))
+        if command.kelvin is not None and self.white is not None:
+            value = command.kelvin if self.in_kelvin else kelvin_mired(command.kelvin)
             found.append(self.white.publication(value))
-        if order.effect and self.effect is not None:
-            found.append(self.effect.publication(order.effect))
+        if command.effect and self.effect is not None:
+            found.append(self.effect.publication(command.effect))
         return tuple(found)
 
     def _brightness(self, brightness: int, *, has_color: bool) -> list[Publication]:
         mode = next((one for one in _DIMMED if one in self.colors), "")
         if self.brightness is not None:
             value = max(min(round(brightness / _BYTE * self.scale), self.scale), 1)
-            told = [self.brightness.publication(value)]
+            publications = [self.brightness.publication(value)]
         elif mode and not has_color:
             color = self.remembered.colors.get(mode) or (_BYTE,) * len(CHANNELS[mode])
-            told = [self._color(mode, color, brightness)]
+            publications = [self._color(mode, color, brightness)]
         else:
             return []
         if "brightness" in self.assumes:
             self.remembered.brightness = brightness
-        return told
+        return publications
 
     def _color(self, mode: str, color: Channels, brightness: int) -> Publication:
         if mode in _DIMMED:

@@ -12,7 +12,7 @@ from functools import partial
 from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.light_command import Lamp
+from homebot.conventions.homeassistant.light_command import LightFeatures
 from homebot.conventions.homeassistant.value_parsing import number_of, numbers_of, whole_of
 from homebot.conventions.light_color import CHANNELS, Channels, to_hue_saturation, white_kelvin
 from homebot.conventions.payload import clean_text
@@ -32,14 +32,14 @@ class Remembered:
         colors: Its colour at full brightness by mode.
         has_mode: Whether it says its colour mode.
         mode: The mode that it said last; None before the first word.
-        shown: What it said last in each mode, as it is reported.
+        reported: What it said last in each mode, as it is reported.
     """
 
     brightness: int | None = None
     colors: dict[str, Channels] = field(default_factory=dict)
     has_mode: bool = False
     mode: str | None = None
-    shown: dict[str, PlainValue] = field(default_factory=dict)
+    reported: dict[str, PlainValue] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,60 +51,60 @@ class BasicState:
         remembered: What it last said.
     """
 
-    lamp: Lamp
+    lamp: LightFeatures
     remembered: Remembered
 
-    def hear(self, config: DiscoveryConfig, entity: Entity) -> frozenset[str]:
+    def add_readers(self, config: DiscoveryConfig, entity: Entity) -> frozenset[str]:
         """Have *entity* read all topics of the lamp's config; return the capabilities that can be read."""
-        words: dict[str, bool | None] = {
+        states: dict[str, bool | None] = {
             config.text("payload_off", "OFF"): False,
             config.text("payload_on", "ON"): True,
             "None": None,
         }
         readable = set()
 
-        def hear(capability: str, name: str, read: Callable[[str], Readings]) -> None:
+        def add_reader(capability: str, name: str, read: Callable[[str], Readings]) -> None:
             source = config.source(f"{name}_state_topic".lstrip("_"), f"{name or 'state'}_value_template")
             if source is not None and name:
                 source = source.without_payload()
-            if entity.hears(source, read):
+            if entity.read_text_from(source, read):
                 readable.add(capability)
 
-        hear("on_off", "", lambda text: {"on_off": words[text]} if text in words else NO_READINGS)
+        add_reader("on_off", "", lambda text: {"on_off": states[text]} if text in states else NO_READINGS)
         if self.lamp.has_level:
-            hear("level", "brightness", partial(self._level, config.integer("brightness_scale", _BYTE, least=1)))
+            add_reader("level", "brightness", partial(self._level, config.integer("brightness_scale", _BYTE, least=1)))
         mode_source = config.source("color_mode_state_topic", "color_mode_value_template")
-        if mode_source is not None and entity.hears(mode_source.without_payload(), self._mode):
+        if mode_source is not None and entity.read_text_from(mode_source.without_payload(), self._mode):
             self.remembered.has_mode = True
         if self.lamp.has_white:
-            hear("color_temperature", "color_temp", partial(self._white, config.flag("color_temp_kelvin")))
+            add_reader("color_temperature", "color_temp", partial(self._white, config.flag("color_temp_kelvin")))
         own_level = bool(config.state_topic("brightness_state_topic"))
         for mode in CHANNELS:
             if mode in self.lamp.modes:
-                hear("color", mode, partial(self._color, mode, own_level or mode in ("hs", "xy")))
+                add_reader("color", mode, partial(self._color, mode, own_level or mode in ("hs", "xy")))
                 if not own_level and mode not in ("hs", "xy") and "color" in readable:
                     readable.add("level")
         if self.lamp.effects or self.lamp.any_effect:
-            hear("effect", "effect", lambda text: {"effect": clean_text(text)} if text else NO_READINGS)
+            add_reader("effect", "effect", lambda text: {"effect": clean_text(text)} if text else NO_READINGS)
         return frozenset(readable)
 
     def _white(self, in_kelvin: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
         kelvin = white_kelvin(whole_of(text), in_kelvin=in_kelvin)
         if kelvin is None:
             return NO_READINGS
-        return self._shows("color_temp", kelvin)
+        return self._report("color_temp", kelvin)
 
     def _mode(self, text: str) -> Readings:
         """Take which of its values it shows; the others were said before, or will be."""
         if text not in self.lamp.modes:
             return NO_READINGS
         self.remembered.mode = text
-        shown = self.remembered.shown.get(text)
-        return NO_READINGS if shown is None else self._shows(text, shown)
+        reported = self.remembered.reported.get(text)
+        return NO_READINGS if reported is None else self._report(text, reported)
 
-    def _shows(self, mode: str, value: PlainValue) -> Readings:
+    def _report(self, mode: str, value: PlainValue) -> Readings:
         """Take what it says in a colour mode; where it says the mode too, that decides whether it counts."""
-        self.remembered.shown[mode] = value
+        self.remembered.reported[mode] = value
         if self.remembered.has_mode and self.remembered.mode not in (None, mode):
             return NO_READINGS
         if mode == "color_temp":
@@ -133,7 +133,7 @@ class BasicState:
             self.remembered.brightness = brightness
             found["level"] = brightness * 100 / _BYTE
         self.remembered.colors[mode] = channels
-        return {**found, **self._shows(mode, to_hue_saturation(mode, channels, self.lamp.white.kelvins))}
+        return {**found, **self._report(mode, to_hue_saturation(mode, channels, self.lamp.white.kelvins))}
 
 
 _MOST = {"hs": (360, 100), "xy": (1, 1)}

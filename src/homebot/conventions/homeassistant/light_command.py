@@ -28,14 +28,14 @@ from homebot.conventions.light_color import (
 )
 from homebot.devices.value import PlainValue
 
-__all__ = ["Lamp", "LightOrder", "WhiteRange", "read_white_range"]
+__all__ = ["LightCommand", "LightFeatures", "WhiteRange", "read_white_range"]
 
 _MOST_SECONDS = 6_553.0
 """Longest transition that Home Assistant lets pass."""
 
 
 @dataclass(frozen=True, slots=True)
-class LightOrder:
+class LightCommand:
     """One command to a lamp.
 
     Attributes:
@@ -57,7 +57,7 @@ class LightOrder:
     transition: float | None = None
 
 
-Publish: TypeAlias = Callable[[LightOrder], tuple[Publication, ...]]
+Publish: TypeAlias = Callable[[LightCommand], tuple[Publication, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,13 +74,13 @@ class WhiteRange:
 
 
 @dataclass(frozen=True, slots=True)
-class Lamp:
+class LightFeatures:
     """The capabilities of a lamp, and the values that it takes.
 
     Attributes:
         modes: Its colour modes, as Home Assistant names them.
         white: Warmest and coldest white.
-        publish: Spells an order.
+        publish: Encodes a command.
         effects: What it can play.
         any_effect: Whether it plays what is not listed, too.
     """
@@ -106,7 +106,7 @@ class Lamp:
         """The channels in which a colour is told; empty where it has no colours."""
         return next((mode for mode in _PREFERRED if mode in self.modes), "")
 
-    def offer(self, entity: Entity, readable: Callable[[str], bool]) -> None:
+    def add_to(self, entity: Entity, readable: Callable[[str], bool]) -> None:
         """Give the part its capabilities.
 
         Args:
@@ -128,34 +128,34 @@ class Lamp:
         if self.effects or self.any_effect:
             entity.add_capability("effect", readable=readable("effect"), writer=self._effect, options=self.effects)
 
-    def _tell(self, order: LightOrder, transition: float) -> tuple[Publication, ...]:
+    def _publish(self, command: LightCommand, transition: float) -> tuple[Publication, ...]:
         seconds = require_transition(transition, _MOST_SECONDS)
-        return self.publish(replace(order, transition=seconds) if seconds else order)
+        return self.publish(replace(command, transition=seconds) if seconds else command)
 
     def _on_off(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        return self._tell(LightOrder(on=require_bool("on_off", value)), transition)
+        return self._publish(LightCommand(on=require_bool("on_off", value)), transition)
 
     def _level(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         brightness = round(255 * require_number("level", value, 0, 100, "%") / 100)
-        order = LightOrder(on=True, brightness=brightness) if brightness else LightOrder(on=False)
-        return self._tell(order, transition)
+        command = LightCommand(on=True, brightness=brightness) if brightness else LightCommand(on=False)
+        return self._publish(command, transition)
 
     def _white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         low, high = self.white.bounds
         kelvin = require_number(
             "color_temperature", value, min(low, _LEAST_KELVIN), max(high, _MOST_WANTED_KELVIN), "K"
         )
-        return self._tell(LightOrder(on=True, kelvin=int(kelvin)), transition)
+        return self._publish(LightCommand(on=True, kelvin=int(kelvin)), transition)
 
     def _color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         hue, saturation = require_color(value)
         color = from_hue_saturation(self.color_mode, hue, saturation, self.white.kelvins)
-        return self._tell(LightOrder(on=True, mode=self.color_mode, color=color), transition)
+        return self._publish(LightCommand(on=True, mode=self.color_mode, color=color), transition)
 
     def _effect(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         if self.effects or not isinstance(value, str):
             require_option("effect", value, self.effects)
-        return self._tell(LightOrder(on=True, effect=str(value)), transition)
+        return self._publish(LightCommand(on=True, effect=str(value)), transition)
 
 
 def read_white_range(config: DiscoveryConfig) -> WhiteRange:

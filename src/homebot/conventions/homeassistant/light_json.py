@@ -15,8 +15,8 @@ from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.incoming import Said
-from homebot.conventions.homeassistant.light_command import Lamp, LightOrder, read_white_range
+from homebot.conventions.homeassistant.incoming import StateMessage
+from homebot.conventions.homeassistant.light_command import LightCommand, LightFeatures, read_white_range
 from homebot.conventions.homeassistant.value_parsing import number_of
 from homebot.conventions.light_color import (
     CHANNELS,
@@ -37,7 +37,7 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     command = config.required_command(template_key="")
     scale = config.integer("brightness_scale", 255, least=1)
     in_kelvin = config.flag("color_temp_kelvin")
-    lamp = Lamp(
+    lamp = LightFeatures(
         modes=_modes(config),
         white=read_white_range(config),
         publish=partial(_publish, command, scale, in_kelvin),
@@ -46,10 +46,10 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     )
     entity = Entity(config, "light")
     state_topic = config.state_topic()
-    lamp.offer(entity, lambda _capability: bool(state_topic))
+    lamp.add_to(entity, lambda _capability: bool(state_topic))
     if state_topic:
         entity.read_from(state_topic, _State(lamp, scale, in_kelvin, config.encoding).read)
-    entity.listens_at(command)
+    entity.add_commands(command)
     return entity.build()
 
 
@@ -63,18 +63,18 @@ def _modes(config: DiscoveryConfig) -> frozenset[str]:
     return modes
 
 
-def _publish(command: CommandTopic, scale: int, in_kelvin: bool, order: LightOrder) -> tuple[Publication, ...]:  # noqa: FBT001 - bound once, above
-    message: dict[str, object] = {"state": "ON" if order.on else "OFF"}
-    if order.color:
-        message["color"] = dict(zip(CHANNELS[order.mode], order.color, strict=True))
-    if order.transition is not None:
-        message["transition"] = order.transition
-    if order.brightness is not None:
-        message["brightness"] = max(round(order.brightness * scale / 255), 1)
-    if order.kelvin is not None:
-        message["color_temp"] = order.kelvin if in_kelvin else kelvin_mired(order.kelvin)
-    if order.effect:
-        message["effect"] = order.effect
+def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCommand) -> tuple[Publication, ...]:  # noqa: FBT001 - bound once, above
+    message: dict[str, object] = {"state": "ON" if light.on else "OFF"}
+    if light.color:
+        message["color"] = dict(zip(CHANNELS[light.mode], light.color, strict=True))
+    if light.transition is not None:
+        message["transition"] = light.transition
+    if light.brightness is not None:
+        message["brightness"] = max(round(light.brightness * scale / 255), 1)
+    if light.kelvin is not None:
+        message["color_temp"] = light.kelvin if in_kelvin else kelvin_mired(light.kelvin)
+    if light.effect:
+        message["effect"] = light.effect
     return (command.publication(json.dumps(message, ensure_ascii=False, separators=(",", ":"))),)
 
 
@@ -85,13 +85,13 @@ class _State:
     A colour counts where the message names its mode, as in Home Assistant, and where it names none but has one only.
     """
 
-    lamp: Lamp
+    lamp: LightFeatures
     scale: int
     in_kelvin: bool
     encoding: str
 
-    def read(self, said: Said) -> Readings:
-        message = said.json_object(self.encoding)
+    def read(self, state_message: StateMessage) -> Readings:
+        message = state_message.json_object(self.encoding)
         if message is None:
             return NO_READINGS
         found: dict[str, PlainValue] = {}

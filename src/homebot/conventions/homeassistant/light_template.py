@@ -15,8 +15,8 @@ from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.incoming import Said
-from homebot.conventions.homeassistant.light_command import Lamp, LightOrder, read_white_range
+from homebot.conventions.homeassistant.incoming import StateMessage
+from homebot.conventions.homeassistant.light_command import LightCommand, LightFeatures, read_white_range
 from homebot.conventions.homeassistant.value_parsing import whole_of
 from homebot.conventions.homeassistant.value_source import ValueSource
 from homebot.conventions.light_color import kelvin_mired, to_hue_saturation, white_kelvin
@@ -33,7 +33,7 @@ def build_template_light(config: DiscoveryConfig) -> DescribedPart:
     on = config.required_command(template_key="command_on_template")
     off = config.required_command(template_key="command_off_template")
     in_kelvin = config.flag("color_temp_kelvin")
-    lamp = Lamp(
+    lamp = LightFeatures(
         modes=_modes(config),
         white=read_white_range(config),
         publish=partial(_publish, on, off, in_kelvin),
@@ -51,10 +51,10 @@ def build_template_light(config: DiscoveryConfig) -> DescribedPart:
             ("color", "red", reader.color),
             ("effect", "effect", reader.effect),
         )
-        if entity.hears_message(sources.get(key), read)
+        if entity.read_message_from(sources.get(key), read)
     }
-    lamp.offer(entity, readable.__contains__)
-    entity.listens_at(on)
+    lamp.add_to(entity, readable.__contains__)
+    entity.add_commands(on)
     return entity.build()
 
 
@@ -80,22 +80,22 @@ def _modes(config: DiscoveryConfig) -> frozenset[str]:
     return frozenset(modes)
 
 
-def _publish(on: CommandTopic, off: CommandTopic, in_kelvin: bool, order: LightOrder) -> tuple[Publication, ...]:  # noqa: FBT001 - bound once, above
-    variables: dict[str, object] = {"state": order.on}
-    if order.brightness is not None:
-        variables["brightness"] = order.brightness
-    if order.kelvin is not None:
-        variables["color_temp"] = order.kelvin if in_kelvin else kelvin_mired(order.kelvin)
-    if order.color:
-        hue, saturation = order.color
+def _publish(on: CommandTopic, off: CommandTopic, in_kelvin: bool, command: LightCommand) -> tuple[Publication, ...]:  # noqa: FBT001 - bound once, above
+    variables: dict[str, object] = {"state": command.on}
+    if command.brightness is not None:
+        variables["brightness"] = command.brightness
+    if command.kelvin is not None:
+        variables["color_temp"] = command.kelvin if in_kelvin else kelvin_mired(command.kelvin)
+    if command.color:
+        hue, saturation = command.color
         channels = colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1)
         variables |= {color: round(one * _BYTE) for color, one in zip(_RGB, channels, strict=True)}
         variables |= {"hue": hue, "sat": saturation}
-    if order.effect:
-        variables["effect"] = order.effect
-    if order.transition is not None:
-        variables["transition"] = order.transition
-    return ((on if order.on else off).publication(None, variables),)
+    if command.effect:
+        variables["effect"] = command.effect
+    if command.transition is not None:
+        variables["transition"] = command.transition
+    return ((on if command.on else off).publication(None, variables),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,24 +103,24 @@ class _TemplateLightReader:
     """Reads what the lamp says, one template at a time; the colour needs three."""
 
     sources: Mapping[str, ValueSource]
-    lamp: Lamp
+    lamp: LightFeatures
     in_kelvin: bool
 
-    def state(self, _said: Said, text: str) -> Readings:
+    def state(self, _message: StateMessage, text: str) -> Readings:
         return {"on_off": _STATES[text]} if text in _STATES else NO_READINGS
 
-    def level(self, _said: Said, text: str) -> Readings:
+    def level(self, _message: StateMessage, text: str) -> Readings:
         brightness = whole_of(text) or 0
         return {"level": brightness * 100 / _BYTE} if 0 < brightness <= _BYTE else NO_READINGS
 
-    def white(self, _said: Said, text: str) -> Readings:
+    def white(self, _message: StateMessage, text: str) -> Readings:
         if text == "None":
             return {"color_temperature": None}
         kelvin = white_kelvin(whole_of(text), in_kelvin=self.in_kelvin)
         return NO_READINGS if kelvin is None else {"color_temperature": kelvin}
 
-    def color(self, said: Said, red: str) -> Readings:
-        green, blue = (self.sources[one].text(said) if one in self.sources else None for one in ("green", "blue"))
+    def color(self, message: StateMessage, red: str) -> Readings:
+        green, blue = (self.sources[one].text(message) if one in self.sources else None for one in ("green", "blue"))
         if (red, green, blue) == ("None", "None", "None"):
             return {"color": None}
         channels = [value for one in (red, green, blue) if one and (value := whole_of(one)) is not None]
@@ -128,5 +128,5 @@ class _TemplateLightReader:
             return NO_READINGS
         return {"color": to_hue_saturation("rgb", tuple(channels), self.lamp.white.kelvins)}
 
-    def effect(self, _said: Said, text: str) -> Readings:
+    def effect(self, _message: StateMessage, text: str) -> Readings:
         return {"effect": text} if text in self.lamp.effects else NO_READINGS

@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/number.py``.
 from __future__ import annotations
 
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.homeassistant.capabilities import offer_number
+from homebot.conventions.homeassistant.capabilities import add_number
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.errors import WireError
@@ -20,20 +20,20 @@ def build_number(config: DiscoveryConfig) -> DescribedPart:
     if least > most:
         raise WireError(f"number: max is {most:g}, below min {least:g}")
 
-    def heard(number: float) -> float | None:
+    def from_device(number: float) -> float | None:
         return number if least <= number <= most else None
 
     entity = Entity(config, "x_setting")
-    offer_number(
+    add_number(
         entity,
         "number",
         config.source("state_topic"),
         config.required_command(),
         bounds=(least, most),
-        unit=config.words("unit_of_measurement", 40),
+        unit=config.clean_text("unit_of_measurement", 40),
         unknown=config.text("payload_reset", "None"),
-        heard=heard,
-        told=_shortest,
+        from_device=from_device,
+        to_device=_shortest,
     )
     return entity.build()
 

@@ -52,7 +52,7 @@ def publish_climate(part: Part, available: Available, topics: EntityTopics) -> E
     _add_choices(entity, available)
     if (action := available.get("thermostat_action")) and action.readable and not action.settable:
         available.pop("thermostat_action")
-        entity.tells("action_topic", "thermostat_action", unknown_text("thermostat_action"))
+        entity.add_state("action_topic", "thermostat_action", unknown_text("thermostat_action"))
     return (entity,)
 
 
@@ -96,7 +96,7 @@ def _add_measured(entity: PublishedEntity, available: Available) -> None:
     for name, key in (("local_temperature", "current_temperature_topic"), ("humidity", "current_humidity_topic")):
         if name in available and available[name].readable and not available[name].settable:
             available.pop(name)
-            entity.tells(key, name, number_text(name))
+            entity.add_state(key, name, number_text(name))
 
 
 def _add_choices(entity: PublishedEntity, available: Available) -> None:
@@ -135,7 +135,7 @@ def publish_water_heater(part: Part, available: Available, topics: EntityTopics)
     measured = available.get("local_temperature")
     if measured is not None and measured.readable and not measured.settable:
         available.pop(measured.name)
-        entity.tells("current_temperature_topic", measured.name, number_text(measured.name))
+        entity.add_state("current_temperature_topic", measured.name, number_text(measured.name))
     return (entity,)
 
 
@@ -157,7 +157,7 @@ def publish_humidifier(part: Part, available: Available, topics: EntityTopics) -
     measured = available.get("humidity")
     if measured is not None and measured.readable and not measured.settable:
         available.pop("humidity")
-        entity.tells("current_humidity_topic", "humidity", number_text("humidity"))
+        entity.add_state("current_humidity_topic", "humidity", number_text("humidity"))
     mode = available.get("humidifier_mode")
     if mode is not None and mode.settable and mode.options and "None" not in mode.options:
         available.pop("humidifier_mode")

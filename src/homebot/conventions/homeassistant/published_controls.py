@@ -21,7 +21,7 @@ from homebot.conventions.homeassistant.published_entity import (
     number_text,
     read_flag,
     read_number,
-    read_word,
+    read_option,
     take_settable,
     unknown_text,
 )
@@ -54,8 +54,8 @@ def publish_lock(_part: Part, available: Available, topics: EntityTopics) -> Ent
         payloads["OPEN"] = "open"
         entity.config["payload_open"] = "OPEN"
     if lock.readable:
-        entity.tells("state_topic", "lock", unknown_text("lock"))
-    entity.takes("command_topic", "lock", read_word("lock", payloads))
+        entity.add_state("state_topic", "lock", unknown_text("lock"))
+    entity.add_command("command_topic", "lock", read_option("lock", payloads))
     return (entity,)
 
 
@@ -73,17 +73,17 @@ def publish_cover(part: Part, available: Available, topics: EntityTopics) -> Ent
         return ()
     entity = PublishedEntity(topics, "cover", "", _cover_class(part))
     if movement is not None:
-        payloads = _told(movement, _MOVES)
-        entity.config |= {key: word if word in payloads else None for key, word in _MOVE_KEYS.items()}
+        payloads = _settable_payloads(movement, _MOVES)
+        entity.config |= {key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items()}
         if movement.readable:
-            entity.tells("state_topic", "movement", unknown_text("movement"))
-        entity.takes("command_topic", "movement", read_word("movement", payloads))
+            entity.add_state("state_topic", "movement", unknown_text("movement"))
+        entity.add_command("command_topic", "movement", read_option("movement", payloads))
     if position is not None:
-        entity.tells("position_topic", "position", number_text("position", unknown=""))
-        entity.takes("set_position_topic", "position", read_number("position", _PERCENT))
+        entity.add_state("position_topic", "position", number_text("position", unknown=""))
+        entity.add_command("set_position_topic", "position", read_number("position", _PERCENT))
     if _take_percentage(available, "tilt") is not None:
-        entity.tells("tilt_status_topic", "tilt", number_text("tilt", unknown=""))
-        entity.takes("tilt_command_topic", "tilt", read_number("tilt", _PERCENT))
+        entity.add_state("tilt_status_topic", "tilt", number_text("tilt", unknown=""))
+        entity.add_command("tilt_command_topic", "tilt", read_number("tilt", _PERCENT))
     return (entity,)
 
 
@@ -105,9 +105,9 @@ def _take_percentage(available: Available, name: str) -> Capability | None:
     return available.pop(name) if known is not None and known.settable and known.readable else None
 
 
-def _told(capability: Capability, words: Mapping[str, str]) -> dict[str, str]:
+def _settable_payloads(capability: Capability, payloads: Mapping[str, str]) -> dict[str, str]:
     """The payloads of what *capability* can be told: of its options, or else all."""
-    return {key: word for key, word in words.items() if not capability.options or word in capability.options}
+    return {key: option for key, option in payloads.items() if not capability.options or option in capability.options}
 
 
 def publish_valve(_part: Part, available: Available, topics: EntityTopics) -> Entities:
@@ -115,22 +115,22 @@ def publish_valve(_part: Part, available: Available, topics: EntityTopics) -> En
     valve = take_settable(available, "valve")
     if valve is None:
         return ()
-    payloads = _told(valve, _MOVES)
+    payloads = _settable_payloads(valve, _MOVES)
     position = _take_percentage(available, "position") if valve.readable else None
     entity = PublishedEntity(topics, "valve", "")
     if "STOP" in payloads:
         entity.config["payload_stop"] = "STOP"
     if position is not None:
         entity.config["reports_position"] = True
-        entity.tells("state_topic", "valve", _valve_text, ("valve", "position"))
-        entity.takes("command_topic", "valve", _read_valve)
+        entity.add_state("state_topic", "valve", _valve_text, ("valve", "position"))
+        entity.add_command("command_topic", "valve", _read_valve)
         return (entity,)
     entity.config |= {
-        key: word if word in payloads else None for key, word in _MOVE_KEYS.items() if key != "payload_stop"
+        key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items() if key != "payload_stop"
     }
     if valve.readable:
-        entity.tells("state_topic", "valve", unknown_text("valve"))
-    entity.takes("command_topic", "valve", read_word("valve", payloads))
+        entity.add_state("state_topic", "valve", unknown_text("valve"))
+    entity.add_command("command_topic", "valve", read_option("valve", payloads))
     return (entity,)
 
 
@@ -166,7 +166,7 @@ def publish_fan(part: Part, available: Available, topics: EntityTopics) -> Entit
         entity.has(preset, "preset_mode_state_topic", unknown_text("preset_mode"), "preset_mode_command_topic")
     if swing := take_settable(available, "oscillation"):
         entity.has(swing, "oscillation_state_topic", flag_text("oscillation", *_SWINGS, unknown=""))
-        entity.takes(
+        entity.add_command(
             "oscillation_command_topic",
             "oscillation",
             read_flag("oscillation", dict(zip(_SWINGS, (True, False), strict=True))),
@@ -189,8 +189,8 @@ def publish_vacuum(_part: Part, available: Available, topics: EntityTopics) -> E
     vacuum = take_settable(available, "vacuum")
     if vacuum is None:
         return ()
-    words = _told(vacuum, {payload: word for payload, (word, _) in _VACUUM.items()})
-    features = [_VACUUM[payload][1] for payload in words]
+    payloads = _settable_payloads(vacuum, {payload: option for payload, (option, _) in _VACUUM.items()})
+    features = [_VACUUM[payload][1] for payload in payloads]
     entity = PublishedEntity(topics, "vacuum", "", {"supported_features": features})
     taken = {"vacuum"}
     if vacuum.readable:
@@ -200,12 +200,14 @@ def publish_vacuum(_part: Part, available: Available, topics: EntityTopics) -> E
             taken.add("fan_mode")
             features.append("fan_speed")
             entity.config["fan_speed_list"] = list(speed.options)
-            entity.takes("set_fan_speed_topic", "fan_mode", read_word("fan_mode", {one: one for one in speed.options}))
+            entity.add_command(
+                "set_fan_speed_topic", "fan_mode", read_option("fan_mode", {one: one for one in speed.options})
+            )
         if charge is not None and charge.readable and not charge.settable:
             available.pop("battery")
             taken.add("battery")
             features.append("battery")
-        entity.tells("state_topic", "vacuum", _vacuum_text, taken)
+        entity.add_state("state_topic", "vacuum", _vacuum_text, taken)
     locate = take_settable(available, "locate")
     if locate is not None:
         features.append("locate")
@@ -213,9 +215,9 @@ def publish_vacuum(_part: Part, available: Available, topics: EntityTopics) -> E
     def read(text: str) -> Values:
         if text == "locate" and locate is not None:
             return {"locate": True}
-        return {"vacuum": words[text]} if text in words else {}
+        return {"vacuum": payloads[text]} if text in payloads else {}
 
-    entity.takes("command_topic", "vacuum", read)
+    entity.add_command("command_topic", "vacuum", read)
     return (entity,)
 
 
@@ -246,12 +248,12 @@ def publish_mower(_part: Part, available: Available, topics: EntityTopics) -> En
     mower = take_settable(available, "mower")
     if mower is None:
         return ()
-    words = _told(mower, _MOWER)
+    payloads = _settable_payloads(mower, _MOWER)
     entity = PublishedEntity(topics, "lawn_mower", "")
     if mower.readable:
-        entity.tells("activity_state_topic", "mower", unknown_text("mower"))
-    for action in words:
-        entity.takes(f"{action}_command_topic", "mower", read_word("mower", words))
+        entity.add_state("activity_state_topic", "mower", unknown_text("mower"))
+    for action in payloads:
+        entity.add_command(f"{action}_command_topic", "mower", read_option("mower", payloads))
     return (entity,)
 
 
@@ -263,12 +265,12 @@ def publish_alarm(_part: Part, available: Available, topics: EntityTopics) -> En
     alarm = take_settable(available, "alarm")
     if alarm is None:
         return ()
-    words = {payload: word for payload, word in _ALARM.items() if not alarm.options or word in alarm.options}
-    features = [payload.lower() for payload in words if payload != "DISARM"]
+    payloads = {payload: option for payload, option in _ALARM.items() if not alarm.options or option in alarm.options}
+    features = [payload.lower() for payload in payloads if payload != "DISARM"]
     fields = {"supported_features": features, **dict.fromkeys(_CODES, False)}
     entity = PublishedEntity(topics, "alarm_control_panel", "", fields)
-    entity.tells("state_topic", "alarm", unknown_text("alarm"))
-    entity.takes("command_topic", "alarm", read_word("alarm", words))
+    entity.add_state("state_topic", "alarm", unknown_text("alarm"))
+    entity.add_command("command_topic", "alarm", read_option("alarm", payloads))
     return (entity,)
 
 
@@ -300,8 +302,8 @@ def publish_siren(part: Part, available: Available, topics: EntityTopics) -> Ent
         entity.config["available_tones"] = list(tones)
     taken = ("on_off", *(("siren_tone",) if tones else ()), *(("volume",) if volume else ()))
     if switch.readable:
-        entity.tells("state_topic", "siren", _siren_text, taken)
-    entity.takes("command_topic", "siren", lambda text: _read_siren(text, tones, has_volume=volume is not None))
+        entity.add_state("state_topic", "siren", _siren_text, taken)
+    entity.add_command("command_topic", "siren", lambda text: _read_siren(text, tones, has_volume=volume is not None))
     return (entity,)
 
 

@@ -23,7 +23,7 @@ __all__ = [
     "number_text",
     "read_flag",
     "read_number",
-    "read_word",
+    "read_option",
     "reader_of",
     "shortest",
     "take_settable",
@@ -106,24 +106,24 @@ class PublishedEntity:
         self.commands: dict[str, CommandReader] = {}
         self._topics = topics
 
-    def tells(
+    def add_state(
         self, key: str, name: str, write: StateWriter, capabilities: Iterable[str] = (), *, is_event: bool = False
     ) -> None:
         """Tell *capabilities*, by default *name* alone, on a topic that the field *key* names."""
         topic = self.config[key] = self._topics.state(name)
         self.states.append(PublishedState(topic, frozenset(capabilities) or frozenset({name}), write, is_event))
 
-    def takes(self, key: str, name: str, read: CommandReader) -> None:
+    def add_command(self, key: str, name: str, read: CommandReader) -> None:
         """Take orders on a topic that the field *key* names."""
         topic = self.config[key] = self._topics.command(name)
         self.commands[topic] = read
 
     def has(self, capability: Capability, state_key: str, write: StateWriter, command_key: str = "") -> None:
-        """Tell *capability* where it is readable; see :meth:`tells`. An order for it is read by its kind."""
+        """Tell *capability* where it is readable; see :meth:`add_state`. An order for it is read by its kind."""
         if capability.readable:
-            self.tells(state_key, capability.name, write)
+            self.add_state(state_key, capability.name, write)
         if capability.settable and command_key:
-            self.takes(command_key, capability.name, reader_of(capability))
+            self.add_command(command_key, capability.name, reader_of(capability))
 
 
 def unknown_text(name: str) -> StateWriter:
@@ -161,11 +161,11 @@ def shortest(number: float) -> str:
     return str(int(number)) if number.is_integer() and abs(number) < _WHOLE else repr(number)
 
 
-def read_flag(name: str, words: Mapping[str, bool]) -> CommandReader:
+def read_flag(name: str, payloads: Mapping[str, bool]) -> CommandReader:
     """Return a reader of orders in two words, or one."""
 
     def read(text: str) -> Values:
-        return {name: words[text]} if text in words else {}
+        return {name: payloads[text]} if text in payloads else {}
 
     return read
 
@@ -181,11 +181,11 @@ def read_number(name: str, bounds: tuple[float, ...]) -> CommandReader:
     return read
 
 
-def read_word(name: str, words: Mapping[str, str]) -> CommandReader:
+def read_option(name: str, payloads: Mapping[str, str]) -> CommandReader:
     """Return a reader of words: what each payload orders."""
 
     def read(text: str) -> Values:
-        return {name: words[text]} if text in words else {}
+        return {name: payloads[text]} if text in payloads else {}
 
     return read
 
@@ -199,7 +199,7 @@ def reader_of(capability: Capability) -> CommandReader:
         return read_number(capability.name, capability.bounds or known.bounds)
     options = capability.options or known.options
     if options:
-        return read_word(capability.name, {word: word for word in options})
+        return read_option(capability.name, {option: option for option in options})
     return lambda text: {capability.name: text}
 
 

@@ -52,8 +52,8 @@ def publish_light(part: Part, available: Available, topics: EntityTopics) -> tup
             config["effect_list"] = list(taken["effect"].options)
     entity = PublishedEntity(topics, "light", "", config)
     if switch.readable:
-        entity.tells("state_topic", "light", _written(frozenset(taken)), ("on_off", *taken))
-    entity.takes("command_topic", "light", _reader(frozenset(taken)))
+        entity.add_state("state_topic", "light", _written(frozenset(taken)), ("on_off", *taken))
+    entity.add_command("command_topic", "light", _reader(frozenset(taken)))
     return (entity,)
 
 
@@ -107,13 +107,13 @@ def _reader(taken: frozenset[str]) -> CommandReader:
             return {}
         if message["state"] == "OFF":
             return {"on_off": False}
-        wanted = {name: value for name, value in _wanted(message).items() if name in taken and value is not None}
-        return {**wanted, "on_off": True}
+        values = {name: value for name, value in _read_values(message).items() if name in taken and value is not None}
+        return {**values, "on_off": True}
 
     return read
 
 
-def _wanted(message: Mapping[str, object]) -> Values:
+def _read_values(message: Mapping[str, object]) -> Values:
     brightness, mired, effect = (
         number_of(message.get("brightness")),
         number_of(message.get("color_temp")),

@@ -55,7 +55,7 @@ def _button(capability: Capability, topics: EntityTopics) -> tuple[PublishedEnti
         return ()
     component, fields = _BUTTONS[capability.name]
     entity = PublishedEntity(topics, component, capability.name, fields)
-    entity.takes("command_topic", capability.name, read_flag(capability.name, {"PRESS": True}))
+    entity.add_command("command_topic", capability.name, read_flag(capability.name, {"PRESS": True}))
     return (entity,)
 
 
@@ -75,8 +75,8 @@ def _setting(part: Part, capability: Capability, topics: EntityTopics) -> Publis
     if options:
         entity.config["options"] = list(options)
     if capability.readable:
-        entity.tells("state_topic", capability.name, unknown_text(capability.name))
-    entity.takes("command_topic", capability.name, reader_of(capability))
+        entity.add_state("state_topic", capability.name, unknown_text(capability.name))
+    entity.add_command("command_topic", capability.name, reader_of(capability))
     return entity
 
 
@@ -104,7 +104,7 @@ def _watched(part: Part, capability: Capability, topics: EntityTopics) -> Publis
         classes = CONDITION_CLASSES.get(capability.name, ())
         device_class = part.tag if part.tag in classes else _USUAL_CLASSES.get(capability.name, "".join(classes[:1]))
         entity = PublishedEntity(topics, "binary_sensor", capability.name, _filled(device_class=device_class))
-        entity.tells("state_topic", capability.name, flag_text(capability.name))
+        entity.add_state("state_topic", capability.name, flag_text(capability.name))
         return entity
     if capability.name in _EVENTS:
         return _event(capability, topics)
@@ -115,9 +115,9 @@ def _watched(part: Part, capability: Capability, topics: EntityTopics) -> Publis
             unit_of_measurement=capability.unit or known.unit,
             state_class="total_increasing" if capability.name == "energy" else "measurement",
         )
-        entity.tells("state_topic", capability.name, number_text(capability.name))
+        entity.add_state("state_topic", capability.name, number_text(capability.name))
     else:
-        entity.tells("state_topic", capability.name, unknown_text(capability.name))
+        entity.add_state("state_topic", capability.name, unknown_text(capability.name))
     return entity
 
 
@@ -132,13 +132,13 @@ def _event(capability: Capability, topics: EntityTopics) -> PublishedEntity:
     name = capability.name
     if name == "press" and capability.options:
         entity = PublishedEntity(topics, "event", name, {"event_types": list(capability.options)})
-        entity.tells("state_topic", name, _event_text, is_event=True)
+        entity.add_state("state_topic", name, _event_text, is_event=True)
     elif name == "scan":
         entity = PublishedEntity(topics, "tag", name)
-        entity.tells("topic", name, unknown_text(name), is_event=True)
+        entity.add_state("topic", name, unknown_text(name), is_event=True)
     else:
         entity = PublishedEntity(topics, "sensor", name)
-        entity.tells("state_topic", name, unknown_text(name), is_event=True)
+        entity.add_state("state_topic", name, unknown_text(name), is_event=True)
     return entity
 
 

@@ -50,7 +50,7 @@ class HomeAssistantPublisher:
         self._base = f"homebot/{_slug(owner)}/offers"
         self._status_topic = status_topic
         self._orders: dict[str, _Order] = {}
-        self._shown: dict[str, tuple[tuple[Part, tuple[PublishedEntity, ...]], ...]] = {}
+        self._published: dict[str, tuple[tuple[Part, tuple[PublishedEntity, ...]], ...]] = {}
 
     def filters(self) -> tuple[str, ...]:
         """Return where Home Assistant's commands come."""
@@ -65,9 +65,9 @@ class HomeAssistantPublisher:
         entities = tuple((part, self._entities(offer, part)) for part in offer.parts)
         publish = self._withdrawal if offer.is_withdrawn else self._config
         if offer.is_withdrawn:
-            self._shown.pop(offer.id, None)
+            self._published.pop(offer.id, None)
         else:
-            self._shown[offer.id] = entities
+            self._published[offer.id] = entities
         return tuple(one for part, found in entities for entity in found for one in publish(offer, part, entity))
 
     def states(
@@ -75,7 +75,7 @@ class HomeAssistantPublisher:
     ) -> tuple[Publication, ...]:
         """Return what tells what is *known* of *offer* now that *changed* are news, by part and capability."""
         found: list[Publication] = []
-        for part, entities in self._shown.get(offer.id, ()):
+        for part, entities in self._published.get(offer.id, ()):
             news = {name for part_id, name in changed if part_id == part.id}
             values = {name: value for (part_id, name), value in known.items() if part_id == part.id} if news else {}
             found.extend(

@@ -34,7 +34,7 @@ def build_select(config: DiscoveryConfig) -> DescribedPart:
 
     entity = Entity(config, "x_setting")
     entity.add_capability(
-        "option", readable=entity.hears(config.source("state_topic"), read), writer=write, options=options
+        "option", readable=entity.read_text_from(config.source("state_topic"), read), writer=write, options=options
     )
-    entity.listens_at(command)
+    entity.add_commands(command)
     return entity.build()

@@ -29,18 +29,18 @@ def build_sensor(config: DiscoveryConfig) -> DescribedPart:
     we do not know has a meaning of its own.
     """
     source = config.required_source("state_topic").without_payload()
-    device_class = config.words("device_class")
+    device_class = config.clean_text("device_class")
     if device_class not in _TEXTS and (is_quantity(device_class) or any(config.has(key) for key in _NUMERIC)):
-        quantity = quantity_of(device_class, config.words("unit_of_measurement", _MAX_UNIT))
+        quantity = quantity_of(device_class, config.clean_text("unit_of_measurement", _MAX_UNIT))
         entity = Entity(config, quantity.service_type)
-        if entity.hears(source, partial(_read_number, quantity)):
+        if entity.read_text_from(source, partial(_read_number, quantity)):
             entity.add_capability(quantity.capability, unit=quantity.unit)
             expire(entity, config, quantity.capability)
         return entity.build()
     entity = Entity(config, "x_sensor")
     options = config.options("options")
     read = _MOMENTS.get(device_class) or partial(_read_text, frozenset(options))
-    if entity.hears(source, read):
+    if entity.read_text_from(source, read):
         entity.add_capability("value", options=options)
         expire(entity, config, "value")
     return entity.build()
@@ -53,7 +53,7 @@ _MAX_UNIT = 40
 
 
 def _read_number(quantity: Quantity, text: str) -> Readings:
-    return read_number(quantity.capability, text, heard=quantity.value)
+    return read_number(quantity.capability, text, convert=quantity.value)
 
 
 def _read_text(options: frozenset[str], text: str) -> Readings:

@@ -28,8 +28,8 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
     off = config.required_command(template_key="command_off_template")
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
     tones = config.options("available_tones")
-    listens = _SirenCommands(on, off if off.template is not None else on, payloads, tones)
-    speaks = _SirenStateDecoder(
+    commands = _SirenCommands(on, off if off.template is not None else on, payloads, tones)
+    decoder = _SirenStateDecoder(
         {
             config.text("state_on") or payloads[True]: True,
             config.text("state_off") or payloads[False]: False,
@@ -39,13 +39,13 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
         has_volume=config.flag("support_volume_set", default=True),
     )
     entity = Entity(config, "siren")
-    readable = entity.hears(config.source("state_topic", "state_value_template"), speaks.read)
-    entity.add_capability("on_off", readable=readable, writer=listens.switch)
+    readable = entity.read_text_from(config.source("state_topic", "state_value_template"), decoder.read)
+    entity.add_capability("on_off", readable=readable, writer=commands.switch)
     if tones:
-        entity.add_capability("siren_tone", readable=readable, writer=listens.sound, options=tones)
-    if speaks.has_volume:
-        entity.add_capability("volume", readable=readable, writer=listens.set_volume)
-    entity.listens_at(on)
+        entity.add_capability("siren_tone", readable=readable, writer=commands.sound, options=tones)
+    if decoder.has_volume:
+        entity.add_capability("volume", readable=readable, writer=commands.set_volume)
+    entity.add_commands(on)
     return entity.build()
 
 
@@ -59,21 +59,21 @@ class _SirenCommands:
     tones: tuple[str, ...]
 
     def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._tell(on=require_bool("on_off", value))
+        return self._publish(on=require_bool("on_off", value))
 
     def sound(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._tell(tone=require_option("siren_tone", value, self.tones))
+        return self._publish(tone=require_option("siren_tone", value, self.tones))
 
     def set_volume(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return self._tell(volume_level=require_number("volume", value, 0, 100, "%") / 100)
+        return self._publish(volume_level=require_number("volume", value, 0, 100, "%") / 100)
 
-    def _tell(self, *, on: bool = True, **wanted: object) -> tuple[Publication, ...]:
+    def _publish(self, *, on: bool = True, **fields: object) -> tuple[Publication, ...]:
         command = self.on if on else self.off
-        variables = {"state": self.payloads[on], **wanted}
+        variables = {"state": self.payloads[on], **fields}
         if command.template is None:
             return (command.publication(json.dumps(variables, ensure_ascii=False, separators=(",", ":"))),)
         publication = command.publication(self.payloads[on], variables)
-        if publication.payload in _NOTHING_TO_SAY:
+        if publication.payload in _EMPTY_PAYLOADS:
             raise RefusedError(f"a command on {command.topic}", "its template makes nothing of it")
         return (publication,)
 
@@ -101,4 +101,4 @@ class _SirenStateDecoder:
         return found
 
 
-_NOTHING_TO_SAY = (b"", b"None")
+_EMPTY_PAYLOADS = (b"", b"None")

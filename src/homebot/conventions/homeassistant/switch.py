@@ -32,6 +32,6 @@ def build_switch(config: DiscoveryConfig) -> DescribedPart:
         return (command.publication(payloads[require_bool("on_off", value)]),)
 
     entity = Entity(config, "plug" if config.text("device_class") == "outlet" else "switch")
-    entity.add_capability("on_off", readable=entity.hears(config.source("state_topic"), read), writer=write)
-    entity.listens_at(command)
+    entity.add_capability("on_off", readable=entity.read_text_from(config.source("state_topic"), read), writer=write)
+    entity.add_commands(command)
     return entity.build()

@@ -35,12 +35,12 @@ def build_text(config: DiscoveryConfig) -> DescribedPart:
             return {"text": None}
         return NO_READINGS if len(text) > _LONGEST else {"text": clean_text(text, _LONGEST)}
 
-    return _told(config, least, most, None if is_secret else read)
+    return _build_setting(config, least, most, None if is_secret else read)
 
 
 def build_notify(config: DiscoveryConfig) -> DescribedPart:
     """Describe something that shows or speaks messages."""
-    return _told(config, 0, _LONGEST_MESSAGE, None)
+    return _build_setting(config, 0, _LONGEST_MESSAGE, None)
 
 
 _Read: TypeAlias = Callable[[str], Readings]
@@ -48,7 +48,7 @@ _LONGEST = 255
 _LONGEST_MESSAGE = 4096
 
 
-def _told(config: DiscoveryConfig, least: int, most: int, read: _Read | None) -> DescribedPart:
+def _build_setting(config: DiscoveryConfig, least: int, most: int, read: _Read | None) -> DescribedPart:
     command = config.required_command()
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
@@ -57,7 +57,7 @@ def _told(config: DiscoveryConfig, least: int, most: int, read: _Read | None) ->
         return (command.publication(value),)
 
     entity = Entity(config, "x_setting")
-    is_readable = read is not None and entity.hears(config.source("state_topic"), read)
+    is_readable = read is not None and entity.read_text_from(config.source("state_topic"), read)
     entity.add_capability("text", readable=is_readable, writer=write)
-    entity.listens_at(command)
+    entity.add_commands(command)
     return entity.build()

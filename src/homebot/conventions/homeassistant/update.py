@@ -26,13 +26,13 @@ def build_update(config: DiscoveryConfig) -> DescribedPart:
     source = config.required_source("state_topic").without_payload()
     latest = config.source("latest_version_topic", "latest_version_template")
     entity = Entity(config, "x_update")
-    if entity.hears(source, partial(_read, is_all=latest is None)):
+    if entity.read_text_from(source, partial(_read, is_all=latest is None)):
         entity.add_capability("version")
         entity.add_capability("update_available", readable=latest is None)
-    says_latest = entity.hears(latest, _read_latest)
-    entity.add_capability("latest_version", readable=says_latest or not source.problem)
+    has_latest = entity.read_text_from(latest, _read_latest)
+    entity.add_capability("latest_version", readable=has_latest or not source.problem)
     described = entity.build()
-    return replace(described, codec=_NeverTold(described.codec))
+    return replace(described, codec=_ReadOnlyCodec(described.codec))
 
 
 _LONGEST = 255
@@ -75,7 +75,7 @@ def _is_newer(latest: str | None, installed: str | None) -> bool | None:
 
 
 @dataclass(frozen=True, slots=True)
-class _NeverTold:
+class _ReadOnlyCodec:
     """Reads as another codec does, and refuses all commands."""
 
     reader: Codec

@@ -11,7 +11,7 @@ from functools import partial
 from homebot.conventions.command_values import require_option
 from homebot.conventions.decode import Readings
 from homebot.conventions.description import DescribedPart, Publication
-from homebot.conventions.homeassistant.capabilities import offer_push
+from homebot.conventions.homeassistant.capabilities import add_push
 from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
@@ -28,13 +28,15 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     command = config.command("command_topic", template_key="")
     set_speed = config.command("set_fan_speed_topic", template_key="")
     source = config.source("state_topic", template_key="")
-    told = {word: config.text(key, default) for word, (feature, key, default) in _TOLD.items() if feature in features}
+    payloads = {
+        state: config.text(key, default) for state, (feature, key, default) in _COMMANDS.items() if feature in features
+    }
     speeds = config.options("fan_speed_list") if "fan_speed" in features else ()
     has_battery = "battery" in features
     entity = Entity(config, "robotic_vacuum_cleaner")
-    is_readable = entity.hears(source, partial(_read, has_speed=bool(speeds), has_battery=has_battery))
+    is_readable = entity.read_text_from(source, partial(_read, has_speed=bool(speeds), has_battery=has_battery))
     entity.add_capability(
-        "vacuum", readable=is_readable, writer=partial(_tell, command, told) if command and told else None
+        "vacuum", readable=is_readable, writer=partial(_set_state, command, payloads) if command and payloads else None
     )
     if speeds:
         writer = partial(_set_speed, set_speed, speeds) if set_speed else None
@@ -42,14 +44,14 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     if has_battery:
         entity.add_capability("battery", readable=is_readable, unit="%")
     if "locate" in features and command:
-        offer_push(entity, "locate", command, config.text("payload_locate", "locate"))
-    entity.listens_at(command, set_speed if speeds else None)
+        add_push(entity, "locate", command, config.text("payload_locate", "locate"))
+    entity.add_commands(command, set_speed if speeds else None)
     return entity.build()
 
 
 _FEATURES = ("start", "stop", "return_home", "battery", "clean_spot")
 _STATES = frozenset({"cleaning", "docked", "paused", "idle", "returning", "error"})
-_TOLD = {
+_COMMANDS = {
     "cleaning": ("start", "payload_start", "start"),
     "paused": ("pause", "payload_pause", "pause"),
     "idle": ("stop", "payload_stop", "stop"),
@@ -77,10 +79,10 @@ def _read(text: str, *, has_speed: bool, has_battery: bool) -> Readings:
     return found
 
 
-def _tell(
-    command: CommandTopic, told: Mapping[str, str], value: PlainValue, _transition: float
+def _set_state(
+    command: CommandTopic, payloads: Mapping[str, str], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
-    return (command.publication(told[require_option("vacuum", value, told)]),)
+    return (command.publication(payloads[require_option("vacuum", value, payloads)]),)
 
 
 def _set_speed(

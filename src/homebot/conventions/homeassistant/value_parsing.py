@@ -20,7 +20,7 @@ def number_of(value: object) -> float | None:
 
 
 def read_number(
-    capability: str, text: str, *, unknown: str = "None", heard: Callable[[float], float | None] = float
+    capability: str, text: str, *, unknown: str = "None", convert: Callable[[float], float | None] = float
 ) -> Readings:
     """Return the number that *text* tells of *capability*; nothing where it tells none.
 
@@ -28,9 +28,9 @@ def read_number(
         capability: What the number is.
         text: What the device says.
         unknown: The word which says that it is unknown, beside those that always do.
-        heard: Makes the outside number of what the device says; None where that cannot be.
+        convert: Makes the outside number of what the device says; None where that cannot be.
     """
-    return {capability: None} if text == unknown else decode.read_number(capability, text, heard)
+    return {capability: None} if text == unknown else decode.read_number(capability, text, convert)
 
 
 def whole_of(text: str) -> int | None:

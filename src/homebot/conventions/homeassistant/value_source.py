@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from homebot.conventions.homeassistant.incoming import Said
+from homebot.conventions.homeassistant.incoming import StateMessage
 from homebot.conventions.jinja import Template, TemplateError, UndefinedValueError
 
 __all__ = ["ValueSource"]
@@ -35,9 +35,9 @@ class ValueSource:
         """Reason why the template cannot be used; empty where it can."""
         return self.template.problem if self.template is not None else ""
 
-    def text(self, said: Said) -> str | None:
+    def text(self, message: StateMessage) -> str | None:
         """Return the value as Home Assistant would compare it; None where the message is to be ignored."""
-        context = said.context(self.encoding)
+        context = message.context(self.encoding)
         if context is None:
             return None
         if self.template is None:

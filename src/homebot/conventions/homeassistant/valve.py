@@ -29,7 +29,9 @@ def build_valve(config: DiscoveryConfig) -> DescribedPart:
     has_position = config.flag("reports_position")
     command = config.command("command_topic")
     payloads = {
-        word: payload for word, (key, default) in _TOLD.items() if (payload := config.payload(key, default)) is not None
+        state: payload
+        for state, (key, default) in _COMMANDS.items()
+        if (payload := config.payload(key, default)) is not None
     }
     if not config.has("payload_stop"):
         payloads.pop("stopped", None)
@@ -37,23 +39,25 @@ def build_valve(config: DiscoveryConfig) -> DescribedPart:
         for key in _NO_POSITION:
             if key in config.values:
                 raise WireError(f"valve: {key} is there, which a valve that reports its position does not have")
-    speaks = _ValveStateDecoder({config.text(f"state_{state}", state): state for state in _STATES}, scale)
-    listens = None if command is None else _ValveCommands(command, payloads, scale if has_position else None, variables)
-    entity = Entity(config, "water_valve")
-    readable = entity.hears(
-        config.source("state_topic", variables=variables), speaks.read_position if has_position else speaks.read_state
+    decoder = _ValveStateDecoder({config.text(f"state_{state}", state): state for state in _STATES}, scale)
+    commands = (
+        None if command is None else _ValveCommands(command, payloads, scale if has_position else None, variables)
     )
-    entity.add_capability("valve", readable=readable, writer=listens.move if listens else None)
+    entity = Entity(config, "water_valve")
+    readable = entity.read_text_from(
+        config.source("state_topic", variables=variables), decoder.read_position if has_position else decoder.read_state
+    )
+    entity.add_capability("valve", readable=readable, writer=commands.move if commands else None)
     if has_position:
-        entity.add_capability("position", readable=readable, writer=listens.set_position if listens else None)
-    entity.listens_at(command)
+        entity.add_capability("position", readable=readable, writer=commands.set_position if commands else None)
+    entity.add_commands(command)
     return entity.build()
 
 
 _STATES = ("closed", "open", "closing", "opening")
 """Where two states have the same word, the later one counts."""
 
-_TOLD = {"open": ("payload_open", "OPEN"), "closed": ("payload_close", "CLOSE"), "stopped": ("payload_stop", "")}
+_COMMANDS = {"open": ("payload_open", "OPEN"), "closed": ("payload_close", "CLOSE"), "stopped": ("payload_stop", "")}
 _NO_POSITION = ("payload_open", "payload_close", "state_open", "state_closed")
 _MOVING = frozenset({"opening", "closing"})
 _ENDS = (0.0, 100.0)
@@ -63,7 +67,7 @@ _ENDS = (0.0, 100.0)
 class _ValveStateDecoder:
     """Reads what the valve says: plain words and numbers, or an object with ``state`` and ``position``."""
 
-    words: Mapping[str, str]
+    states: Mapping[str, str]
     scale: Scale
 
     def read_state(self, text: str) -> Readings:
@@ -73,7 +77,7 @@ class _ValveStateDecoder:
             return NO_READINGS
         if state == "None":
             return {"valve": None}
-        return {"valve": self.words[state]} if state in self.words else NO_READINGS
+        return {"valve": self.states[state]} if state in self.states else NO_READINGS
 
     def read_position(self, text: str) -> Readings:
         """Of a valve that reports its position."""
@@ -91,7 +95,7 @@ class _ValveStateDecoder:
         if number is not None:
             percent = min(100.0, max(0.0, self.scale.percent(number)))
             found = {"position": percent, "valve": "open" if percent else "closed"}
-        moving = self.words.get(state) if isinstance(state, str) else None
+        moving = self.states.get(state) if isinstance(state, str) else None
         if moving in _MOVING:
             found["valve"] = moving
         return found
@@ -107,10 +111,10 @@ class _ValveCommands:
     variables: Mapping[str, object]
 
     def move(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        word = require_option("valve", value, self.payloads)
-        if self.scale is not None and word != "stopped":
-            return self.set_position(100.0 if word == "open" else 0.0, transition)
-        return (self.command.publication(self.payloads[word]),)
+        state = require_option("valve", value, self.payloads)
+        if self.scale is not None and state != "stopped":
+            return self.set_position(100.0 if state == "open" else 0.0, transition)
+        return (self.command.publication(self.payloads[state]),)
 
     def set_position(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         percent = round(require_number("position", value, 0, 100, "%"))

@@ -6,7 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/water_heater.py``.
 from __future__ import annotations
 
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.homeassistant.capabilities import offer_choice, offer_flag, offer_number
+from homebot.conventions.homeassistant.capabilities import add_choice, add_flag, add_number
 from homebot.conventions.homeassistant.climate_source import source_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
@@ -20,23 +20,23 @@ def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
     thermometer = read_thermometer(config)
     limits = thermometer.limits(config, *_CELSIUS)
     entity = Entity(config, "water_heater")
-    offer_number(
+    add_number(
         entity,
         "heating_setpoint",
         source_of(config, "temperature_state"),
         config.command("temperature_command_topic", "temperature_command_template"),
         bounds=limits.bounds,
         unit="°C",
-        heard=thermometer.celsius,
-        told=limits.number,
+        from_device=thermometer.celsius,
+        to_device=limits.number,
     )
     measured = source_of(config, "current_temperature")
-    offer_number(entity, "local_temperature", measured, None, unit="°C", heard=thermometer.celsius)
+    add_number(entity, "local_temperature", measured, None, unit="°C", from_device=thermometer.celsius)
     mode = config.command("mode_command_topic", "mode_command_template")
     modes = config.options("modes") if config.has("modes") else _MODES
-    offer_choice(entity, "water_heater_mode", source_of(config, "mode_state"), mode, modes)
+    add_choice(entity, "water_heater_mode", source_of(config, "mode_state"), mode, modes)
     payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
-    offer_flag(entity, "on_off", None, config.command("power_command_topic", "power_command_template"), payloads)
+    add_flag(entity, "on_off", None, config.command("power_command_topic", "power_command_template"), payloads)
     return entity.build()
 
 
