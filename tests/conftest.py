@@ -43,6 +43,21 @@ def pytest_asyncio_loop_factories(
     return {"real": asyncio.SelectorEventLoop}
 
 
+@pytest.fixture
+def pass_time(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
+    """Moves the clock of the running event loop forward, also of a real one: what waits for that long is due now.
+
+    What needs sockets or threads, and so real time, waits for events and not for the clock of a busy machine.
+    """
+
+    def move(seconds: float) -> None:
+        loop = asyncio.get_running_loop()
+        before = loop.time
+        monkeypatch.setattr(loop, "time", lambda: before() + seconds)
+
+    return move
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _nothing_blocks_the_loop() -> Iterator[None]:
     with blockbuster_ctx("homebot") as blockbuster:

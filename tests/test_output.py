@@ -52,7 +52,7 @@ def test_what_is_put_is_written_in_order(pipe: Pipe) -> None:
     queue = OutputQueue(pipe.writes)
     for number in range(1000):
         queue.put(f"{number}\n")
-    assert queue.drain(5)
+    assert queue.drain(30)
     assert pipe.read_until(b"999\n").decode().splitlines() == [str(number) for number in range(1000)]
 
 
@@ -61,7 +61,7 @@ def test_a_reader_that_pauses_delays_nobody_and_is_told_what_it_missed_where_it_
     started = time.monotonic()
     for number in range(100_000):
         queue.put(f"{number:07}\n")
-    assert time.monotonic() - started < 5
+    assert time.monotonic() - started < 30
     assert queue.lost > 0
     assert not queue.drain(0.01)
 
@@ -83,7 +83,7 @@ def test_a_reader_that_has_gone_costs_nothing_more(pipe: Pipe) -> None:
     os.close(pipe.reads)
     for _ in range(1000):
         queue.put("x" * 1000)
-    assert queue.drain(5)
+    assert queue.drain(30)
 
 
 def test_many_threads_lose_nothing_and_break_no_line(pipe: Pipe) -> None:
@@ -128,7 +128,7 @@ def test_leaving_the_block_takes_no_longer_than_the_last_chance(pipe: Pipe, monk
     with queued_output():
         for _ in range(10_000):
             sys.stderr.write("nobody reads this\n" * 10)
-    assert time.monotonic() - started < 5
+    assert time.monotonic() - started < 30
 
 
 def test_a_stream_without_a_file_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -81,7 +81,7 @@ def homebot() -> Iterator[Homebot]:
     assert broker is not None
     yield Homebot(door, broker[0], log)
     process.send_signal(signal.SIGTERM)
-    _, rest = process.communicate(timeout=10)
+    _, rest = process.communicate(timeout=40)
     assert process.returncode == 0
     assert "Traceback" not in rest
 

@@ -111,7 +111,7 @@ def _running(
 
     thread = threading.Thread(target=anyio.run, args=(run,))
     thread.start()
-    assert ready.wait(10)
+    assert ready.wait(40)
     try:
         yield made[0]
     finally:

@@ -259,7 +259,7 @@ def test_ctrl_c_ends_quietly(homebot: Any) -> None:
         assert process.stdout is not None
         assert process.stdout.readline() == "data: 1\n"
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=10)
+        _, errors = process.communicate(timeout=40)
     assert (process.returncode, errors) == (130, "")
 
 
@@ -280,7 +280,7 @@ def test_echo_waits_for_a_topic_that_does_not_exist_yet(homebot: Any) -> None:
         assert "there is no topic /later" in process.stderr.readline()
         assert process.stderr.readline() == "homebot: waiting for it; press Ctrl-C to stop\n"
         homebot.do(speak)
-        out, _ = process.communicate(timeout=10)
+        out, _ = process.communicate(timeout=40)
     assert out == "data: now\n---\n"
 
 
@@ -291,7 +291,7 @@ def test_a_closed_pipe_ends_quietly(homebot: Any) -> None:
         assert process.stdout.readline() == "data: 1\n"
         process.stdout.close()
         assert process.stderr.read() == ""
-        assert process.wait(10) == 0
+        assert process.wait(40) == 0
 
 
 def test_hz_measures_the_rate(homebot: Any) -> None:
@@ -299,7 +299,7 @@ def test_hz_measures_the_rate(homebot: Any) -> None:
         assert process.stdout is not None
         label, rate = process.stdout.readline().split(": ")
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=10)
+        process.communicate(timeout=40)
     assert label == "average rate"
     assert 5 < float(rate) < 60
 
@@ -317,7 +317,7 @@ def test_hz_leaves_out_what_was_there_before(homebot: Any) -> None:
         assert process.stdout is not None
         assert process.stdout.readline() == "no new messages\n"
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=10)
+        process.communicate(timeout=40)
 
 
 def test_help_and_version_import_nothing_heavy() -> None:

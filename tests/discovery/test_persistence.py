@@ -19,7 +19,7 @@ from homebot.devices import Sighting
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import DISCOVERY_HEALTH
 from homebot.devices.part import Part
-from homebot.discovery import Directory, DirectorySettings, persistence
+from homebot.discovery import Directory, DirectorySettings
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
 from homebot.graph import Graph, Node
@@ -141,21 +141,24 @@ async def test_a_file_of_a_newer_homebot_is_not_used(path: Path) -> None:
 
 
 async def test_a_disk_that_has_room_again_is_written_within_ten_seconds(
-    path: Path, announce: Announce, part: MakePart, monkeypatch: pytest.MonkeyPatch
+    path: Path, announce: Announce, part: MakePart, pass_time: Callable[[float], None]
 ) -> None:
-    """Here in a tenth of a second."""
-    assert persistence.SAVE_EVERY + persistence.RETRY_AFTER < 10
-    monkeypatch.setattr(persistence, "SAVE_EVERY", persistence.SAVE_EVERY / 100)
-    monkeypatch.setattr(persistence, "RETRY_AFTER", persistence.RETRY_AFTER / 100)
+    graph = Graph()
     path.mkdir()
-    async with directory_with(path) as directory:
-        directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
-        await anyio.sleep(2 * persistence.RETRY_AFTER)
-        assert "lamp" in directory.index.unsaved
-        path.rmdir()
-        with anyio.fail_after(5):
-            while directory.index.unsaved or not path.exists():  # noqa: ASYNC110 - a thread of SQLite tells nobody
-                await anyio.sleep(persistence.SAVE_EVERY)
+    with capture_logs() as lines:
+        async with Node(graph, "doctor") as doctor, directory_with(path, graph) as directory:
+            health = doctor.create_client(GetHealth, DISCOVERY_HEALTH)
+            directory.index.observe(announce("l", part(id="l"), ids=("id:lamp",), name="Lamp"))
+            assert (await health.call(HealthRequest())).troubles
+            pass_time(10)  # it tries again, and fails again
+            await anyio.sleep(0.1)
+            path.rmdir()
+            pass_time(10)
+            with anyio.fail_after(30):
+                while (await health.call(HealthRequest())).troubles:  # noqa: ASYNC110 - a thread of SQLite tells nobody
+                    await anyio.sleep(0.01)
+            assert "discovery.index_file_written_again" in [line["event"] for line in lines]
+            assert path.is_file()
 
 
 async def test_what_could_not_be_written_is_written_when_it_can_be(

@@ -26,6 +26,9 @@ from homebot.mqtt.options import MqttOptions, MqttProtocol
 
 MOSQUITTO = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin")
 
+PATIENCE = 40.0
+"""Seconds in which whatever comes at all has come, also on a busy machine."""
+
 pytestmark = [
     pytest.mark.system,
     pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed"),
@@ -91,7 +94,7 @@ def kind(request: pytest.FixtureRequest) -> ClientKind:
 @asynccontextmanager
 async def connected(mosquitto: Mosquitto, protocol: MqttProtocol, kind: ClientKind) -> AsyncIterator[MqttConnection]:
     async with MqttConnection(options(mosquitto, protocol=protocol), kind, status_topic=None) as connection:
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             await connection.wait_connected()
         yield connection
 
@@ -103,7 +106,7 @@ def options(mosquitto: Mosquitto, *, password: str = "right", **settings: Any) -
 
 async def receive(client: MqttClient | MqttConnection, count: int) -> list[MqttMessage]:
     messages: list[MqttMessage] = []
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         while len(messages) < count:
             batch = await client.receive()
             client.ack(batch)
@@ -144,7 +147,7 @@ async def test_a_wrong_password_is_a_state_and_told_nowhere(
 ) -> None:
     wrong = options(mosquitto, password="wr0ng", protocol=protocol)
     async with MqttConnection(wrong, kind) as connection:
-        with anyio.fail_after(10):
+        with anyio.fail_after(PATIENCE):
             async for state in connection.states():
                 if state.phase is LinkPhase.REFUSED:
                     break
@@ -218,7 +221,7 @@ async def until_not(connection: MqttConnection, phase: LinkPhase) -> None:
 
 async def wait_for(mosquitto: Mosquitto) -> None:
     """Wait until the port is open."""
-    with anyio.fail_after(10):
+    with anyio.fail_after(PATIENCE):
         while True:
             try:
                 async with await anyio.connect_tcp("127.0.0.1", mosquitto.port):

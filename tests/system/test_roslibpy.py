@@ -26,7 +26,7 @@ CLIENT = textwrap.dedent(
 
     port, transport = int(sys.argv[1]), sys.argv[2]
     ros = roslibpy.Ros("127.0.0.1", port, transport=transport)
-    ros.run(timeout=10)
+    ros.run(timeout=40)
     report = {"topics": ros.get_topics(), "time": ros.get_time()["secs"], "type": ros.get_topic_type("/state")}
     report["nodes"], report["params"] = ros.get_nodes(), ros.get_params()
     report["rate"] = ros.get_param("/lamp:rate")
@@ -35,15 +35,15 @@ CLIENT = textwrap.dedent(
 
     heard = queue.Queue()
     roslibpy.Topic(ros, "/state", "std_msgs/String").subscribe(heard.put)
-    report["latched"] = heard.get(timeout=10)["data"]
+    report["latched"] = heard.get(timeout=40)["data"]
     roslibpy.Topic(ros, "/echoed", "std_msgs/String").subscribe(heard.put)
     roslibpy.Topic(ros, "/hello", "std_msgs/String").publish(roslibpy.Message({"data": "hi"}))
-    report["echoed"] = heard.get(timeout=10)["data"]
+    report["echoed"] = heard.get(timeout=40)["data"]
 
     switch = roslibpy.Service(ros, "/switch", "std_srvs/SetBool")
-    report["called"] = switch.call(roslibpy.ServiceRequest({"data": True}), timeout=10)["message"]
+    report["called"] = switch.call(roslibpy.ServiceRequest({"data": True}), timeout=40)["message"]
     try:
-        roslibpy.Service(ros, "/nobody", "std_srvs/SetBool").call(roslibpy.ServiceRequest({}), timeout=10)
+        roslibpy.Service(ros, "/nobody", "std_srvs/SetBool").call(roslibpy.ServiceRequest({}), timeout=40)
     except roslibpy.core.ServiceException as exc:
         report["absent"] = str(exc)
 
@@ -55,7 +55,7 @@ CLIENT = textwrap.dedent(
     mine.advertise(serve)
     go = roslibpy.Topic(ros, "/go", "std_msgs/String")
     go.publish(roslibpy.Message({"data": "serving"}))
-    report["served"] = heard.get(timeout=10)["data"]
+    report["served"] = heard.get(timeout=40)["data"]
     mine.unadvertise()
     print(json.dumps(report))
     ros.terminate()

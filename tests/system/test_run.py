@@ -16,8 +16,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from tests.system.own_time import own_time_until_end
+
+from homebot.cli.watchdog import EXIT_AFTER
 
 STOPS_WITHIN = 5.0
+
+CUT_OFF_WITHIN = STOPS_WITHIN + 2.0
+"""Where a thread ends the program after 4.8 s, which has to wait for a processor like everybody else."""
 
 SETTINGS = {name: value for name, value in os.environ.items() if not name.startswith("HOMEBOT_")}
 
@@ -48,7 +54,7 @@ class Run:
     def until(self, words: str) -> str:
         """Read the log up to the line that holds *words* and return it."""
         assert self.process.stderr is not None
-        guard = threading.Timer(20, self.process.kill)
+        guard = threading.Timer(40, self.process.kill)
         guard.start()
         for line in self.process.stderr:
             self.log.append(line)
@@ -57,13 +63,11 @@ class Run:
                 return line
         pytest.fail(f"{words!r} did not come:\n{''.join(self.log)}")
 
-    def stop(self, number: signal.Signals = signal.SIGTERM) -> int:
+    def stop(self, number: signal.Signals = signal.SIGTERM, within: float = STOPS_WITHIN) -> int:
         """Send a signal, read the rest of the log, and return the exit code; it must come in time."""
         self.process.send_signal(number)
-        started = time.monotonic()
-        code = self.end()
-        assert time.monotonic() - started < STOPS_WITHIN
-        return code
+        assert own_time_until_end(self.process) < within
+        return self.end()
 
     def end(self) -> int:
         _, rest = self.process.communicate(timeout=20)
@@ -117,12 +121,12 @@ def test_a_signal_stops_it_in_order(start: Start, number: signal.Signals) -> Non
 
 def test_the_json_log_is_json_line_by_line_and_for_ends_the_run(start: Start) -> None:
     """To the very last line."""
-    run = start("--log-format", "json", "--for", "1")
+    run = start("--log-format", "json", "--for", "4")
     assert run.end() == 0
     events = [json.loads(line)["event"] for line in run.log]
     assert events[0] == "runtime.broker_started"
     assert events[-1] == "runtime.stopping"
-    assert "light_service.told_off" in events
+    assert "light_service.turned_off" in events
 
 
 def test_a_gateway_without_an_address_has_the_embedded_broker(start: Start, tmp_path: Path) -> None:
@@ -191,9 +195,7 @@ def test_an_absent_broker_is_told_and_does_not_delay_the_stop(start: Start) -> N
     run = start("--mqtt", f"mqtt://127.0.0.1:{port}", "--app", "light_service")
     line = run.until("cannot connect to")
     assert line.count(f"mqtt://127.0.0.1:{port}") == 1
-    started = time.monotonic()
-    assert run.stop(signal.SIGINT) == 0
-    assert time.monotonic() - started < 1.5
+    assert run.stop(signal.SIGINT, within=1.5) == 0
     assert "Traceback" not in run.text
 
 
@@ -216,7 +218,7 @@ def test_a_door_that_is_taken_is_a_clear_error_and_everything_stops_again(start:
         address = f"127.0.0.1:{taken.getsockname()[1]}"
         run = start("--door", address)
         assert run.end() == 1
-    assert run.log[-1].startswith(f"homebot: door: {address} is taken, maybe by another homebot")
+    assert run.log[-1].startswith(f"homebot: door: {address} is in use, maybe by another homebot")
     broker = re.search(r"mqtt://127\.0\.0\.1:(\d+)", run.text)
     assert broker is not None
     assert is_free(int(broker[1]))
@@ -268,7 +270,8 @@ def test_what_crashes_and_what_blocks_is_left_behind_and_the_exit_code_says_so(s
     blocking = start("--app", "my_blocking_app:Blocking")
 
     blocking.until("blocks now")
-    assert blocking.stop() == 1
+    assert EXIT_AFTER < STOPS_WITHIN
+    assert blocking.stop(within=CUT_OFF_WITHIN) == 1
     assert "not everything stopped in time; exiting anyway" in blocking.log[-1]
 
     crashing.until("roomlights405 is off")

@@ -70,14 +70,14 @@ def test_no_secret_is_told_by_anything(tmp_path: Path, form: str) -> None:
     log = tmp_path / "log"
     with log.open("w") as out:
         running = subprocess.Popen(
-            [sys.executable, "-m", "homebot", "run", "--log-format", form, "--for", "20"],
+            [sys.executable, "-m", "homebot", "run", "--log-format", form, "--for", "40"],
             cwd=tmp_path,
             env={**SETTINGS, "HOMEBOT_DATA": str(tmp_path / "data")},
             stdout=out,
             stderr=out,
         )
     try:
-        until = time.monotonic() + 15
+        until = time.monotonic() + 35
         while "it fails with secrets at hand" not in log.read_text() and time.monotonic() < until:
             time.sleep(0.1)
         at = ("--door", f"127.0.0.1:{door}")

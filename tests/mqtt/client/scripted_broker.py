@@ -79,7 +79,7 @@ async def broker(*scripts: Script) -> AsyncIterator[int]:
             done.set()
 
     listener = await anyio.create_tcp_listener(local_host="127.0.0.1")
-    with anyio.fail_after(10):
+    with anyio.fail_after(60):
         async with listener, anyio.create_task_group() as tasks:
             tasks.start_soon(listener.serve, play)
             yield listener.extra(SocketAttribute.local_port)  # noqa: S610 - no database

@@ -7,6 +7,7 @@ import gc
 import logging
 import socket
 import struct
+from collections.abc import Callable
 from typing import Any
 
 import anyio
@@ -173,14 +174,17 @@ async def test_an_absent_broker_is_a_link_error(make: MakeClient, unused_tcp_por
             pass
 
 
-async def test_a_broker_that_does_not_answer_connect_is_a_link_error(make: MakeClient) -> None:
+async def test_a_broker_that_does_not_answer_connect_is_a_link_error(
+    make: MakeClient, pass_time: Callable[[float], None]
+) -> None:
     async def script(peer: Peer) -> None:
         await peer.expect(Connect)
+        pass_time(20)
         await peer.closed()
 
     async with broker(script) as port:
         with pytest.raises(LinkError, match="no answer to CONNECT"):
-            async with make(port, timeout=0.5).connected():
+            async with make(port, timeout=20).connected():
                 pass
 
 

@@ -100,6 +100,7 @@ async def test_the_will_of_a_lost_client_counts_as_published(mqtt_broker: TestBr
 async def test_a_failed_expect_shows_other_payloads_and_similar_topics(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
     await lamp.send(Publish("lamp/kitchen/state", b"off"), Publish("lamp/kitchn/state", b"on"))
+    await mqtt_broker.settle()
     with pytest.raises(AssertionError) as caught:
         await mqtt_broker.expect("lamp/kitchen/state", "on", timeout=0.05)
     assert str(caught.value).splitlines() == [
@@ -218,7 +219,7 @@ def test_a_blocking_client_works_in_the_tests_own_thread(mqtt_broker_thread: Blo
     client.loop_start()
     try:
         client.subscribe("lamp/set")
-        assert told.wait(5)
+        assert told.wait(30)
         broker.publish("lamp/set", {"on": 1})
         assert broker.expect("lamp/state", {"on": 1}).client_id == "lamp"
         broker.settle()

@@ -70,7 +70,7 @@ def test_who_waits_when_the_thread_ends_is_told_so() -> None:
     with ThreadPoolExecutor() as others:
         with broker_thread() as thread:
             call = others.submit(thread.call, work)
-            assert begun.wait(5)
+            assert begun.wait(30)
         with pytest.raises(RuntimeError, match="has ended"):
             call.result(5)
     with pytest.raises(RuntimeError, match="does not run"):
