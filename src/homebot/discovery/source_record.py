@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -131,22 +132,25 @@ def preference(source: SourceRecord) -> tuple[int, int]:
     return (0 if source.sighting.native else 1, source.number)
 
 
+_DESCRIPTION = attrgetter(
+    "name",
+    "service_type",
+    "address",
+    "command_address",
+    "identifiers",
+    "area",
+    "owns",
+    "convention",
+    "native",
+    "whole_device",
+    "metadata",
+    "parts",
+)
+
+
 def is_described_anew(before: Sighting, now: Sighting) -> bool:
     """Return whether *now* says anything else than *before*, but for when and why."""
-    return (
-        before.name != now.name
-        or before.service_type != now.service_type
-        or before.address != now.address
-        or before.command_address != now.command_address
-        or before.metadata != now.metadata
-        or before.identifiers != now.identifiers
-        or before.area != now.area
-        or before.parts != now.parts
-        or before.owns != now.owns
-        or before.convention != now.convention
-        or before.native != now.native
-        or before.whole_device != now.whole_device
-    )
+    return _DESCRIPTION(before) != _DESCRIPTION(now)
 
 
 def note_description(source: SourceRecord, before: Sighting) -> None:
