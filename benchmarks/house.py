@@ -13,6 +13,7 @@ from homebot.devices import Device, Devices, RawMessage
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import Graph, Node
+from homebot.mqtt.client.choice import MqttClientName
 from raw_mqtt import connect, publish_packet
 
 __all__ = ["homebot_listening", "lamp_topics"]
@@ -25,13 +26,16 @@ def lamp_topics(lamps: int) -> list[str]:
 
 
 @asynccontextmanager
-async def homebot_listening(port: int, lamps: int, make_handler: MakeHandler) -> AsyncIterator[None]:
+async def homebot_listening(
+    port: int, lamps: int, make_handler: MakeHandler, *, client: MqttClientName = "native"
+) -> AsyncIterator[None]:
     """Run homebot inside the block; entering returns when the app listens to all *lamps*.
 
     Args:
         port: Of the broker.
         lamps: How many, at most 10; each says something once, so that it is discovered.
         make_handler: Returns what handles the messages of a device.
+        client: What the gateway speaks MQTT with.
     """
     graph = Graph()
     async with (
@@ -40,7 +44,7 @@ async def homebot_listening(port: int, lamps: int, make_handler: MakeHandler) ->
         Node(graph, "app") as app_node,
         anyio.create_task_group() as tasks,
     ):
-        settings = MqttGatewaySettings(url=f"mqtt://127.0.0.1:{port}", root="bench", act=True)
+        settings = MqttGatewaySettings(url=f"mqtt://127.0.0.1:{port}", root="bench", act=True, client=client)
         gateway = MqttGateway(gateway_node, settings)
         await tasks.start(gateway.serve)
         await tasks.start(Directory(directory_node, DirectorySettings()).serve)

@@ -10,6 +10,7 @@ import aiomqtt
 
 from background import in_background
 from homebot.devices import Device, Devices, RawMessage
+from homebot.mqtt.client.choice import MqttClientName
 from house import homebot_listening, lamp_topics
 from mosquitto import mosquitto
 from plan import Plan
@@ -23,8 +24,10 @@ __all__ = ["run"]
 RATE = 500
 MESSAGES = 1000
 WORST = 0.010
+AIM = Aim("at most", 2)
 
-OURS = "app that echoes"
+OURS = "app, native client"
+ON_AIOMQTT = "app, aiomqtt client"
 AIOMQTT = "bare aiomqtt echo"
 RAW = "raw socket echo"
 
@@ -37,14 +40,15 @@ def run(plan: Plan) -> Report:
     if plan.mosquitto is None:
         return Report(TITLE, (), ("Skipped: mosquitto is not installed.",))
     with mosquitto(plan.mosquitto) as port, worker("load_generator.py") as generator:
-        paces = {name: Pace(generator, port, plan.count(MESSAGES)) for name in (OURS, AIOMQTT, RAW)}
+        paces = {name: Pace(generator, port, plan.count(MESSAGES)) for name in (OURS, ON_AIOMQTT, AIOMQTT, RAW)}
         contenders = {
-            OURS: lambda: asyncio.run(homebot_echo(paces[OURS])),
+            OURS: lambda: asyncio.run(homebot_echo(paces[OURS], "native")),
+            ON_AIOMQTT: lambda: asyncio.run(homebot_echo(paces[ON_AIOMQTT], "aiomqtt")),
             AIOMQTT: lambda: asyncio.run(aiomqtt_echo(paces[AIOMQTT])),
             RAW: lambda: raw_echo(paces[RAW]),
         }
         samples = measure_interleaved(contenders, plan.rounds(5))
-    comparisons = compare("p50", samples, [(OURS, RAW, Aim("at most", 2)), (OURS, AIOMQTT, None)], seconds)
+    comparisons = compare("p50", samples, [(OURS, RAW, AIM), (ON_AIOMQTT, RAW, AIM), (OURS, AIOMQTT, None)], seconds)
     notes = [_worst(paces[OURS])]
     for case, fraction in (("p99", 0.99), ("max", 1.0)):
         for peer in (RAW, AIOMQTT):
@@ -85,14 +89,14 @@ class Pace:
         return [_quantile(round_trips, fraction) for round_trips in self.rounds[1:]]
 
 
-async def homebot_echo(pace: Pace) -> float:
+async def homebot_echo(pace: Pace, client: MqttClientName) -> float:
     def make_handler(devices: Devices, device: Device) -> Callable[[RawMessage], Awaitable[None]]:
         async def on_message(message: RawMessage) -> None:
             await devices.tell(device, message.text())
 
         return on_message
 
-    async with homebot_listening(pace.port, 1, make_handler):
+    async with homebot_listening(pace.port, 1, make_handler, client=client):
         pace.start()
         return await asyncio.to_thread(pace.finish)
 
