@@ -17,7 +17,7 @@ PATIENCE = 600.0
 def lamps_left_on(day: Day, world: World) -> list[str]:
     """Name each "on" that nobody answered, once the wire had been whole for a while."""
     mended = max((event.at + event.lasts for event in day.happenings if event.what in {"pull", "restart"}), default=0.0)
-    events = world.chronicle.since(0)
+    events = world.event_log.since(0)
     left_on = []
     for number, event in enumerate(events):
         deadline = max(event.at, mended, day.start) + PATIENCE
@@ -40,5 +40,5 @@ def test_a_saved_day_is_lived_again() -> None:
     day = Day.load(Path(__file__).with_name("cable_pulled.toml"))
     world = live_day(day, "light_service")
     assert lamps_left_on(day, world) == []
-    told = [str(event) for event in world.chronicle.since(0) if event.verb == "told"]
+    told = [str(event) for event in world.event_log.since(0) if event.verb == "told"]
     assert told[0] == "0 18:30:00.000 lamp told off"  # when the cable was in again

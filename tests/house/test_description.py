@@ -28,8 +28,8 @@ def test_the_family_home_is_a_house_to_test_with() -> None:
     world.run_until(DAY)
     assert len(world.devices) >= 20
     assert any(isinstance(unwrap(placed.device), Robot) for placed in world.devices.values())
-    assert {event.who for event in world.chronicle.since(0) if event.verb == "enters"} == {"anna", "ben", "clara"}
-    assert world.chronicle.dropped == 0
+    assert {event.who for event in world.event_log.since(0) if event.verb == "enters"} == {"anna", "ben", "clara"}
+    assert world.event_log.dropped == 0
 
 
 @pytest.mark.parametrize("house", ["flat.toml", "family.toml", "mixed.toml"])
@@ -39,7 +39,7 @@ def test_the_same_seed_is_the_same_day_and_another_seed_is_another(house: str) -
     def day(seed: int) -> bytes:
         world = load_world(HOUSES / house, seed=seed)
         world.run_until(DAY)
-        return world.chronicle.text().encode()
+        return world.event_log.text().encode()
 
     assert day(5) == day(5)
     assert day(5) != day(6)

@@ -16,10 +16,10 @@ def test_the_thesis_says_words_as_they_are_and_announces_nothing() -> None:
     """On the device's own topics."""
     thesis = DIALECTS["thesis"]
     assert thesis.filters(LAMP) == ("villa/lights/desk/in",)
-    assert thesis.state_messages(LAMP, DeviceState(word="21.5")) == (
+    assert thesis.state_messages(LAMP, DeviceState(text="21.5")) == (
         OutgoingMessage("villa/lights/desk/out", b"21.5", retain=False, qos=1),
     )
-    assert thesis.state_messages(LAMP, DeviceState(word="\ud800")) == (OutgoingMessage("villa/lights/desk/out", b"?"),)
+    assert thesis.state_messages(LAMP, DeviceState(text="\ud800")) == (OutgoingMessage("villa/lights/desk/out", b"?"),)
     assert (thesis.birth(LAMP), thesis.will(LAMP)) == ((), None)
 
 

@@ -1,4 +1,4 @@
-"""The chronicle keeps what happened."""
+"""The event log keeps what happened."""
 
 from __future__ import annotations
 

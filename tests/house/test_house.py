@@ -149,7 +149,7 @@ async def test_devices_say_how_they_are_and_obey() -> None:
         await there.tell("lights/lamp/in", b"\xff")
         await there.tell("lights/lamp/in", b"off")
         assert [line.partition(" ")[2] for line in await there.heard_until(2.0)] == ["lights/lamp/out off"]
-        assert (there.house.counters.told, there.house.counters.published) == (2, 2)
+        assert (there.house.counters.commands, there.house.counters.published) == (2, 2)
 
 
 @pytest.mark.virtual_time
@@ -211,7 +211,7 @@ async def test_a_world_whose_clock_is_set_forward_catches_up_with_everything_on_
         assert world.now == 3600.0
         await anyio.sleep(1.0)
         assert world.now == pytest.approx(10 * DAY, abs=400.0)
-        assert sum(event.what == "on" for event in world.chronicle.since(0) if event.verb == "says") == 10
+        assert sum(event.what == "on" for event in world.event_log.since(0) if event.verb == "says") == 10
         clock.ahead = 0.0
         house.tell("lamp", "on")
         assert world.now == pytest.approx(10 * DAY, abs=400.0)

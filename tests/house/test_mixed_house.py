@@ -61,7 +61,7 @@ async def test_a_day_of_a_mixed_house_holds_what_it_promises() -> None:
     world = parse_world(MIXED, "mixed.toml", seed=3)
     async with virtual_house_of("light_service", world=world, seed=3) as house, EventLog.of(house) as log:
         await house.run_for("1d")
-    happened = world.chronicle.since(0)
+    happened = world.event_log.since(0)
     lit = [event for event in happened if event.verb == "switch" and event.what == "on"]
     assert {world.devices[event.who].dialect for event in lit} >= {"zigbee2mqtt", "homeassistant", "tasmota"}
     for event in lit:

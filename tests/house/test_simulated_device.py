@@ -16,7 +16,7 @@ from homebot.house.motor import WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Room, Rooms
 from homebot.house.sensors import SimulatedContactSensor
-from homebot.house.simulated_device import SimulatedDevice, number, spoken
+from homebot.house.simulated_device import SimulatedDevice, number, number_text
 from homebot.house.thermostat import SimulatedThermostat
 
 
@@ -46,18 +46,18 @@ def test_what_is_no_number_in_range_is_none(text: str) -> None:
 )
 def test_numbers_are_spoken_without_needless_digits(value: float, text: str) -> None:
     """And never with an exponent."""
-    assert spoken(value) == text
+    assert number_text(value) == text
 
 
 @given(st.floats(min_value=-1e6, max_value=1e6))
 def test_a_spoken_number_is_heard_again_to_a_thousandth(value: float) -> None:
     """Whatever its size."""
-    assert float(spoken(value)) == pytest.approx(value, abs=0.000_51)
+    assert float(number_text(value)) == pytest.approx(value, abs=0.000_51)
 
 
 def test_a_device_without_words_for_a_number_rounds_to_whole_ones() -> None:
     """No digits, no point."""
-    assert spoken(120.4, 0) == "120"
+    assert number_text(120.4, 0) == "120"
 
 
 def test_most_devices_feel_nothing_and_draw_nothing() -> None:

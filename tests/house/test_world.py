@@ -135,7 +135,7 @@ def test_looking_at_a_device_changes_nothing() -> None:
             world.run_until(NOON + 10.0 + second)
             if looks:
                 world.device("cover")
-        return world.chronicle.text()
+        return world.event_log.text()
 
     assert text(looks=True) == text(looks=False)
 
@@ -151,7 +151,7 @@ def test_the_power_meter_says_the_sum_of_what_is_on() -> None:
     world.command("lamp", "on", 1.0)
     world.command("window", "open", 1.0)
     world.run_until(10.0)
-    said = [(event.at, event.what) for event in world.chronicle.since(0) if event.who == "meter"]
+    said = [(event.at, event.what) for event in world.event_log.since(0) if event.who == "meter"]
     assert said == [(1.0, "10"), (1.0, "50"), (4.0, "10")]
 
 
@@ -202,7 +202,7 @@ def test_a_house_run_in_steps_is_the_house_run_at_once() -> None:
     heard: list[Event] = []
     while in_steps.next_event() <= DAY:
         heard += in_steps.run_until(in_steps.next_event())
-    assert "".join(f"{event}\n" for event in heard) == at_once.chronicle.text()
+    assert "".join(f"{event}\n" for event in heard) == at_once.event_log.text()
 
 
 @settings(max_examples=10, deadline=None)
@@ -226,9 +226,9 @@ def test_the_same_house_told_the_same_writes_the_same(orders: list[tuple[float, 
             now += after
             world.command(device_id, command, now)
         world.run_until(now + DAY)
-        times = [event.at for event in world.chronicle.since(0)]
+        times = [event.at for event in world.event_log.since(0)]
         assert times == sorted(times)
-        return world.chronicle.text()
+        return world.event_log.text()
 
     assert text() == text()
 
@@ -238,7 +238,7 @@ def test_a_house_keeps_the_newest_of_what_happened() -> None:
     world = World(PLAN, [Placed(SimulatedLamp("lamp"), "hall")], capacity=3)
     for second in range(5):
         world.command("lamp", "on", float(second))
-    assert (len(world.chronicle.since(0)), world.chronicle.dropped) == (3, 7)
+    assert (len(world.event_log.since(0)), world.event_log.dropped) == (3, 7)
 
 
 def test_commands_without_end_do_not_fill_the_agenda() -> None:
@@ -252,7 +252,7 @@ def test_commands_without_end_do_not_fill_the_agenda() -> None:
 
 
 def test_a_command_of_any_length_is_kept_short() -> None:
-    """The chronicle is bounded."""
+    """The event log is bounded."""
     world = World(PLAN, [Placed(SimulatedLamp("lamp"), "hall")])
     (told,) = world.command("lamp", "x" * 100_000, 1.0)
     assert told.what == "x" * 200

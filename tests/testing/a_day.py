@@ -41,7 +41,7 @@ async def family(seed: int) -> str:
         EventLog.of(house) as log,
     ):
         await house.run_for("1d")
-        return f"{log}{world.chronicle.text()}"
+        return f"{log}{world.event_log.text()}"
 
 
 if __name__ == "__main__":

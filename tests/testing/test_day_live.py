@@ -32,22 +32,22 @@ async def lived(day: Day) -> tuple[tuple[DayEvent, ...], str]:
     """What found nothing to do, and what happened."""
     start = parse_time("2026-01-01") + timedelta(seconds=day.start)
     async with virtual_house_of(world=day.world(), start=start) as house:
-        return await day.live(house), house.world.chronicle.text()
+        return await day.live(house), house.world.event_log.text()
 
 
 @given(days(WITH_POWER, what=["press", "tell"], max_length="2h"))
 @settings(max_examples=5, derandomize=True)
 def test_where_the_wire_holds_a_day_goes_as_it_is_played(day: Day) -> None:
     """The same events in the same order at the same times."""
-    assert live_day(day).chronicle.text() == day.play().text()
+    assert live_day(day).event_log.text() == day.play().text()
 
 
 @given(days(houses(kinds=["lamp", "window"], max_devices=2, faults=set(FAULTS)), max_length="1h"))
 @settings(max_examples=4, derandomize=True)
 def test_a_day_on_the_wire_is_the_same_each_time(day: Day) -> None:
     """Byte for byte, whatever happens to the wire."""
-    text = live_day(day, "light_service", seed=3).chronicle.text()
-    assert live_day(day, "light_service", seed=3).chronicle.text() == text
+    text = live_day(day, "light_service", seed=3).event_log.text()
+    assert live_day(day, "light_service", seed=3).event_log.text() == text
 
 
 @pytest.mark.parametrize("fault", sorted(FAULTS))
@@ -61,7 +61,7 @@ def test_whatever_is_wrong_with_a_lamp_time_goes_on(fault: str) -> None:
 def test_an_app_acts_on_what_happens() -> None:
     """The light service puts the lamp out."""
     world = live_day(a_day(DayEvent(at("08:30"), "press", "lamp", "on")), "light_service")
-    assert world.chronicle.text() == (
+    assert world.event_log.text() == (
         "0 08:30:00.000 lamp switch on\n0 08:30:00.000 lamp says on\n"
         "0 08:30:00.000 lamp told off\n0 08:30:00.000 lamp says off\n"
     )

@@ -50,7 +50,7 @@ async def test_a_day_of_the_family_home_holds_what_it_promises(seed: int) -> Non
         for event in log.events
         if event.source == "mqtt"
     ]
-    happened = world.chronicle.since(0)
+    happened = world.event_log.since(0)
     assert_light_service_answered(lines)
     assert_wire_says_what_the_world_says(lines, happened, world)
     assert_commands_arrived(lines, happened)
@@ -124,7 +124,7 @@ def assert_nothing_was_lost(house: VirtualHouse, log: EventLog, world: World) ->
     stats = house.broker.stats
     assert (stats.connections_refused, stats.connections_failed, stats.dropped_qos0, stats.dropped_offline) == (0,) * 4
     assert (stats.dropped_overrun, stats.dropped_expired, stats.dropped_refused, stats.queued_messages) == (0,) * 4
-    assert (log.lost, world.chronicle.dropped) == (0, 0)
+    assert (log.lost, world.event_log.dropped) == (0, 0)
 
 
 def _key(world: World, name: str) -> str:

@@ -16,7 +16,7 @@ from homebot.house.description import parse_world
 from homebot.house.kinds import FAULTS, KINDS
 from homebot.testing import Day
 from homebot.testing.strategies import days, houses, saved_if_failing
-from homebot.testing.strategies.devices import FAULT_SETTINGS, KIND_SETTINGS, WORDS
+from homebot.testing.strategies.devices import FAULT_SETTINGS, KIND_SETTINGS, PAYLOADS
 
 ROOT = Path(__file__).parents[2]
 FOUND = settings(max_examples=2000, derandomize=True, database=None, phases=[Phase.generate, Phase.shrink])
@@ -183,7 +183,7 @@ def test_every_setting_of_every_kind_and_fault_is_drawn() -> None:
     assert {fault: set(table) for fault, table in FAULT_SETTINGS.items()} == {
         fault: set(model.model_fields) for fault, model in FAULTS.items()
     }
-    assert set(WORDS) == set(KINDS)
+    assert set(PAYLOADS) == set(KINDS)
 
 
 @pytest.mark.parametrize(

@@ -83,10 +83,10 @@ def parse_world(tables: Mapping[str, object], source: str, *, seed: int | None =
     errands = []
     for number, table in enumerate(parts.errands):
         key = f"errands.{number}"
-        errand = parse_settings(_ErrandTable, table, source, key)
-        if errand.device not in known:
-            raise ConfigError(source, f"{key}.device", f"there is no device {errand.device!r}")
-        errands.append(ScheduledCommand(_seconds(errand.at), errand.device, errand.command))
+        scheduled = parse_settings(_ScheduledCommandTable, table, source, key)
+        if scheduled.device not in known:
+            raise ConfigError(source, f"{key}.device", f"there is no device {scheduled.device!r}")
+        errands.append(ScheduledCommand(_seconds(scheduled.at), scheduled.device, scheduled.command))
     return World(
         rooms,
         placed,
@@ -151,7 +151,7 @@ class _PersonTable(_Strict):
     day: tuple[_HabitTable, ...] = ()
 
 
-class _ErrandTable(_Strict):
+class _ScheduledCommandTable(_Strict):
     at: time
     device: str
     command: str
@@ -184,19 +184,19 @@ def _placed(name: str, table: Table, rooms: Rooms, seed: int, dialect: str, sour
         kinds = ", ".join(sorted(DIALECTS[dialect].kinds))
         raise ConfigError(source, f"{key}.dialect", f"{dialect!r} has no {kind}, only {kinds}")
     own = {k: v for k, v in table.items() if k not in {*where, "kind"}}
-    dice = random.Random(f"{seed}/{name}")  # noqa: S311  # dice of a game, no secrets
-    device = parse_settings(KINDS[kind], own, source, key).build(Surroundings(name, place.room, rooms, dice))
+    rng = random.Random(f"{seed}/{name}")  # noqa: S311  # dice of a game, no secrets
+    device = parse_settings(KINDS[kind], own, source, key).build(Surroundings(name, place.room, rooms, rng))
     for fault, fault_table in place.faults.items():
-        device = _faulty(device, fault, fault_table, dice, source, f"{key}.faults.{fault}")
+        device = _faulty(device, fault, fault_table, rng, source, f"{key}.faults.{fault}")
     return Placed(device, place.room, place.door, dialect)
 
 
 def _faulty(
-    device: SimulatedDevice, fault: str, table: Table, dice: random.Random, source: str, key: str
+    device: SimulatedDevice, fault: str, table: Table, rng: random.Random, source: str, key: str
 ) -> SimulatedDevice:
     if fault not in FAULTS:
         raise ConfigError(source, key, f"is unknown; known are {', '.join(FAULTS)}")
-    return parse_settings(FAULTS[fault], table, source, key).apply(device, dice)
+    return parse_settings(FAULTS[fault], table, source, key).apply(device, rng)
 
 
 def _person(name: str, table: Table, rooms: Rooms, source: str) -> Person:

@@ -29,7 +29,7 @@ class DeviceState:
         heats: Of a thermostat: whether it heats.
     """
 
-    word: str
+    text: str
     is_on: bool = False
     brightness: float = 1.0
     kelvin: float = 2700.0
@@ -41,40 +41,40 @@ class DeviceState:
     heats: bool = False
 
 
-def state_of(device: SimulatedDevice, word: str) -> DeviceState:
-    """Return how *device* is, if its last word is *word*, which may be a lie.
+def state_of(device: SimulatedDevice, text: str) -> DeviceState:
+    """Return how *device* is, if the state it reported last is *text*, which may be a lie.
 
     Args:
         device: The device itself, under all its faults.
-        word: What was heard of it.
+        text: The state that it reported.
     """
     if isinstance(device, SimulatedLamp):
-        return _lamp(device, word)
+        return _lamp(device, text)
     if isinstance(device, WindowMotor):
-        return _motor(device, word)
+        return _motor(device, text)
     if isinstance(device, SimulatedThermostat):
-        return DeviceState(word=word, celsius=device.celsius, target=device.target, heats=device.heats)
-    return DeviceState(word=word, value=number(word, float("-inf"), float("inf")) or 0.0)
+        return DeviceState(text=text, celsius=device.celsius, target=device.target, heats=device.heats)
+    return DeviceState(text=text, value=number(text, float("-inf"), float("inf")) or 0.0)
 
 
-def _lamp(lamp: SimulatedLamp, word: str) -> DeviceState:
-    now = DeviceState(word=word, is_on=lamp.is_on, brightness=lamp.brightness, kelvin=lamp.kelvin)
-    if word in {"on", "off"}:
-        return replace(now, is_on=word == "on")
-    if word.endswith(" K"):
-        kelvin = number(word.removesuffix(" K"), 1.0, 100_000.0)
+def _lamp(lamp: SimulatedLamp, text: str) -> DeviceState:
+    now = DeviceState(text=text, is_on=lamp.is_on, brightness=lamp.brightness, kelvin=lamp.kelvin)
+    if text in {"on", "off"}:
+        return replace(now, is_on=text == "on")
+    if text.endswith(" K"):
+        kelvin = number(text.removesuffix(" K"), 1.0, 100_000.0)
         return now if kelvin is None else replace(now, kelvin=kelvin)
-    brightness = number(word, 0.0, 1.0)
+    brightness = number(text, 0.0, 1.0)
     if brightness is None:
         return now
     return replace(now, is_on=brightness > 0, brightness=brightness or now.brightness)
 
 
-def _motor(motor: WindowMotor, word: str) -> DeviceState:
-    now = DeviceState(word=word, position=motor.position, way=0)
-    if word in {"opening", "closing"}:
-        return replace(now, way=1 if word == "opening" else -1)
-    if word in {"open", "closed"}:
-        return replace(now, position=1.0 if word == "open" else 0.0)
-    position = number(word, 0.0, 1.0)
+def _motor(motor: WindowMotor, text: str) -> DeviceState:
+    now = DeviceState(text=text, position=motor.position, way=0)
+    if text in {"opening", "closing"}:
+        return replace(now, way=1 if text == "opening" else -1)
+    if text in {"open", "closed"}:
+        return replace(now, position=1.0 if text == "open" else 0.0)
+    position = number(text, 0.0, 1.0)
     return now if position is None else replace(now, position=position)

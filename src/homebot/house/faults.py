@@ -111,7 +111,7 @@ class DeviceFault(SimulatedDevice):
         return self._deliver_all(self.device.obey(command, self.now))
 
     def _deliver_all(self, reports: Iterable[str]) -> tuple[str, ...]:
-        return tuple(word for report in reports for word in self._delivered(report))
+        return tuple(report_text for report in reports for report_text in self._delivered(report))
 
     def _delivered(self, report: str) -> tuple[str, ...]:
         """Return the reports that reach the world for *report*."""

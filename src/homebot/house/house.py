@@ -108,9 +108,9 @@ class SimulatedHouse:
         self._midnight = _first_midnight(clock.now(), world.now)
         self._stirred = anyio.Event()
         self._is_served = False
-        plates = {name: self._plate(placed) for name, placed in world.devices.items()}
+        plates = {name: self._device_info(placed) for name, placed in world.devices.items()}
         self._presences = {
-            name: self._presence(plates[name], dialects[placed.dialect]) for name, placed in world.devices.items()
+            name: self._mqtt_device(plates[name], dialects[placed.dialect]) for name, placed in world.devices.items()
         }
         self._bridges = self._bound(world, plates)
 
@@ -124,13 +124,13 @@ class SimulatedHouse:
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Let the house live until cancelled."""
         self.world.run_until(self._now())
-        for name, presence in self._presences.items():
+        for name, mqtt_device in self._presences.items():
             device = self.world.device(name)
-            presence.begin(self._condition(name, device.state()), has_power=device.has_power)
+            mqtt_device.begin(self._condition(name, device.state()), has_power=device.has_power)
         self._is_served = True
         async with anyio.create_task_group() as tasks:
-            for presence in (*self._bridges, *self._presences.values()):
-                tasks.start_soon(run_as, "a simulated device", presence.live)
+            for client in (*self._bridges, *self._presences.values()):
+                tasks.start_soon(run_as, "a simulated device", client.live)
             tasks.start_soon(run_as, "the simulated house", self._beat)
             task_status.started()
             await self._move()
@@ -175,8 +175,8 @@ class SimulatedHouse:
     async def _beat(self) -> None:
         while True:
             await anyio.sleep(self._heartbeat)
-            for presence in self._presences.values():
-                presence.repeat()
+            for device in self._presences.values():
+                device.repeat()
 
     def _now(self) -> float:
         return self._clock.now() - self._midnight
@@ -188,14 +188,14 @@ class SimulatedHouse:
     def _show(self, events: Iterable[Event]) -> None:
         for event in events:
             if event.verb == "says":
-                self._presences[event.who].say(self._condition(event.who, event.what))
+                self._presences[event.who].publish(self._condition(event.who, event.what))
             elif event.verb == "power":
                 self._presences[event.who].power(on=event.what == "on")
 
-    def _condition(self, name: str, word: str) -> DeviceState:
-        return state_of(unwrap(self.world.device(name)), word)
+    def _condition(self, name: str, text: str) -> DeviceState:
+        return state_of(unwrap(self.world.device(name)), text)
 
-    def _plate(self, placed: Placed) -> SimulatedDeviceInfo:
+    def _device_info(self, placed: Placed) -> SimulatedDeviceInfo:
         device = placed.device
         if placed.dialect not in self._dialects:
             raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}; known are {', '.join(self._dialects)}")
@@ -210,17 +210,17 @@ class SimulatedHouse:
         for name in dict.fromkeys(placed.dialect for placed in world.devices.values()):
             bound = [plates[one] for one, placed in world.devices.items() if placed.dialect == name]
             if (bridge := self._dialects[name].bridge(bound)) is not None:
-                plate = SimulatedDeviceInfo(self._home, "bridge", f"{name} bridge", "bridge", "")
-                bridges.append(self._presence(plate, BridgeDialect(bridge)))
+                info = SimulatedDeviceInfo(self._home, "bridge", f"{name} bridge", "bridge", "")
+                bridges.append(self._mqtt_device(info, BridgeDialect(bridge)))
         return bridges
 
-    def _presence(self, plate: SimulatedDeviceInfo, dialect: Dialect) -> MqttDevice:
-        for topic in (*dialect.filters(plate), *(message.topic for message in dialect.birth(plate))):
+    def _mqtt_device(self, info: SimulatedDeviceInfo, dialect: Dialect) -> MqttDevice:
+        for topic in (*dialect.filters(info), *(message.topic for message in dialect.birth(info))):
             validate_filter(topic)
-        will = dialect.will(plate)
+        will = dialect.will(info)
         options = MqttOptions.from_url(
             self._url,
-            client_id=f"{self._home}-{plate.device_id}",
+            client_id=f"{self._home}-{info.device_id}",
             # Whoever speaks this often needs few pings in between.
             keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 12 * self._heartbeat), LONGEST_KEEP_ALIVE)),
             will=None if will is None else MqttWill(will.topic, will.payload, will.qos, will.retain),
@@ -228,7 +228,7 @@ class SimulatedHouse:
         connection = MqttConnection(
             options, self._make_client, status_topic=None, clock=self._clock, random=self._random
         )
-        return MqttDevice(plate, dialect, connection, partial(self.tell, plate.device_id), self.counters, self._lines)
+        return MqttDevice(info, dialect, connection, partial(self.tell, info.device_id), self.counters, self._lines)
 
 
 def _first_midnight(now: float, lived: float) -> float:

@@ -60,12 +60,12 @@ class Household:
         rooms: Rooms,
         queue: TimerQueue[object, Callable[[], None]],
         clock: Callable[[], float],
-        witness: MovementObserver,
+        observer: MovementObserver,
     ) -> None:
         self._rooms = rooms
         self._queue = queue
         self._clock = clock
-        self._witness = witness
+        self._observer = observer
         self._bodies = [_Body(person, person.starts_in, person.asleep) for person in people]
         for person in people:
             for room in (person.starts_in, *(habit.room for habit in person.day)):
@@ -95,13 +95,13 @@ class Household:
             return  # they changed their mind on the way
         if way[0] != body.room:
             left, body.room = body.room, way[0]
-            self._witness.passed(body.person.name, left, body.room)
-            self._witness.stirred(left)
+            self._observer.passed(body.person.name, left, body.room)
+            self._observer.stirred(left)
         if len(way) == 1:
             body.asleep = visit.asleep
             if body.asleep:
-                self._witness.lay_down(body.person.name, body.room)
+                self._observer.lay_down(body.person.name, body.room)
         else:
             seconds = self._rooms.metres(way[0], way[1]) / body.person.speed
             self._queue.set(object(), self._clock() + seconds, partial(self._walk, body, walk, visit, way[1:]))
-        self._witness.stirred(body.room)
+        self._observer.stirred(body.room)

@@ -65,7 +65,7 @@ class FaultSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     @abstractmethod
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
         """Return *device* with the fault."""
 
 
@@ -149,62 +149,62 @@ class _Robot(KindSettings):
 class _Lossy(FaultSettings):
     share: Fraction | None = None
 
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
-        return faults.Lossy(device, dice, **self.model_dump(exclude_unset=True))
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
+        return faults.Lossy(device, rng, **self.model_dump(exclude_unset=True))
 
 
 class _Slow(FaultSettings):
     delay: NotNegative | None = None
 
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
-        return faults.Slow(device, dice, **self.model_dump(exclude_unset=True))
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
+        return faults.Slow(device, rng, **self.model_dump(exclude_unset=True))
 
 
 class _Deaf(FaultSettings):
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
-        return faults.Deaf(device, dice)
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
+        return faults.Deaf(device, rng)
 
 
 class _Liar(FaultSettings):
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
-        return faults.Liar(device, dice)
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
+        return faults.Liar(device, rng)
 
 
 class _Stuck(FaultSettings):
     after: Moment | None = None
 
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
-        return faults.Stuck(device, dice, **self.model_dump(exclude_unset=True))
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
+        return faults.Stuck(device, rng, **self.model_dump(exclude_unset=True))
 
 
 class _Reverter(FaultSettings):
     after: Moment | None = None
 
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
-        return faults.Reverter(device, dice, **self.model_dump(exclude_unset=True))
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
+        return faults.Reverter(device, rng, **self.model_dump(exclude_unset=True))
 
 
 class _Chatterbox(FaultSettings):
     times: Annotated[int, Field(ge=1, le=1000)] | None = None
     every: Positive | None = None
 
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
-        return faults.Chatterbox(device, dice, **self.model_dump(exclude_unset=True))
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
+        return faults.Chatterbox(device, rng, **self.model_dump(exclude_unset=True))
 
 
 class _Flapper(FaultSettings):
     every: Moment | None = None
 
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
-        return faults.Flapper(device, dice, **self.model_dump(exclude_unset=True))
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
+        return faults.Flapper(device, rng, **self.model_dump(exclude_unset=True))
 
 
 class _Unplugged(FaultSettings):
     since: NotNegative | None = None
     until: Positive | None = None
 
-    def apply(self, device: SimulatedDevice, dice: random.Random) -> SimulatedDevice:
-        return faults.Unplugged(device, dice, **self.model_dump(exclude_unset=True))
+    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
+        return faults.Unplugged(device, rng, **self.model_dump(exclude_unset=True))
 
 
 KINDS: dict[str, type[KindSettings]] = {

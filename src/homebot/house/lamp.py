@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.simulated_device import SimulatedDevice, number, spoken
+from homebot.house.simulated_device import SimulatedDevice, number, number_text
 
 __all__ = ["SimulatedLamp"]
 
@@ -70,10 +70,10 @@ class SimulatedLamp(SimulatedDevice):
             if kelvin is None:
                 return ()
             self.kelvin = kelvin
-            return (f"{spoken(kelvin)} K",)
+            return (f"{number_text(kelvin)} K",)
         brightness = number(command, 0.0, 1.0)
         if brightness is None:
             return ()
         self.is_on = brightness > 0
         self.brightness = brightness or self.brightness
-        return (spoken(brightness),)
+        return (number_text(brightness),)

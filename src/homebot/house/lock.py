@@ -32,13 +32,13 @@ class SimulatedDoorLock(SimulatedDevice):
     service_type: str = field(default="locks", kw_only=True)
 
     def __post_init__(self) -> None:
-        self._word = "locked" if self.is_locked else "unlocked"
+        self._state_text = "locked" if self.is_locked else "unlocked"
         self._arrives_at: float | None = None
         self._wants_locked = self.is_locked
 
     def state(self) -> str:
         """``locked``, ``unlocked`` or ``jammed``; ``locking`` or ``unlocking`` on the way."""
-        return self._word
+        return self._state_text
 
     def restore(self) -> str:
         """``lock`` or ``unlock``."""
@@ -57,14 +57,14 @@ class SimulatedDoorLock(SimulatedDevice):
             return ()
         self._wants_locked = command == "lock"
         self._arrives_at = self.now + self.travel_time
-        self._word = f"{command}ing"
-        return (self._word,)
+        self._state_text = f"{command}ing"
+        return (self._state_text,)
 
     def _on_timer(self) -> tuple[str, ...]:
         self._arrives_at = None
         if self.rng.random() < self.jams:
-            self._word = "jammed"
+            self._state_text = "jammed"
         else:
             self.is_locked = self._wants_locked
-            self._word = "locked" if self.is_locked else "unlocked"
-        return (self._word,)
+            self._state_text = "locked" if self.is_locked else "unlocked"
+        return (self._state_text,)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.simulated_device import SimulatedDevice, number, spoken
+from homebot.house.simulated_device import SimulatedDevice, number, number_text
 
 __all__ = ["CoverMotor", "WindowMotor"]
 
@@ -48,7 +48,7 @@ class WindowMotor(SimulatedDevice):
         """``open``, ``closed`` or a position; ``opening`` or ``closing`` on the way."""
         if self._moves:
             return "opening" if self._target > self._start else "closing"
-        return _word(self._target)
+        return _position_text(self._target)
 
     def watts(self) -> float:
         """40 W while it moves."""
@@ -56,7 +56,7 @@ class WindowMotor(SimulatedDevice):
 
     def restore(self) -> str:
         """``open``, ``close`` or the position where it is."""
-        return {"open": "open", "closed": "close"}.get(_word(self.position), spoken(self.position))
+        return {"open": "open", "closed": "close"}.get(_position_text(self.position), number_text(self.position))
 
     def next_event(self) -> float | None:
         """Return when it arrives."""
@@ -103,5 +103,5 @@ class CoverMotor(WindowMotor):
     service_type: str = field(default="covers", kw_only=True)
 
 
-def _word(position: float) -> str:
-    return {0.0: "closed", 1.0: "open"}.get(position, spoken(position))
+def _position_text(position: float) -> str:
+    return {0.0: "closed", 1.0: "open"}.get(position, number_text(position))

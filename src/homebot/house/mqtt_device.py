@@ -50,7 +50,7 @@ class HouseCounters:
     unsaid: int = 0
     overflowed: int = 0
     refused: int = 0
-    told: int = 0
+    commands: int = 0
 
 
 @final
@@ -71,17 +71,17 @@ class MqttDevice:
         device: SimulatedDeviceInfo,
         dialect: Dialect,
         connection: MqttConnection,
-        tell: Callable[[str], None],
+        on_command: Callable[[str], None],
         counters: HouseCounters,
         lines: LogLimit,
     ) -> None:
         self._device = device
         self._dialect = dialect
         self._connection = connection
-        self._condition = DeviceState(word="")
+        self._condition = DeviceState(text="")
         self._last: tuple[OutgoingMessage, ...] = ()
         self._again: tuple[OutgoingMessage, ...] = ()
-        self._tell = tell
+        self._on_command = on_command
         self._counters = counters
         self._lines = lines
         self._has_power = True
@@ -94,17 +94,17 @@ class MqttDevice:
         self._keep(condition)
         self._has_power = has_power
 
-    def say(self, condition: DeviceState) -> None:
+    def publish(self, condition: DeviceState) -> None:
         """Say the last word of *condition*, and again at each heartbeat and new link until another; never waits."""
         self._keep(condition)
-        if self._is_heard:
+        if self._is_online:
             self._enqueue(self._last)
         else:
             self._counters.unsaid += 1
 
     def repeat(self) -> None:
         """Say the last word again, where it can be heard; what is lost comes with the next."""
-        if self._is_heard:
+        if self._is_online:
             self._enqueue(self._again)
 
     def power(self, *, on: bool) -> None:
@@ -122,7 +122,7 @@ class MqttDevice:
             while not self._has_power:
                 await self._switched.wait()
             async with self._connection, anyio.create_task_group() as tasks:
-                for work in (self._on_connected, self._speak, self._hear):
+                for work in (self._on_connected, self._publish_queued, self._receive_commands):
                     tasks.start_soon(run_as, "a simulated device", work)
                 while self._has_power:
                     await self._switched.wait()
@@ -130,7 +130,7 @@ class MqttDevice:
                 tasks.cancel_scope.cancel()
 
     @property
-    def _is_heard(self) -> bool:
+    def _is_online(self) -> bool:
         return self._has_power and self._connection.state.phase is LinkPhase.CONNECTED
 
     def _keep(self, condition: DeviceState) -> None:
@@ -154,7 +154,7 @@ class MqttDevice:
                 self._enqueue(self._dialect.birth(self._device))
                 self._enqueue(self._last)
 
-    async def _speak(self) -> None:
+    async def _publish_queued(self) -> None:
         while True:
             await self._queued.wait()
             self._queued.clear()
@@ -173,12 +173,12 @@ class MqttDevice:
         else:
             self._counters.published += 1
 
-    async def _hear(self) -> None:
+    async def _receive_commands(self) -> None:
         while True:
             messages = await self._connection.receive()
             for message in messages:
                 for command in self._dialect.parse_command(self._device, message.topic, message.payload):
-                    self._counters.told += 1
-                    self._tell(command)
+                    self._counters.commands += 1
+                    self._on_command(command)
                 self._enqueue(self._dialect.replies(self._device, self._condition, message.topic, message.payload))
             self._connection.ack(messages)

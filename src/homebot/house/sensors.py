@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.simulated_device import SimulatedDevice, spoken
+from homebot.house.simulated_device import SimulatedDevice, number_text
 
 __all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "SimulatedContactSensor"]
 
@@ -91,7 +91,7 @@ class LuxSensor(SimulatedDevice):
 
     def state(self) -> str:
         """Lux as text."""
-        return spoken(self.lux, 1)
+        return number_text(self.lux, 1)
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
         """Say the new level if it differs enough."""
@@ -118,7 +118,7 @@ class PowerMeter(SimulatedDevice):
 
     def state(self) -> str:
         """Watts as text."""
-        return spoken(self.total, 1)
+        return number_text(self.total, 1)
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
         """Say the new power if it differs enough."""

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from homebot.numbers import to_number
 
-__all__ = ["SimulatedDevice", "number", "spoken"]
+__all__ = ["SimulatedDevice", "number", "number_text"]
 
 
 @dataclass(eq=False)
@@ -107,6 +107,6 @@ def number(text: str, low: float, high: float) -> float | None:
     return value if value is not None and low <= value <= high else None
 
 
-def spoken(value: float, digits: int = 3) -> str:
+def number_text(value: float, digits: int = 3) -> str:
     """Return *value* as devices say it: decimal text with at most *digits* decimals."""
     return f"{round(value, digits) + 0.0:.{digits}f}".rstrip("0").rstrip(".") if digits else f"{round(value)}"

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from homebot.house.simulated_device import SimulatedDevice, number, spoken
+from homebot.house.simulated_device import SimulatedDevice, number, number_text
 
 __all__ = ["SimulatedThermostat"]
 
@@ -48,12 +48,12 @@ class SimulatedThermostat(SimulatedDevice):
 
     def __post_init__(self) -> None:
         self._looks_at = self.now + PERIOD
-        self._said = self.celsius
+        self._reported = self.celsius
         self.heats = False
 
     def state(self) -> str:
         """The room's temperature as text."""
-        return spoken(self.celsius, 1)
+        return number_text(self.celsius, 1)
 
     def watts(self) -> float:
         """Its rated power while it heats."""
@@ -61,7 +61,7 @@ class SimulatedThermostat(SimulatedDevice):
 
     def restore(self) -> str:
         """The target."""
-        return spoken(self.target)
+        return number_text(self.target)
 
     def sense(self, value: float, now: float) -> tuple[str, ...]:
         """Let the weather be *value* degrees Celsius."""
@@ -86,7 +86,7 @@ class SimulatedThermostat(SimulatedDevice):
         if target is None:
             return ()
         self.target = target
-        return (spoken(target),)
+        return (number_text(target),)
 
     def _on_timer(self) -> tuple[str, ...]:
         self._looks_at += PERIOD
@@ -94,7 +94,7 @@ class SimulatedThermostat(SimulatedDevice):
         self.celsius = tends_to + (self.celsius - tends_to) * math.exp(-PERIOD / self.inertia)
         if abs(self.celsius - self.target) > BAND:
             self.heats = self.celsius < self.target
-        if abs(self.celsius - self._said) < 0.1:
+        if abs(self.celsius - self._reported) < 0.1:
             return ()
-        self._said = self.celsius
+        self._reported = self.celsius
         return (self.state(),)

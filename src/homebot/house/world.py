@@ -1,7 +1,7 @@
 """The world of a simulated house: its people, its devices and the sun, on one time line.
 
 Everything happens in :meth:`World.run_until`, :meth:`World.tell` and :meth:`World.press`, in time order, and is written
-into one chronicle. The same house with the same seed, told the same commands at the same times, writes the same text.
+into one event log. The same house with the same seed, told the same commands at the same times, writes the same text.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ DARK = 30.0
 """Lux below which people want a lamp."""
 
 LONGEST_COMMAND = 200
-"""Characters; what is beyond is cut off, since the chronicle keeps commands."""
+"""Characters; what is beyond is cut off, since the event log keeps commands."""
 
 DOOR_CLOSES = 3.0
 DOOR_LOCKS = 15.0
@@ -107,11 +107,11 @@ class World:
         first_day: Day of the year, 1 to 366.
         latitude: Degrees north.
         by_hand: Whether people switch lamps on where they enter the dark, and off where they leave.
-        capacity: Events the chronicle keeps.
+        capacity: Events the event log keeps.
 
     Attributes:
         now: Seconds since the midnight before the first day.
-        chronicle: What happened.
+        event log: What happened.
 
     Raises:
         UsageError: Two devices have one name, or a room or device is not there.
@@ -131,7 +131,7 @@ class World:
         capacity: int = 100_000,
     ) -> None:
         self.now = 0.0
-        self.chronicle = WorldLog(capacity)
+        self.event_log = WorldLog(capacity)
         self._rooms = rooms
         self._things: dict[str, _PlacedDevice] = {}
         for item in placed:
@@ -151,7 +151,7 @@ class World:
         self._queue.set(object(), 0.0, partial(self._begin_day, 0))
         self._queue.set(object(), 0.0, self._sample)
         for thing in self._things.values():
-            self._plan_wake(thing)
+            self._plan_step(thing)
 
     @classmethod
     def of(cls, *devices: SimulatedDevice) -> World:
@@ -180,9 +180,9 @@ class World:
         """
         if not math.isfinite(now):
             raise UsageError(f"a house cannot run until {now}")
-        mark = self.chronicle.count
+        mark = self.event_log.count
         self._run(now)
-        return self.chronicle.since(mark)
+        return self.event_log.since(mark)
 
     def command(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
         """Run until *now*, then give *command* to a device; return all that happened.
@@ -191,18 +191,18 @@ class World:
             UsageError: There is no such device, or *now* is no finite number.
         """
         thing = self._thing(device_id)
-        mark = self.chronicle.count
+        mark = self.event_log.count
         self.run_until(now)
         self._command(thing, command)
-        return self.chronicle.since(mark)
+        return self.event_log.since(mark)
 
     def press(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
         """As :meth:`tell`, but by hand: as somebody does at the device itself, as *command* would."""
         thing = self._thing(device_id)
-        mark = self.chronicle.count
+        mark = self.event_log.count
         self.run_until(now)
         self._switch(thing, command)
-        return self.chronicle.since(mark)
+        return self.event_log.since(mark)
 
     def device(self, device_id: str) -> SimulatedDevice:
         """Return a device, with its faults, at :attr:`now`.
@@ -263,8 +263,8 @@ class World:
         for thing in self._things.values():
             for room in (thing.placed.room, thing.placed.door or thing.placed.room):
                 self._rooms.path(room, room)
-        for errand in self._errands:
-            self._thing(errand.device_id)
+        for scheduled in self._errands:
+            self._thing(scheduled.device_id)
 
     def _thing(self, device_id: str) -> _PlacedDevice:
         if device_id not in self._things:
@@ -280,9 +280,9 @@ class World:
 
     def _begin_day(self, day: int) -> None:
         self._household.begin_day(day, str(self._seed))
-        for errand in self._errands:
-            thing = self._things[errand.device_id]
-            self._queue.set(object(), day * DAY + errand.at, partial(self._command, thing, errand.command))
+        for scheduled in self._errands:
+            thing = self._things[scheduled.device_id]
+            self._queue.set(object(), day * DAY + scheduled.at, partial(self._command, thing, scheduled.command))
         self._queue.set(object(), (day + 1) * DAY, partial(self._begin_day, day + 1))
 
     def _on_door(self, one: str, other: str) -> list[_PlacedDevice]:
@@ -327,7 +327,7 @@ class World:
             self._note(device.device_id, "power", "on" if device.has_power else "off")
         for report in reports if device.has_power else ():
             self._note(device.device_id, "says", report)
-        self._plan_wake(thing)
+        self._plan_step(thing)
         if isinstance(thing.real, SimulatedLamp | CoverMotor):
             self._show_light(thing.placed.room)
         if device.watts() != drew:
@@ -335,7 +335,7 @@ class World:
         if (after := _drive(thing.real)) != before:
             self._show_drive(before.room, after.room)
 
-    def _plan_wake(self, thing: _PlacedDevice) -> None:
+    def _plan_step(self, thing: _PlacedDevice) -> None:
         device = thing.placed.device
         at = device.next_event()
         if at is None:
@@ -386,7 +386,7 @@ class World:
         self._queue.set(object(), self.now + SAMPLE, self._sample)
 
     def _note(self, who: str, verb: Verb, what: str) -> None:
-        self.chronicle.add(Event(self.now, who, verb, what))
+        self.event_log.add(Event(self.now, who, verb, what))
 
 
 def _drive(device: SimulatedDevice) -> _Drive:

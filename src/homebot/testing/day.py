@@ -150,13 +150,13 @@ class Day:
             UsageError: A device is not in *world*.
         """
         world = self.world() if world is None else world
-        for happening in self.happenings:
-            if happening.what == "tell":
-                world.command(happening.device, happening.command, happening.at)
-            elif happening.what == "press":
-                world.press(happening.device, happening.command, happening.at)
+        for event in self.happenings:
+            if event.what == "tell":
+                world.command(event.device, event.command, event.at)
+            elif event.what == "press":
+                world.press(event.device, event.command, event.at)
         world.run_until(self.end)
-        return world.chronicle
+        return world.event_log
 
     async def live(self, house: VirtualHouse, *, root: str = "home425") -> tuple[DayEvent, ...]:
         """Live the day on the wire, in virtual time.
@@ -199,13 +199,13 @@ class Day:
         if both := {HEAD, HAPPENINGS} & set(self.house):
             raise ConfigError(self.source, min(both), "is no table of a house")
         devices = self.world().devices
-        for number, happening in enumerate(self.happenings):
+        for number, event in enumerate(self.happenings):
             key = f"{HAPPENINGS}.{number}"
-            if not self.start <= happening.at <= self.end:
+            if not self.start <= event.at <= self.end:
                 day = f"{write_time(self.start)} to {write_time(self.end)}"
-                raise ConfigError(self.source, f"{key}.at", f"{write_time(happening.at)} is not in the day, {day}")
-            if happening.device and happening.device not in devices:
-                raise ConfigError(self.source, f"{key}.device", f"there is no device {happening.device!r}")
+                raise ConfigError(self.source, f"{key}.at", f"{write_time(event.at)} is not in the day, {day}")
+            if event.device and event.device not in devices:
+                raise ConfigError(self.source, f"{key}.device", f"there is no device {event.device!r}")
 
 
 def read_tables(path: Path) -> Table:

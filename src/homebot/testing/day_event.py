@@ -88,16 +88,16 @@ class DayEvent:
         Raises:
             ConfigError: A key is unknown or a value wrong; names *source*, *key* and reason.
         """
-        told = parse_settings(_HappeningTable, table, source, key)
-        at = _read(read_time, told.at, source, f"{key}.at")
-        lasts = _read(parse_duration, told.lasts, source, f"{key}.lasts")
+        values = parse_settings(_DayEventTable, table, source, key)
+        at = _read(read_time, values.at, source, f"{key}.at")
+        lasts = _read(parse_duration, values.lasts, source, f"{key}.lasts")
         try:
-            return cls(at, told.what, told.device, told.command, lasts, told.forget)
+            return cls(at, values.what, values.device, values.command, lasts, values.forget)
         except UsageError as exc:
             raise ConfigError(source, key, str(exc)) from exc
 
 
-class _HappeningTable(BaseModel):
+class _DayEventTable(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     at: str

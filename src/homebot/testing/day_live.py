@@ -35,7 +35,7 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
         heartbeat: The time after which a device repeats its last report.
 
     Returns:
-        The house at the end of the day; its ``chronicle`` is what happened in it.
+        The house at the end of the day; its ``event log`` is what happened in it.
 
     Raises:
         AssertionError: An app crashed.
@@ -71,10 +71,10 @@ async def live(day: Day, house: VirtualHouse, *, root: str = ROOT) -> tuple[DayE
         raise UsageError(f"there is no device {min(missing)!r} in the house")
     wire = _Wire(house, root)
     undone = []
-    for at, happening, act in _plan(day, wire):
+    for at, event, act in _plan(day, wire):
         await _sleep_until(house, midnight + timedelta(seconds=at))
         if not await act():
-            undone.append(happening)
+            undone.append(event)
         await house.settle()
     await _sleep_until(house, midnight + timedelta(seconds=day.end))
     return tuple(undone)
@@ -90,27 +90,27 @@ class _Wire:
     outages: int = 0
     forget: bool = False
 
-    async def press(self, happening: DayEvent) -> bool:
-        self.house.simulated.press(happening.device, happening.command)  # a random day presses what is not there, too
+    async def press(self, event: DayEvent) -> bool:
+        self.house.simulated.press(event.device, event.command)  # a random day presses what is not there, too
         await self.house.settle()
         return True
 
-    async def tell(self, happening: DayEvent) -> bool:
-        service_type = self.house.world.devices[happening.device].device.service_type
+    async def tell(self, event: DayEvent) -> bool:
+        service_type = self.house.world.devices[event.device].device.service_type
         try:
-            await self.house.says(f"{self.root}/{service_type}/{happening.device}/in", happening.command)
+            await self.house.says(f"{self.root}/{service_type}/{event.device}/in", event.command)
         except LinkError:
             return False
         return True
 
-    async def cut(self, happening: DayEvent) -> bool:
-        link = self._link(happening.device)
+    async def cut(self, event: DayEvent) -> bool:
+        link = self._link(event.device)
         if link is not None:
             link.abort()
         return link is not None
 
-    async def pull(self, happening: DayEvent, links: list[MemoryLink]) -> bool:
-        link = self._link(happening.device)
+    async def pull(self, event: DayEvent, links: list[MemoryLink]) -> bool:
+        link = self._link(event.device)
         if link is None:
             return False
         self.frozen[link] += 1
@@ -125,9 +125,9 @@ class _Wire:
                 link.thaw()
         return True
 
-    async def stop(self, happening: DayEvent) -> bool:
+    async def stop(self, event: DayEvent) -> bool:
         self.outages += 1
-        self.forget |= happening.forget
+        self.forget |= event.forget
         await self.house.broker.stop()
         return True
 
@@ -149,22 +149,22 @@ _Step = tuple[float, DayEvent, Callable[[], Awaitable[bool]]]
 def _plan(day: Day, wire: _Wire) -> list[_Step]:
     """List the acts with their times; one that lasts ends with the day at the latest."""
     steps: list[_Step] = []
-    for happening in day.happenings:
-        ends = min(happening.at + happening.lasts, day.end)
-        match happening.what:
+    for event in day.happenings:
+        ends = min(event.at + event.lasts, day.end)
+        match event.what:
             case "press":
-                steps.append((happening.at, happening, partial(wire.press, happening)))
+                steps.append((event.at, event, partial(wire.press, event)))
             case "tell":
-                steps.append((happening.at, happening, partial(wire.tell, happening)))
+                steps.append((event.at, event, partial(wire.tell, event)))
             case "cut":
-                steps.append((happening.at, happening, partial(wire.cut, happening)))
+                steps.append((event.at, event, partial(wire.cut, event)))
             case "pull":
                 links: list[MemoryLink] = []
-                steps.append((happening.at, happening, partial(wire.pull, happening, links)))
-                steps.append((ends, happening, partial(wire.plug_in, links)))
+                steps.append((event.at, event, partial(wire.pull, event, links)))
+                steps.append((ends, event, partial(wire.plug_in, links)))
             case "restart":
-                steps.append((happening.at, happening, partial(wire.stop, happening)))
-                steps.append((ends, happening, wire.start))
+                steps.append((event.at, event, partial(wire.stop, event)))
+                steps.append((ends, event, wire.start))
     return sorted(steps, key=lambda step: step[0])
 
 

@@ -73,7 +73,7 @@ class TestHouse:
         self._make_client = make_client
         self._log: EventLog | None = None
         self._field = field
-        self._heard: dict[str, deque[str]] = {}
+        self._received: dict[str, deque[str]] = {}
         self._came = anyio.Event()
 
     @property
@@ -127,12 +127,12 @@ class TestHouse:
         except InvalidNameError as exc:
             raise UsageError(f"hears({topic!r}): {exc}; name one topic") from None
         with anyio.move_on_after(within):
-            while not self._heard.get(topic):
+            while not self._received.get(topic):
                 await self._came.wait()
-        heard = self._heard.get(topic)
-        if not heard:
-            raise TimeoutError(self._silence(topic, within))
-        return heard.popleft()
+        received = self._received.get(topic)
+        if not received:
+            raise TimeoutError(self._timeout_text(topic, within))
+        return received.popleft()
 
     async def listen(self) -> None:
         """Take in what homebot sends, until cancelled."""
@@ -148,17 +148,17 @@ class TestHouse:
             self._came = anyio.Event()
 
     def _keep(self, topic: str, payload: str) -> None:
-        if topic not in self._heard:
-            if len(self._heard) >= MAX_TOPICS:
-                del self._heard[next(iter(self._heard))]
-            self._heard[topic] = deque(maxlen=KEPT)
-        self._heard[topic].append(payload)
+        if topic not in self._received:
+            if len(self._received) >= MAX_TOPICS:
+                del self._received[next(iter(self._received))]
+            self._received[topic] = deque(maxlen=KEPT)
+        self._received[topic].append(payload)
 
-    def _silence(self, topic: str, within: float) -> str:
+    def _timeout_text(self, topic: str, within: float) -> str:
         """Describe what came on other topics: first what homebot sent to devices, without its own status."""
-        heard = [name for name, payloads in self._heard.items() if payloads and not name.endswith("/mqtt/status")]
-        names = sorted(heard, key=lambda one: not one.endswith("/in"))
-        elsewhere = {name: list(self._heard[name])[-_SHOWN:] for name in names[:_SHOWN]}
+        received = [name for name, payloads in self._received.items() if payloads and not name.endswith("/mqtt/status")]
+        names = sorted(received, key=lambda one: not one.endswith("/in"))
+        elsewhere = {name: list(self._received[name])[-_SHOWN:] for name in names[:_SHOWN]}
         return (
             f"nothing came on {topic} within {within:g} s; "
             f"came elsewhere: {elsewhere or 'nothing'}; crashed: {', '.join(self.crashed) or 'nothing'}"

@@ -36,10 +36,10 @@ def house_by_mark(test: pytest.Item) -> AbstractAsyncContextManager[VirtualHouse
     Raises:
         UsageError: The mark says what cannot be; names the argument.
     """
-    apps, said = _read(test, "house", HOUSE)
-    seed = said.get("seed")
-    world = _checked("house", "world", said.get("world", thesis_world), lambda value: _world(value, test, seed))
-    return virtual_house_of(*apps, **(said | {"world": world}))
+    apps, arguments = _read(test, "house", HOUSE)
+    seed = arguments.get("seed")
+    world = _checked("house", "world", arguments.get("world", thesis_world), lambda value: _world(value, test, seed))
+    return virtual_house_of(*apps, **(arguments | {"world": world}))
 
 
 def homebot_of(test: pytest.Item, config: object) -> AbstractAsyncContextManager[TestHouse]:
@@ -48,34 +48,34 @@ def homebot_of(test: pytest.Item, config: object) -> AbstractAsyncContextManager
     Raises:
         UsageError: The mark, or the configuration, says what cannot be; names the argument or the key.
     """
-    apps, said = _read(test, "homebot", HOMEBOT)
+    apps, arguments = _read(test, "homebot", HOMEBOT)
     given = _checked("homebot", "config", config, lambda value: _config(value, test))
-    return house_of(*apps, **(said | {"config": given}))
+    return house_of(*apps, **(arguments | {"config": given}))
 
 
 def allows_crashes(test: pytest.Item, name: str) -> bool:
     """Return whether the marks *name* of *test* let its apps crash."""
-    return _said(test, name).get(ALLOW_CRASHES) is True
+    return _arguments(test, name).get(ALLOW_CRASHES) is True
 
 
 def config_of(test: pytest.Item) -> object:
     """Return what the marks of *test* say as ``config``."""
-    return _said(test, "homebot").get("config", {})
+    return _arguments(test, "homebot").get("config", {})
 
 
 def _read(test: pytest.Item, name: str, known: frozenset[str]) -> tuple[list[str], dict[str, Any]]:
     """The apps, and all other arguments, of the marks of this *name*."""
-    said = _said(test, name)
-    unknown = sorted(set(said) - known)
+    arguments = _arguments(test, name)
+    unknown = sorted(set(arguments) - known)
     if unknown:
         raise UsageError(f"{_where(name, unknown[0])} is unknown; known are {', '.join(sorted(known))}")
     named = next((mark.args for mark in test.iter_markers(name) if mark.args), ())
     apps = [_checked(name, f"app {number}", app, _app) for number, app in enumerate(named, 1)]
-    checked = {key: _checked(name, key, value, _CHECKS.get(key, _same)) for key, value in said.items()}
+    checked = {key: _checked(name, key, value, _CHECKS.get(key, _same)) for key, value in arguments.items()}
     return apps, {key: value for key, value in checked.items() if key != ALLOW_CRASHES}
 
 
-def _said(test: pytest.Item, name: str) -> dict[str, Any]:
+def _arguments(test: pytest.Item, name: str) -> dict[str, Any]:
     """Collect the arguments of all marks of this *name*; those nearer to the test count more."""
     return {key: value for mark in reversed(list(test.iter_markers(name))) for key, value in mark.kwargs.items()}
 

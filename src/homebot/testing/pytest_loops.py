@@ -218,8 +218,8 @@ def _is_left_with_a_broker(test: pytest.Item) -> bool:
 
 def _loop_scope(test: pytest.Item) -> str:
     mark = test.get_closest_marker("asyncio")
-    said = {} if mark is None else mark.kwargs
-    return said.get("loop_scope") or said.get("scope") or _default_loop_scope(test.config)
+    scope = {} if mark is None else mark.kwargs
+    return scope.get("loop_scope") or scope.get("scope") or _default_loop_scope(test.config)
 
 
 def _default_loop_scope(config: pytest.Config) -> str:

@@ -6,18 +6,18 @@ from structlog.testing import capture_logs
 from tests.mqtt.broker.conftest import Dial
 
 from homebot.mqtt.broker import Broker, BrokerLimits
-from homebot.mqtt.broker.losses import LossReport, loss_words
+from homebot.mqtt.broker.losses import LossReport, loss_text
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.packets import FilterRequest, Publish, Subscribe
 
 
 def test_losses_are_told_by_their_reasons() -> None:
     counters = Counters(dropped_qos0=3, dropped_too_large=1, dropped_expired=7, dropped_refused=7)
-    assert loss_words(counters) == (
+    assert loss_text(counters) == (
         "4 messages (3 of QoS 0 for clients that read too slowly, 1 too large for their clients)"
     )
-    assert loss_words(Counters(dropped_offline=1)) == "1 message (1 for clients that were away too long)"
-    assert loss_words(Counters()) == ""
+    assert loss_text(Counters(dropped_offline=1)) == "1 message (1 for clients that were away too long)"
+    assert loss_text(Counters()) == ""
 
 
 def test_each_loss_is_told_once_and_remembered_for_a_while() -> None:

@@ -23,7 +23,7 @@ from homebot.house.dialects.wire import (
     lamp_order,
     node_name,
 )
-from homebot.house.simulated_device import spoken
+from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
 __all__ = ["HomeAssistantDialect"]
@@ -74,14 +74,14 @@ class HomeAssistantDialect:
         text = as_text(payload)
         level = topic.rpartition("/")[2]
         if device.kind == "lamp":
-            return _lamp_told(payload)
+            return _lamp_commands(payload)
         if device.kind == "lock":
             return (text.lower(),) if text in {"LOCK", "UNLOCK"} else ()
         value = to_number(text)
         if level == "set_position":
-            return () if value is None else (spoken(value / 100),)
+            return () if value is None else (number_text(value / 100),)
         if level == "set_temperature":
-            return () if value is None else (spoken(value),)
+            return () if value is None else (number_text(value),)
         return cover_order(text) if device.kind in {"window", "cover"} else ()
 
     def replies(
@@ -137,7 +137,7 @@ def _mac(device: SimulatedDeviceInfo) -> str:
     return ":".join(digits[at : at + 2] for at in range(0, 12, 2))
 
 
-def _lamp_told(payload: bytes) -> tuple[str, ...]:
+def _lamp_commands(payload: bytes) -> tuple[str, ...]:
     wanted = as_object(payload)
     brightness = to_number(wanted.get("brightness"))
     mireds = to_number(wanted.get("color_temp"))

@@ -137,12 +137,12 @@ COMPONENTS: Mapping[str, ComponentTemplate] = MappingProxyType(
         "lamp": ComponentTemplate("light", _light, _light_state, ("set",)),
         "window": ComponentTemplate("cover", _cover("window"), _cover_state, _POSITIONED),
         "cover": ComponentTemplate("cover", _cover("shutter"), _cover_state, _POSITIONED),
-        "lock": ComponentTemplate("lock", _lock, lambda lock: {"state": lock.word.upper()}, ("set",)),
+        "lock": ComponentTemplate("lock", _lock, lambda lock: {"state": lock.text.upper()}, ("set",)),
         "contact": ComponentTemplate(
-            "binary_sensor", _binary_sensor("door"), lambda door: {"state": "ON" if door.word == "open" else "OFF"}
+            "binary_sensor", _binary_sensor("door"), lambda door: {"state": "ON" if door.text == "open" else "OFF"}
         ),
         "motion": ComponentTemplate(
-            "binary_sensor", _binary_sensor("motion"), lambda room: {"state": "ON" if room.word == "motion" else "OFF"}
+            "binary_sensor", _binary_sensor("motion"), lambda room: {"state": "ON" if room.text == "motion" else "OFF"}
         ),
         "lux": ComponentTemplate("sensor", _sensor("illuminance", "lx"), lambda lux: {"value": lux.value}),
         "power_meter": ComponentTemplate("sensor", _sensor("power", "W"), lambda meter: {"value": meter.value}),

@@ -15,7 +15,7 @@ from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.homie_nodes import NODES
 from homebot.house.dialects.wire import as_json, as_text, hardware_address, lamp_order
-from homebot.house.simulated_device import spoken
+from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
 __all__ = ["HomieDialect"]
@@ -80,7 +80,9 @@ class HomieDialect:
             return lamp_order(kelvin=MIRED / wanted) if wanted else ()
         if property_id == "value":
             return lamp_order(brightness=wanted / 100) if device.kind == "lamp" else ()
-        return {"position": (spoken(wanted / 100),), "set-temperature": (spoken(wanted),)}.get(property_id, ())
+        return {"position": (number_text(wanted / 100),), "set-temperature": (number_text(wanted),)}.get(
+            property_id, ()
+        )
 
     def replies(
         self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes

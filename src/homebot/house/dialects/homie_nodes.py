@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from homebot.house.device_state import DeviceState
-from homebot.house.simulated_device import spoken
+from homebot.house.simulated_device import number_text
 
 __all__ = ["NODES", "SimulatedHomieNode"]
 
@@ -42,16 +42,18 @@ _LAMP = {
     "switch": SimulatedHomieNode(
         "switch", {"state": {"datatype": "boolean", "settable": True}}, lambda lamp: {"state": _boolean(lamp.is_on)}
     ),
-    "level": SimulatedHomieNode("level", {"value": _PERCENT}, lambda lamp: {"value": spoken(lamp.brightness * 100, 0)}),
+    "level": SimulatedHomieNode(
+        "level", {"value": _PERCENT}, lambda lamp: {"value": number_text(lamp.brightness * 100, 0)}
+    ),
     "color": SimulatedHomieNode(
-        "color", {"color-temperature": _WARMTH}, lambda lamp: {"color-temperature": spoken(1e6 / lamp.kelvin, 0)}
+        "color", {"color-temperature": _WARMTH}, lambda lamp: {"color-temperature": number_text(1e6 / lamp.kelvin, 0)}
     ),
 }
 _MOTOR = {
     "shutter": SimulatedHomieNode(
         "shutter",
         {"position": _PERCENT, "action": _DIRECTION},
-        lambda motor: {"position": spoken(motor.position * 100, 0)},
+        lambda motor: {"position": number_text(motor.position * 100, 0)},
     )
 }
 
@@ -64,41 +66,41 @@ NODES: Mapping[str, Mapping[str, SimulatedHomieNode]] = MappingProxyType(
             "lock": SimulatedHomieNode(
                 "lock",
                 {"state": {"datatype": "boolean", "settable": True}},
-                lambda lock: {"state": _boolean(lock.word == "locked")},
+                lambda lock: {"state": _boolean(lock.text == "locked")},
             )
         },
         "contact": {
             "contact": SimulatedHomieNode(
-                "contact", {"state": {"datatype": "boolean"}}, lambda door: {"state": _boolean(door.word == "open")}
+                "contact", {"state": {"datatype": "boolean"}}, lambda door: {"state": _boolean(door.text == "open")}
             )
         },
         "motion": {
             "motion": SimulatedHomieNode(
-                "motion", {"motion": {"datatype": "boolean"}}, lambda room: {"motion": _boolean(room.word == "motion")}
+                "motion", {"motion": {"datatype": "boolean"}}, lambda room: {"motion": _boolean(room.text == "motion")}
             )
         },
         "lux": {
             "illuminance": SimulatedHomieNode(
                 "illuminance",
                 {"illuminance": {"datatype": "float", "unit": "lx"}},
-                lambda lux: {"illuminance": spoken(lux.value)},
+                lambda lux: {"illuminance": number_text(lux.value)},
             )
         },
         "power_meter": {
             "powermeter": SimulatedHomieNode(
                 "powermeter",
                 {"power": {"datatype": "float", "unit": "W"}},
-                lambda meter: {"power": spoken(meter.value)},
+                lambda meter: {"power": number_text(meter.value)},
             )
         },
         "thermostat": {
             "thermostat": SimulatedHomieNode(
-                "thermostat", {"set-temperature": _TARGET}, lambda room: {"set-temperature": spoken(room.target)}
+                "thermostat", {"set-temperature": _TARGET}, lambda room: {"set-temperature": number_text(room.target)}
             ),
             "climate": SimulatedHomieNode(
                 "climate",
                 {"temperature": {"datatype": "float", "unit": "°C"}},
-                lambda room: {"temperature": spoken(room.celsius, 1)},
+                lambda room: {"temperature": number_text(room.celsius, 1)},
             ),
         },
     }

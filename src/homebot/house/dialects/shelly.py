@@ -22,7 +22,7 @@ from homebot.house.dialects.wire import (
     hardware_address,
     lamp_order,
 )
-from homebot.house.simulated_device import spoken
+from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
 __all__ = ["ShellyDialect"]
@@ -37,13 +37,13 @@ class _Model:
     name: str
     code: str
     mode: str = ""
-    listens: tuple[str, ...] = ()
+    command_topics: tuple[str, ...] = ()
 
 
 _ROLLER = _Model("shellyswitch25", "SHSW-25", "roller", ("roller/0/command", "roller/0/command/pos"))
 _MODELS: Mapping[str, _Model] = MappingProxyType(
     {
-        "lamp": _Model("ShellyBulbDuo", "SHBDUO-1", listens=("light/0/command", "light/0/set")),
+        "lamp": _Model("ShellyBulbDuo", "SHBDUO-1", command_topics=("light/0/command", "light/0/set")),
         "window": _ROLLER,
         "cover": _ROLLER,
         "contact": _Model("shellydw2", "SHDW-2"),
@@ -63,7 +63,7 @@ class ShellyDialect:
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands, and where all Shellys do."""
         base = _base(device)
-        return (ALL, f"{base}/command", *(f"{base}/{level}" for level in _MODELS[device.kind].listens))
+        return (ALL, f"{base}/command", *(f"{base}/{level}" for level in _MODELS[device.kind].command_topics))
 
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return that it is online, kept, and its announcement."""
@@ -83,7 +83,7 @@ class ShellyDialect:
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what a command means."""
         channel = topic.removeprefix(f"{_base(device)}/")
-        if channel not in _MODELS[device.kind].listens:
+        if channel not in _MODELS[device.kind].command_topics:
             return ()
         text = as_text(payload)
         if channel == "light/0/set":
@@ -99,7 +99,7 @@ class ShellyDialect:
         if channel == "roller/0/command":
             return cover_order(text)
         position = to_number(text)
-        return () if position is None else (spoken(position / 100),)
+        return () if position is None else (number_text(position / 100),)
 
     def replies(
         self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
@@ -127,7 +127,7 @@ def _id(device: SimulatedDeviceInfo) -> str:
 
 def _announced(device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
     model = _MODELS[device.kind]
-    says = {
+    payload = {
         "id": _id(device),
         "model": model.code,
         "mac": hardware_address(device).upper(),
@@ -136,7 +136,9 @@ def _announced(device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         "fw_ver": "20230913-112003/v1.14.0-gcb84623",
         **({"mode": model.mode} if model.mode else {}),
     }
-    return tuple(OutgoingMessage(topic, as_json(says)) for topic in ("shellies/announce", f"{_base(device)}/announce"))
+    return tuple(
+        OutgoingMessage(topic, as_json(payload)) for topic in ("shellies/announce", f"{_base(device)}/announce")
+    )
 
 
 def _state(kind: str, condition: DeviceState) -> dict[str, bytes]:
@@ -145,8 +147,8 @@ def _state(kind: str, condition: DeviceState) -> dict[str, bytes]:
         status = {"ison": condition.is_on, "brightness": brightness, "temp": round(condition.kelvin)}
         return {"light/0": b"on" if condition.is_on else b"off", "light/0/status": as_json(status)}
     if kind == "contact":
-        return {"sensor/state": b"open" if condition.word == "open" else b"close"}
+        return {"sensor/state": b"open" if condition.text == "open" else b"close"}
     if kind == "power_meter":
-        return {"emeter/0/power": spoken(condition.value, 2).encode()}
+        return {"emeter/0/power": number_text(condition.value, 2).encode()}
     moves = {1: b"open", -1: b"close"}.get(condition.way, b"stop")
-    return {"roller/0": moves, "roller/0/pos": spoken(condition.position * 100, 0).encode()}
+    return {"roller/0": moves, "roller/0/pos": number_text(condition.position * 100, 0).encode()}

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from homebot.house.device_state import DeviceState
 from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_object, cover_order, hardware_address, lamp_order
-from homebot.house.simulated_device import spoken
+from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
 __all__ = ["ShellyRpcDialect"]
@@ -70,7 +70,7 @@ class ShellyRpcDialect:
             )
         position = to_number(wanted.get("pos"))
         if verb == "gotoposition":
-            return () if position is None else (spoken(position / 100),)
+            return () if position is None else (number_text(position / 100),)
         return cover_order(verb)
 
     def replies(

@@ -20,7 +20,7 @@ from homebot.house.dialects.wire import (
     lamp_order,
     node_name,
 )
-from homebot.house.simulated_device import spoken
+from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
 __all__ = ["TasmotaDialect"]
@@ -77,9 +77,11 @@ class TasmotaDialect:
         """Return what a command means, or all those of a ``Backlog``."""
         name, value = topic.rpartition("/")[2].lower(), as_text(payload)
         if name.rstrip("0123456789") != "backlog":
-            return _told(device.kind, name, value)
+            return _parsed(device.kind, name, value)
         orders = (order.strip().partition(" ") for order in value.split(";"))
-        return tuple(word for order, _, wanted in orders for word in _told(device.kind, order.lower(), wanted.strip()))
+        return tuple(
+            text for order, _, wanted in orders for text in _parsed(device.kind, order.lower(), wanted.strip())
+        )
 
     def replies(
         self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
@@ -149,7 +151,7 @@ def _reading(device: SimulatedDeviceInfo, condition: DeviceState) -> dict[str, o
     if device.kind in SENSORS:
         chip, quantity = SENSORS[device.kind]
         return {chip: {quantity: condition.value}}
-    return {"Switch1": "ON" if condition.word in {"open", "motion"} else "OFF"}
+    return {"Switch1": "ON" if condition.text in {"open", "motion"} else "OFF"}
 
 
 def _lamp_state(lamp: DeviceState) -> dict[str, object]:
@@ -161,7 +163,7 @@ def _shutter(motor: DeviceState) -> dict[str, object]:
     return {"Shutter1": {"Position": round(motor.position * 100), "Direction": motor.way}}
 
 
-def _told(kind: str, name: str, value: str) -> tuple[str, ...]:
+def _parsed(kind: str, name: str, value: str) -> tuple[str, ...]:
     name = name.rstrip("0123456789")
     wanted = to_number(value)
     if kind == "lamp" and name == "power":
@@ -172,4 +174,4 @@ def _told(kind: str, name: str, value: str) -> tuple[str, ...]:
         if name == "ct":
             return lamp_order(kelvin=1e6 / wanted) if wanted else ()
         return lamp_order(brightness=wanted / 100) if name == "dimmer" else ()
-    return (spoken(wanted / 100),) if name == "shutterposition" and kind in {"window", "cover"} else ()
+    return (number_text(wanted / 100),) if name == "shutterposition" and kind in {"window", "cover"} else ()

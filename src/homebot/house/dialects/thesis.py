@@ -35,7 +35,7 @@ class ThesisDialect:
 
     def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return the word, on its ``out``; what is no Unicode becomes ``?``."""
-        return (OutgoingMessage(f"{_base(device)}/out", condition.word.encode(errors="replace")),)
+        return (OutgoingMessage(f"{_base(device)}/out", condition.text.encode(errors="replace")),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the payload as text; what is no UTF-8 becomes U+FFFD."""

@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.simulated_device import spoken
+from homebot.house.simulated_device import number_text
 
 __all__ = ["as_json", "as_object", "as_text", "cover_order", "hardware_address", "lamp_order", "node_name"]
 
@@ -50,17 +50,17 @@ def lamp_order(
         brightness: 0 to 1; above 0 lights it, as lamps of all families do.
         kelvin: Its colour temperature.
     """
-    warmth = () if kelvin is None else (f"{spoken(kelvin)} K",)
+    warmth = () if kelvin is None else (f"{number_text(kelvin)} K",)
     if is_on is False:
         return (*warmth, "off")
     if brightness is not None:
-        return (*warmth, spoken(brightness, STEPS))
+        return (*warmth, number_text(brightness, STEPS))
     return (*warmth, *(() if is_on is None else ("on",)))
 
 
-def cover_order(word: str) -> tuple[str, ...]:
+def cover_order(text: str) -> tuple[str, ...]:
     """Return the command for ``open``, ``close`` or ``stop`` in any case; empty for another word."""
-    return (word.lower(),) if word.lower() in {"open", "close", "stop"} else ()
+    return (text.lower(),) if text.lower() in {"open", "close", "stop"} else ()
 
 
 def hardware_address(device: SimulatedDeviceInfo, digits: int = 12) -> str:

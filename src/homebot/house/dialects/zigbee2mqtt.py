@@ -22,7 +22,7 @@ from homebot.house.dialects.wire import (
     lamp_order,
 )
 from homebot.house.dialects.zigbee2mqtt_exposes import EXPOSES
-from homebot.house.simulated_device import spoken
+from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
 __all__ = ["Zigbee2MqttDialect"]
@@ -68,7 +68,7 @@ class Zigbee2MqttDialect:
         base, _, rest = topic.removeprefix(self._topic(device)).removeprefix("/").partition("/")
         if base != "set":
             return ()
-        return _told(device.kind, {rest or "state": as_text(payload), **({} if rest else as_object(payload))})
+        return _parsed(device.kind, {rest or "state": as_text(payload), **({} if rest else as_object(payload))})
 
     def replies(
         self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
@@ -144,8 +144,8 @@ def _lamp_state(lamp: DeviceState) -> dict[str, object]:
 
 
 def _lock_state(lock: DeviceState) -> dict[str, object]:
-    where = lock.word if lock.word in {"locked", "unlocked"} else "not_fully_locked"
-    return {"state": "LOCK" if lock.word == "locked" else "UNLOCK", "lock_state": where}
+    where = lock.text if lock.text in {"locked", "unlocked"} else "not_fully_locked"
+    return {"state": "LOCK" if lock.text == "locked" else "UNLOCK", "lock_state": where}
 
 
 def _thermostat_state(thermostat: DeviceState) -> dict[str, object]:
@@ -163,8 +163,8 @@ _STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = MappingProxy
         "window": _cover_state,
         "cover": _cover_state,
         "lock": _lock_state,
-        "contact": lambda door: {"contact": door.word != "open"},
-        "motion": lambda room: {"occupancy": room.word == "motion"},
+        "contact": lambda door: {"contact": door.text != "open"},
+        "motion": lambda room: {"occupancy": room.text == "motion"},
         "lux": lambda lux: {"illuminance": lux.value},
         "power_meter": lambda meter: {"power": meter.value},
         "thermostat": _thermostat_state,
@@ -172,7 +172,7 @@ _STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = MappingProxy
 )
 
 
-def _told(kind: str, wanted: Mapping[str, object]) -> tuple[str, ...]:
+def _parsed(kind: str, wanted: Mapping[str, object]) -> tuple[str, ...]:
     state = str(wanted.get("state", ""))
     if kind == "lamp":
         brightness, mireds = to_number(wanted.get("brightness")), to_number(wanted.get("color_temp"))
@@ -183,8 +183,8 @@ def _told(kind: str, wanted: Mapping[str, object]) -> tuple[str, ...]:
         )
     if kind in {"window", "cover"}:
         position = to_number(wanted.get("position"))
-        return cover_order(state) if position is None else (spoken(position / 100),)
+        return cover_order(state) if position is None else (number_text(position / 100),)
     if kind == "lock":
         return (state.lower(),) if state in {"LOCK", "UNLOCK"} else ()
     target = to_number(wanted.get("occupied_heating_setpoint")) if kind == "thermostat" else None
-    return () if target is None else (spoken(target),)
+    return () if target is None else (number_text(target),)

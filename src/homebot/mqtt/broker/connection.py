@@ -86,7 +86,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
             self._hub.warn(
                 "broker.internal_error",
-                f"the broker itself failed over what {self.peer.words} sent, and cut it off: {error!r}",
+                f"the broker itself failed over what {self.peer.client_text} sent, and cut it off: {error!r}",
                 address=self.address,
                 error=repr(error),
                 exc_info=True,
@@ -184,7 +184,8 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._hub.counters.clients_stalled += 1
         self._hub.warn(
             "broker.client_stalled",
-            f"the broker cut off {self.peer.words}: {self.unsent} bytes wait for its socket, more than for any other",
+            f"the broker cut off {self.peer.client_text}: {self.unsent} bytes wait for its socket, "
+            "more than for any other",
             address=self.address,
             unsent=self.unsent,
         )

@@ -13,7 +13,7 @@ class ConnectionHandler(Protocol):
     """A port for the events of one connection; :class:`Peer` fills it, and so does what is put around a peer."""
 
     @property
-    def words(self) -> str:
+    def client_text(self) -> str:
         """Name of the client in the log."""
         ...
 

@@ -14,21 +14,21 @@ from homebot.mqtt.packets import (
 
 __all__ = ["goodbye", "unread_connect_answer"]
 
-_MAX_WORDS = 200  # a client gets the gist, not its own 64 KiB topic back
+_MAX_REASON = 200  # a client gets the gist, not its own 64 KiB topic back
 
 
-def goodbye(reason: ReasonCode, words: str, max_packet_size: int) -> bytes:
+def goodbye(reason: ReasonCode, reason_string: str, max_packet_size: int) -> bytes:
     """The DISCONNECT for an MQTT 5 client.
 
     Args:
         reason: Why.
-        words: The same for people, cut to 200 characters; left out where it is empty or does not fit.
+        reason_string: The same for people, cut to 200 characters; left out where it is empty or does not fit.
         max_packet_size: The largest packet the client takes.
     """
     plain = encode(Disconnect(reason))
-    if not words:
+    if not reason_string:
         return plain
-    full = encode(Disconnect(reason, Properties(reason_string=words[:_MAX_WORDS])))
+    full = encode(Disconnect(reason, Properties(reason_string=reason_string[:_MAX_REASON])))
     return full if len(full) <= max_packet_size else plain
 
 

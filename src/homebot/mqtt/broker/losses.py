@@ -7,9 +7,9 @@ from typing import Final, final
 
 from homebot.mqtt.broker.stats import Counters
 
-__all__ = ["LossReport", "loss_words"]
+__all__ = ["LossReport", "loss_text"]
 
-_WORDS: Final = {
+_TEXTS: Final = {
     "dropped_qos0": "of QoS 0 for clients that read too slowly",
     "dropped_offline": "for clients that were away too long",
     "dropped_overrun": "for clients that stayed too slow",
@@ -23,7 +23,7 @@ _KEPT: Final = 60
 Losses = tuple[int, ...]
 
 
-def loss_words(counters: Counters, before: Losses = ()) -> str:
+def loss_text(counters: Counters, before: Losses = ()) -> str:
     """Such as ``5 messages (3 of QoS 0 for clients that read too slowly, 2 too large for their clients)``.
 
     Args:
@@ -33,8 +33,8 @@ def loss_words(counters: Counters, before: Losses = ()) -> str:
     Returns:
         The words; empty where nothing was lost.
     """
-    old = before or (0,) * len(_WORDS)
-    news = {words: now - then for words, now, then in zip(_WORDS.values(), _losses(counters), old, strict=True)}
+    old = before or (0,) * len(_TEXTS)
+    news = {text: now - then for text, now, then in zip(_TEXTS.values(), _losses(counters), old, strict=True)}
     total = sum(news.values())
     if not total:
         return ""
@@ -57,14 +57,14 @@ class LossReport:
     @property
     def lately(self) -> str:
         """Recent losses as text; empty where there are none."""
-        return loss_words(self._counters, self._before[0])
+        return loss_text(self._counters, self._before[0])
 
     def take(self) -> str:
         """Return the losses since the last call as text; empty where there are none."""
-        words = loss_words(self._counters, self._before[-1])
+        text = loss_text(self._counters, self._before[-1])
         self._before.append(_losses(self._counters))
-        return words
+        return text
 
 
 def _losses(counters: Counters) -> Losses:
-    return tuple(getattr(counters, name) for name in _WORDS)
+    return tuple(getattr(counters, name) for name in _TEXTS)

@@ -58,8 +58,8 @@ class Peer:
         self.failure: PacketError | None = None
         self._started = False
         self._closed = False
-        self._heard_at = hub.clock.monotonic()
-        self._silence = hub.deadlines.at(self._heard_at + hub.limits.connect_timeout, self._no_connect)
+        self._received_at = hub.clock.monotonic()
+        self._silence = hub.deadlines.at(self._received_at + hub.limits.connect_timeout, self._no_connect)
         self._unread = UnreadMark(hub.unread_logins, self._give_up_unread)
         hub.waiting_logins.add(self)
 
@@ -74,9 +74,9 @@ class Peer:
         return self._link.address
 
     @property
-    def words(self) -> str:
+    def client_text(self) -> str:
         """Name of the client in the log."""
-        return self._log.words
+        return self._log.client_text
 
     @property
     def will_bytes(self) -> int:
@@ -87,7 +87,7 @@ class Peer:
         """Bytes came from the client."""
         if self._closed or not data:
             return
-        self._heard_at = self._hub.clock.monotonic()
+        self._received_at = self._hub.clock.monotonic()
         try:
             if self._client is None:
                 self._check_start(data)
@@ -217,8 +217,8 @@ class Peer:
         limit = client.wanted.keep_alive * _KEEP_ALIVE_GRACE
         now = self._hub.clock.monotonic()
         if not client.packets.reading:  # the silence is ours
-            self._heard_at = now
-        due = self._heard_at + limit
+            self._received_at = now
+        due = self._received_at + limit
         if due <= now:
             self._fail(PacketError("nothing came for too long", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
         else:
@@ -258,12 +258,12 @@ class Peer:
         else:
             self._close(error.code, error.problem, publish_will=True)
 
-    def _close(self, reason: ReasonCode, words: str, *, publish_will: bool) -> None:
+    def _close(self, reason: ReasonCode, reason_string: str, *, publish_will: bool) -> None:
         client = self._client
         last = b""
         if client is not None and client.outbound.version is ProtocolVersion.V5:
             wanted = client.wanted
-            last = goodbye(reason, words if wanted.problem_information else "", wanted.max_packet_size)
+            last = goodbye(reason, reason_string if wanted.problem_information else "", wanted.max_packet_size)
         self._shut(last, publish_will=publish_will)
 
     def _shut(self, last: bytes, *, publish_will: bool = False) -> None:

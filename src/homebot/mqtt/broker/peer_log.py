@@ -32,7 +32,7 @@ class PeerLog:
         self.client_id: str | None = None
 
     @property
-    def words(self) -> str:
+    def client_text(self) -> str:
         """Name of the client in the log."""
         return client_text(self.client_id, self._link.address)
 
@@ -40,7 +40,7 @@ class PeerLog:
         """The client did, or left undone, what ends the connection."""
         self._hub.warn(
             "broker.connection_failed",
-            f"the broker cut off {self.words}: {short(error.problem)}",
+            f"the broker cut off {self.client_text}: {short(error.problem)}",
             address=self._link.address,
             client_id=self.client_id,
             code=error.code.name.lower(),
@@ -70,7 +70,8 @@ class PeerLog:
         """The client missed a message."""
         self._hub.warn(
             "broker.message_too_large",
-            f"{self.words} missed a message on {short(topic)!r}: it has {size} bytes, the client takes at most {limit}",
+            f"{self.client_text} missed a message on {short(topic)!r}: it has {size} bytes, "
+            f"the client takes at most {limit}",
             address=self._link.address,
             client_id=self.client_id,
             topic=topic,

@@ -125,7 +125,7 @@ class TlsSocket(asyncio.BufferedProtocol):
         self._is_paused = False
         asyncio.get_running_loop().call_soon(self._go_on)
 
-    def say_goodbye(self) -> bool:
+    def close_tls(self) -> bool:
         """Send close_notify; False where there is nobody to send it to yet."""
         if not self._is_ready or self._is_over:
             return False
@@ -161,7 +161,7 @@ class TlsSocket(asyncio.BufferedProtocol):
             self._raw.write(self._outgoing.read())
 
     def _end(self) -> None:
-        self.say_goodbye()
+        self.close_tls()
         if self._raw is not None:
             self._raw.close()
 
@@ -206,7 +206,7 @@ class _TlsTransport(asyncio.Transport):
         return False
 
     def close(self) -> None:
-        if self._owner.say_goodbye():
+        if self._owner.close_tls():
             self._raw.close()
         else:
             self._raw.abort()

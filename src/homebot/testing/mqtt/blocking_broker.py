@@ -16,7 +16,7 @@ from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["BlockingTestBroker"]
 
-_PATIENCE = 5.0
+_TIMEOUT = 5.0
 
 
 @final
@@ -65,7 +65,7 @@ class BlockingTestBroker(BrokerView):
         self._thread.call(self._core.restart, keep_sessions)
 
     async def _settle(self, quiet: float) -> None:
-        with anyio.move_on_after(_PATIENCE + quiet):
+        with anyio.move_on_after(_TIMEOUT + quiet):
             await self._core.silence(quiet)
             return
-        raise AssertionError(f"the clients did not come to rest within {_PATIENCE:g} s")
+        raise AssertionError(f"the clients did not come to rest within {_TIMEOUT:g} s")

@@ -21,7 +21,7 @@ from homebot.testing.mqtt.thread import BrokerThread
 __all__ = ["TestBroker"]
 
 _CALM_ROUNDS = 3  # of both loops without a packet: an answer needs one
-_PATIENCE = 5.0
+_TIMEOUT = 5.0
 
 
 @final
@@ -92,12 +92,12 @@ class TestBroker(BrokerView):
         Raises:
             AssertionError: There was no rest within 5 seconds.
         """
-        with anyio.move_on_after(_PATIENCE + quiet):
+        with anyio.move_on_after(_TIMEOUT + quiet):
             await self._come_to_rest()
             if quiet > 0:
                 await self._thread.run(self._core.silence, quiet)
             return
-        raise AssertionError(f"the clients did not come to rest within {_PATIENCE:g} s")
+        raise AssertionError(f"the clients did not come to rest within {_TIMEOUT:g} s")
 
     async def restart(self, *, keep_sessions: bool) -> None:
         """Cut all connections and start again on the same port.

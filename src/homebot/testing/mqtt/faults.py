@@ -209,14 +209,16 @@ class FaultPolicy:
 
     def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - fills the port
         """The reason of the fault that refuses this, else what the policy below says."""
-        return _strike(self._rules.subscribe_refusal(client_id, filter)) or self._otherwise.subscribe(client_id, filter)
+        return _apply_fault(self._rules.subscribe_refusal(client_id, filter)) or self._otherwise.subscribe(
+            client_id, filter
+        )
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:
         """The reason of the fault that refuses this, else what the policy below says."""
-        return _strike(self._rules.publish_refusal(client_id, topic)) or self._otherwise.publish(client_id, topic)
+        return _apply_fault(self._rules.publish_refusal(client_id, topic)) or self._otherwise.publish(client_id, topic)
 
 
-def _strike(fault: RefusedSubscribe | None) -> ReasonCode:
+def _apply_fault(fault: RefusedSubscribe | None) -> ReasonCode:
     if fault is None:
         return ReasonCode.SUCCESS
     fault.hits += 1

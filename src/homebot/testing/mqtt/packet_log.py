@@ -33,8 +33,8 @@ class PacketRecord:
     what: Packet | str
 
     def __str__(self) -> str:
-        words = self.what if isinstance(self.what, str) else packet_text(self.what)
-        return f"{self.at:9.4f} s  {self.client:20}  {_ARROWS[self.direction]}  {words}"
+        text = self.what if isinstance(self.what, str) else packet_text(self.what)
+        return f"{self.at:9.4f} s  {self.client:20}  {_ARROWS[self.direction]}  {text}"
 
 
 @final

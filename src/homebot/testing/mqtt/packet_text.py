@@ -82,5 +82,5 @@ def _property_text(properties: Properties) -> str:
     if properties == NO_PROPERTIES:
         return ""
     known = {each.name: getattr(properties, each.name) for each in fields(properties) if each.name not in _SECRET}
-    told = ", ".join(f"{name}={value!r}" for name, value in known.items() if value is not None and value != ())
-    return f" [{told}]" if told else ""
+    shown = ", ".join(f"{name}={value!r}" for name, value in known.items() if value is not None and value != ())
+    return f" [{shown}]" if shown else ""

@@ -13,7 +13,7 @@ __all__ = ["Payload", "RecordedMessage", "Wanted", "encode_payload", "payload_ma
 Payload = bytes | str | Mapping[str, object] | Sequence[object]
 """What can be published: bytes as they are, text as UTF-8, a dict or list as JSON."""
 
-_MAX_WORDS = 200
+_MAX_TEXT = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +51,8 @@ class RecordedMessage:
 
     def __str__(self) -> str:
         text = repr(self.text)
-        if len(text) > _MAX_WORDS:
-            text = f"{text[:_MAX_WORDS]}… ({len(self.payload)} bytes)"
+        if len(text) > _MAX_TEXT:
+            text = f"{text[:_MAX_TEXT]}… ({len(self.payload)} bytes)"
         retain = ", retain" if self.retain else ""
         return f"{self.topic} {text} (QoS {self.qos}{retain}, from {self.client_id})"
 

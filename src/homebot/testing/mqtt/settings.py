@@ -90,7 +90,7 @@ class BrokerSettings:
         return (self.refuse_filter,) if isinstance(self.refuse_filter, str) else tuple(self.refuse_filter)
 
 
-def _check(name: str, value: object, kind: object, words: str, *, secret: bool = False) -> None:
+def _check(name: str, value: object, kind: object, text: str, *, secret: bool = False) -> None:
     wrong = not isinstance(value, kind) or (kind is int and isinstance(value, bool))  # type: ignore[arg-type] # a union
     if wrong:
-        raise UsageError(f"{name} is {words}{'' if secret else f', not {value!r}'}")
+        raise UsageError(f"{name} is {text}{'' if secret else f', not {value!r}'}")

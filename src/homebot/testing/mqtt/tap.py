@@ -45,7 +45,7 @@ class Tap:
         self._link = link
         self._limit = hub.limits.write_buffer
         self._held = bytearray()
-        self._cut = self._begun = self._struck = self._reported = False
+        self._cut = self._begun = self._fault_hit = self._reported = False
         self._in: PacketReader | None = PacketReader(ProtocolVersion.V311, hub.limits.max_packet_size)
         self._version = ProtocolVersion.V311
         self._name = ""  # as the client gave it
@@ -58,9 +58,9 @@ class Tap:
         return self._peer.client_id
 
     @property
-    def words(self) -> str:
+    def client_text(self) -> str:
         """Name of the client in the log."""
-        return self._peer.words
+        return self._peer.client_text
 
     @property
     def address(self) -> str:
@@ -157,7 +157,7 @@ class Tap:
         self._note("out", _read_own(piece, self._version))
         half = rules.find(HalfPacket, self.client_id)
         if half is not None:
-            self._strike(half)
+            self._apply_fault(half)
             half.lift()
             self._put(piece[: len(piece) // 2])
             self._note("note", "fault: only half of that was sent")
@@ -166,12 +166,12 @@ class Tap:
         if piece[0] >> 4 in _ACKS:
             dropped = rules.find(DroppedAcks, self.client_id)
             if dropped is not None:
-                self._strike(dropped)
+                self._apply_fault(dropped)
                 self._note("note", "fault: that acknowledgement was dropped")
                 return
             delayed = rules.find(DelayedAcks, self.client_id)
             if delayed is not None:
-                self._strike(delayed)
+                self._apply_fault(delayed)
                 self._note("note", f"fault: that acknowledgement is {delayed.seconds:g} s late")
                 asyncio.get_running_loop().call_later(delayed.seconds, self._put, piece)
                 return
@@ -185,19 +185,19 @@ class Tap:
             self._link.write(piece)
             return
         if slow is not None:
-            self._strike(slow)
+            self._apply_fault(slow)
         self._held += piece
         if len(self._held) > self._limit:
             self._held.clear()
             self.drop()
 
-    def _strike(self, fault: Fault) -> None:
+    def _apply_fault(self, fault: Fault) -> None:
         fault.hits += 1
-        self._struck = True
+        self._fault_hit = True
 
     def _report_failure(self) -> None:
         failure = self._peer.failure
-        if failure is not None and not self._struck and not self._reported:
+        if failure is not None and not self._fault_hit and not self._reported:
             self._reported = True
             self._duties.failed(self._display_name, failure)
 

@@ -11,7 +11,7 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 from homebot.config import Table
 from homebot.testing.strategies.choices import Settings, one_of, optional
 
-__all__ = ["FAULT_SETTINGS", "KIND_SETTINGS", "WORDS", "commands", "devices"]
+__all__ = ["FAULT_SETTINGS", "KIND_SETTINGS", "PAYLOADS", "commands", "devices"]
 
 MAX_FAULTS = 2
 """Faults that one device has at most: each wraps the others, and two show how they meet."""
@@ -19,7 +19,7 @@ MAX_FAULTS = 2
 NONSENSE: Final = "nonsense"
 """A command that no device knows."""
 
-WORDS: Final[Mapping[str, Sequence[str]]] = {
+PAYLOADS: Final[Mapping[str, Sequence[str]]] = {
     "lamp": ("on", "off", "0.5", "2700 K"),
     "window": ("open", "close", "stop", "0.5"),
     "cover": ("open", "close", "stop", "0.5"),
@@ -112,8 +112,8 @@ def devices(
 
 def commands(kind: str) -> SearchStrategy[str]:
     """Return a strategy for what a device of *kind* may be told, what it does not know as well."""
-    likely = WORDS[kind][:2]  # most of what goes wrong needs these
-    return one_of((*WORDS[kind], NONSENSE, *likely))
+    likely = PAYLOADS[kind][:2]  # most of what goes wrong needs these
+    return one_of((*PAYLOADS[kind], NONSENSE, *likely))
 
 
 @st.composite
