@@ -16,14 +16,14 @@ def test_whatever_is_said_is_one_line() -> None:
     assert str(Event(0.0, "lamp", "told", "on\n0 x")) == "0 00:00:00.000 lamp told 'on\\n0 x'"
 
 
-def test_a_full_chronicle_drops_the_oldest_and_counts() -> None:
+def test_a_full_log_drops_the_oldest_and_counts() -> None:
     """What came since a mark comes as far as it is kept."""
-    chronicle = WorldLog(capacity=3)
+    log = WorldLog(capacity=3)
     events = [Event(float(number), "lamp", "says", "on") for number in range(5)]
     for event in events:
-        chronicle.add(event)
-    assert (chronicle.count, chronicle.dropped) == (5, 2)
-    assert chronicle.since(4) == (events[4],)
-    assert chronicle.since(0) == tuple(events[2:])
-    assert chronicle.since(5) == ()
-    assert chronicle.text() == "".join(f"{event}\n" for event in events[2:])
+        log.add(event)
+    assert (log.count, log.dropped) == (5, 2)
+    assert log.since(4) == (events[4],)
+    assert log.since(0) == tuple(events[2:])
+    assert log.since(5) == ()
+    assert log.text() == "".join(f"{event}\n" for event in events[2:])
