@@ -150,7 +150,7 @@ class MqttConnection:
 
     @property
     def limits(self) -> tuple[str, ...]:
-        """What the client cannot do, in words; see `MqttClient.limits`."""
+        """Limits of the client, as text; see `MqttClient.limits`."""
         return self._client.limits
 
     async def states(self) -> AsyncIterator[ConnectionState]:

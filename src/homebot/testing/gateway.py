@@ -16,7 +16,7 @@ __all__ = ["FakeGateway", "FakeGatewaySettings"]
 
 
 class FakeGatewaySettings(MemoryGatewaySettings):
-    """How the fake behaves.
+    """The settings of the fake.
 
     Attributes:
         refused: Addresses that nobody may listen to.

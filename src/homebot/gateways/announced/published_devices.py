@@ -38,7 +38,7 @@ MAX_DEVICES = 10_000
 
 @dataclass(slots=True)
 class DeviceCounters:
-    """What a gateway did since its start.
+    """The counters of a gateway since its start.
 
     Attributes:
         reports: Reports of devices.
