@@ -10,7 +10,7 @@ from homebot.devices.text_size import size_of_parts, size_of_texts
 __all__ = ["MAX_SIZE", "REMEMBERED", "ChangeLog"]
 
 REMEMBERED = 2000
-"""Changes that a late asker can still be told."""
+"""Changes that can still be asked for."""
 
 MAX_SIZE = 16 * 1024 * 1024
 """Bytes of all, about: each change has the whole device in it, and those of a device that is gone are nowhere else."""

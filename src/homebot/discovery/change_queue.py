@@ -31,7 +31,7 @@ class _PendingChange:
 
 @final
 class ChangeQueue:
-    """Collects changes until they are taken: a device that is announced in thirty messages is then told of once.
+    """Collects changes until they are taken: a device that is announced in thirty messages is then published once.
 
     Args:
         entries: The devices that are known.
@@ -63,7 +63,7 @@ class ChangeQueue:
         self._last[entry.id] = change
 
     def note_removed(self, entry: Entry, why: str, other: str = "") -> None:
-        """Note that *entry* goes; it is told of as it is now."""
+        """Note that *entry* goes; it is published as it is now."""
         device = entry.to_device(self._topics)
         if self._last.pop(entry.id, None) is not None:
             for one in self._pending:
@@ -72,7 +72,7 @@ class ChangeQueue:
         self._pending.append(_PendingChange("removed", entry, why, other, device))
 
     def note_state(self, entry: Entry, parts: MergedParts, state: State) -> None:
-        """Note that one of the *parts* of *entry* told another value; while 10,000 wait, it is dropped and counted."""
+        """Note a new value of one of the *parts* of *entry*; while 10,000 wait, it is dropped and counted."""
         if len(self._states) >= _MAX_STATES:
             self.states_lost += 1
         else:

@@ -1,6 +1,7 @@
 """The node of the discovery layer: hears every gateway, keeps the index, tells what changes, and answers.
 
-Sightings and reports are taken in as they come; what they changed is told in portions soon after, each device once.
+Sightings and reports are taken in as they come; what they changed is published in portions soon after, each device
+once.
 """
 
 from __future__ import annotations
@@ -52,13 +53,13 @@ NOT_FOLLOWED = "discovery.source_not_followed"
 FOREIGN = "discovery.foreign_sighting"
 
 BURST = 50
-"""Lines of each kind of change in ten seconds; a flood of devices is counted rather than told."""
+"""Lines of each kind of change in ten seconds; a flood of devices is counted rather than logged."""
 
 _FEW = 10
-"""Changes told, and devices made findable, between two looks at the time."""
+"""Changes published, and devices made findable, between two looks at the time."""
 
 _STATES_PER_CHANGE = 10
-"""States that are told of in the time of one change, about."""
+"""States that are published in the time of one change, about."""
 
 _SOURCES_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _STATES_QOS = QoSProfile(depth=1)
@@ -72,7 +73,7 @@ class DirectorySettings(BaseModel):
     Attributes:
         forget_after: Seconds for which a stale device stays listed before it is removed; a week by default, since many
             lamps say nothing for days.
-        max_devices: How many devices are listed; further ones are counted and told.
+        max_devices: How many devices are listed; further ones are counted and logged.
         persist: Whether devices are remembered in a file over a restart, where the program has a place for it.
     """
 
@@ -191,7 +192,7 @@ class Directory:
         return taken
 
     def _is_own(self, gateway: str, message: Sighting | Report) -> bool:
-        """Return whether *gateway* speaks for itself; one that speaks for another is told of, and not believed."""
+        """Return whether *gateway* publishes in its own name; one that does not is logged, and not believed."""
         if message.gateway == gateway:
             return True
         if self._limit.allows(FOREIGN) is not None:

@@ -23,7 +23,7 @@ _What: TypeAlias = tuple[int, str, PlainValue]
 @dataclass(slots=True)
 class _Lately:
     at: float
-    told: int = 0
+    count: int = 0
     by_route: dict[SourceKey, int] = field(default_factory=dict)
 
 
@@ -31,7 +31,7 @@ class _Lately:
 class Echoes:
     """A button that is announced twice, by its own convention and by another, tells each press twice.
 
-    Of equal events within two seconds as many happened as the route that told most of them told.
+    Of equal events within two seconds as many happened as the route that reported most of them reported.
     """
 
     __slots__ = ("_lately",)
@@ -40,13 +40,13 @@ class Echoes:
         self._lately: OrderedDict[_What, _Lately] | None = None  # most devices have no events
 
     def is_new(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
-        """Return whether an event was not told by another route already.
+        """Return whether an event was not reported by another route already.
 
         Args:
             place: Which part of the device.
             capability: Of which capability.
             value: What happened.
-            route: By which announcement it was told.
+            route: The announcement through which it was reported.
             now: When, on a clock that is never set.
         """
         what = (place, capability, value)
@@ -60,7 +60,7 @@ class Echoes:
         lately.at = now
         self._lately.move_to_end(what)
         count = lately.by_route[route] = lately.by_route.get(route, 0) + 1
-        if count <= lately.told:
+        if count <= lately.count:
             return False
-        lately.told = count
+        lately.count = count
         return True

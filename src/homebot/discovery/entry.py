@@ -31,7 +31,7 @@ from homebot.messages import Time
 __all__ = ["MAX_FACTS", "Entry"]
 
 MAX_FACTS = 200
-"""Facts of one device that are told; those of the preferred announcements first."""
+"""Facts of one device that are published; those of the preferred announcements first."""
 
 
 @dataclass(slots=True, eq=False)
@@ -47,13 +47,13 @@ class Entry:
         expires: The same in seconds since the Unix epoch.
         report_interval: How often it speaks.
         evidence: Why its announcements are one device, in words.
-        published_conflicts: What was last told to be disputed about it.
-        topic_owner: The device that keeps a topic from it, as was last told; empty for none.
+        published_conflicts: Its conflicts as they were published last.
+        topic_owner: The device that keeps a topic from it, as was published last; empty for none.
         silence_allowed: For how many seconds its gateways think that silence is no bad sign.
         saved_at: When it was last to be written to the index file that it was seen, on the clock that is never set.
         known_ids: Ids that parts had, beside those of the description that stands.
         is_denied: Whether any of its announcements says that something of it cannot be reached.
-        echoes: What happened lately, and by how many routes that was told; None where nothing happens.
+        echoes: What happened lately, and by how many routes that was reported; None where nothing happens.
     """
 
     id: str
@@ -157,7 +157,7 @@ class Entry:
         return offline_parts(self.sources, merged.places, {number: one.id for number, one in enumerate(merged.parts)})
 
     def is_new_event(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
-        """Return whether an event was not told by another route already; see :meth:`Echoes.is_new`."""
+        """Return whether an event was not reported by another route already; see :meth:`Echoes.is_new`."""
         if self.echoes is None:
             self.echoes = Echoes()
         return self.echoes.is_new(place, capability, value, route, now)

@@ -1,4 +1,4 @@
-"""The index: which devices there are, what they offer, and how fresh that knowledge is. Pure; it is told the time.
+"""The index: which devices there are, what they offer, and how fresh that knowledge is. Pure; it is given the time.
 
 It holds devices, not topics: however many messages, announcements and addresses a device has, it is one entry. What
 happens to devices is collected until :meth:`DeviceIndex.take_changes`, so that a device that is announced in thirty

@@ -17,7 +17,7 @@ SAVE_LIFE = 600.0
 """Seconds between two writings of when a device was last seen."""
 
 _ONLINE_FOR = 86_400.0
-"""Seconds for which a device that said live that it is online may be silent: its last will watches over it."""
+"""Seconds for which a device that reported live that it is online may be silent: its last will watches over it."""
 
 
 @final

@@ -20,7 +20,7 @@ _PATIENCE = 60.0
 """Seconds for which a report is kept for its device: the two come on two topics, and either may be first."""
 
 _PATIENCE_OF_EVENT = 5.0
-"""Likewise for an event: a press that is told a minute late opens a door that nobody stands at any more."""
+"""The same for an event: a press that is published a minute late opens a door that nobody stands at any more."""
 
 
 @final

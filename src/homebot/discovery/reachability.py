@@ -11,7 +11,7 @@ from homebot.discovery.source_record import Reach, SourceKey, SourceRecord
 __all__ = ["offline_parts", "reachability"]
 
 _SourceReach: TypeAlias = tuple[SourceRecord, str, Reach | None]
-"""What an announcement says of one of its parts."""
+"""Reachability of a part, as one announcement has it."""
 
 _NOT_REPORTED = Reachability()
 
@@ -19,8 +19,8 @@ _NOT_REPORTED = Reachability()
 def reachability(sources: Iterable[SourceRecord]) -> Reachability:
     """Return whether a device can be reached: what its parts are together.
 
-    One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing was said, spoke
-    since, it is unknown.
+    One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing is known,
+    reported since, it is unknown.
     """
     sources = tuple(sources)
     for source in sources:
@@ -82,6 +82,6 @@ def _combined(reports: list[_SourceReach]) -> Reachability:
 
 
 def _heard_later(reports: list[_SourceReach], since: float) -> SourceRecord | None:
-    """One of which nothing was said, or what was said is in doubt, that spoke itself later than *since*."""
+    """Return an announcement of unknown or doubtful reachability that the device used later than *since*."""
     undecided = (source for source, _, one in reports if one is None or one.value is None)
     return next((source for source in undecided if source.confirmed and source.heard_at > since), None)

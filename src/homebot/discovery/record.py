@@ -53,7 +53,7 @@ _RecordT = TypeVar("_RecordT", bound=BaseModel)
 
 
 def entry_record(entry: Entry) -> str:
-    """Return the record of a device; what its parts told is not in it, for it would be old.
+    """Return the record of a device; the values of its parts are not in it, for they would be old.
 
     Raises:
         WireError: A text in it is half a surrogate pair, which no file can hold.

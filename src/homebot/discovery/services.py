@@ -47,7 +47,7 @@ from homebot.graph import Node
 __all__ = ["DirectoryServices"]
 
 _FEW = 10
-"""Changes told, and devices made findable, before others get their turn."""
+"""Changes published, and devices made findable, before others get their turn."""
 
 _MOST_TURNS = 1000
 """Turns that others get before an answer, so that none waits for a flood to end."""
@@ -59,8 +59,8 @@ class DirectoryServices:
     Args:
         node: The directory's node.
         index: What it knows.
-        persistence: Who keeps the index file.
-        publish: Tells so many of what happened and was not told yet, so that an answer holds nothing that is told after
+        persistence: The index file.
+        publish: Publishes so many of the changes that wait, so that an answer holds nothing that is published after
             it; says whether there may be more.
     """
 
@@ -85,7 +85,7 @@ class DirectoryServices:
         node.create_service(GetHealth, DISCOVERY_HEALTH, self._get_health)
 
     def remember(self, change: DeviceChange) -> None:
-        """Keep a change that was told, for those who ask later."""
+        """Keep a change that was published, for those who ask later."""
         self._changes.append(change)
 
     async def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:

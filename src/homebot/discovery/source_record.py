@@ -32,14 +32,14 @@ _NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
 @dataclass(slots=True)
 class StoredValue:
-    """A value that a part told.
+    """A value that a part reported.
 
     Attributes:
         value: The value.
         since: Since when it is that.
-        told_at: When it was last told.
+        told_at: When it was last reported.
         heard_at: The same on the clock that is never set, which says what is newer.
-        live: Whether the device told it, rather than a message that the broker had kept.
+        live: Whether the device reported it, rather than a retained message.
     """
 
     value: PlainValue
@@ -57,7 +57,7 @@ class Reach:
         value: Whether it can; None for unknown.
         since: Since when.
         heard_at: The same on the clock that is never set.
-        live: Whether that was said live, rather than in a message that the broker had kept.
+        live: Whether that was reported live, rather than in a retained message.
     """
 
     value: bool | None
@@ -78,11 +78,11 @@ class SourceRecord:
         heard_at: The same on the clock that is never set; minus infinity where that was before the start.
         key: What it goes by in the index.
         confirmed: Whether the device itself was heard through it since the start.
-        facts: Each fact with its value, and when it was first said.
-        values: What its parts told, by part and capability.
+        facts: Each fact with its value, and when it was first announced.
+        values: The values of its parts, by part and capability.
         events: What happened last, by part and capability.
         reach: Whether it can be reached, as it says, by part; the whole is ``""``. See :meth:`set_reach`.
-        is_online: Whether it said live that it is online, so that its last will watches over it.
+        is_online: Whether it reported live that it is online, so that its last will watches over it.
     """
 
     sighting: Sighting

@@ -42,7 +42,7 @@ def decided(parts: Sequence[Part]) -> Part:
 
 
 def settable_by(part: Part, whole: Part) -> tuple[str, ...]:
-    """Return what can be told by the way that is described as *part*, where all ways together are *whole*."""
+    """Return what can be set by the way that is described as *part*, where all ways together are *whole*."""
     if part is whole:
         return EVERYTHING
     names = _settable(part)

@@ -5,7 +5,7 @@ several devices: announcements that are each of a whole device, or whose other i
 other identifier is, unless it is a word that many devices have, or comes with different hardware addresses.
 
 A device that has a topic for itself is also known by that, and so is one that speaks and listens nowhere but below a
-topic that ends with an identifier of its: Home Assistant is told of ``BigSlowDog``, Homie of ``valetudo/BigSlowDog``.
+topic that ends with an identifier of its: it is ``BigSlowDog`` to Home Assistant and ``valetudo/BigSlowDog`` to Homie.
 
 Where it does not matter who came first, it does not: the same announcements in any order are the same devices.
 """

@@ -3,7 +3,7 @@
 Two parts are one where they can do the same and one of these says so, the surest first, and says it of no other pair:
 
 1. the id of the one is the id of the other but for what all ids of its source begin and end with;
-2. a topic on which, in both sources, nobody else is told anything (or, of sensors, nobody else speaks);
+2. a command topic that nothing else in both sources has (or, of sensors, a state topic that nothing else has);
 3. one name;
 4. the id of the one stands in the id of the other, and both speak on one topic;
 5. they are the only ones of their type, and that is no setting.
@@ -42,7 +42,7 @@ class Candidate:
         words: Its id in words.
         prefix: How many of them, from the first, all ids of its source begin with.
         suffix: How many of them, to the last, all ids of its source end with.
-        topics: Where nobody else of its source is told anything; where nobody else speaks, if it is told nothing.
+        topics: Command topics that nothing else of its source has; without any, its own state topics.
         is_alone: Whether it is the only one of its type in its source, settings aside.
     """
 
@@ -176,14 +176,14 @@ def _named_by_type(long: Candidate, start: int) -> int:
 
 
 def _by_topic(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> Iterator[tuple[_Level, _Pair]]:
-    told = defaultdict(list)
+    by_topic = defaultdict(list)
     for number, other in enumerate(others):
         for topic in other.topics:
-            told[topic, bool(other.part.writes)].append((number, other))
+            by_topic[topic, bool(other.part.writes)].append((number, other))
     for number, group in enumerate(groups):
         for one in group:
             for topic in one.topics:
-                for other_number, other in told.get((topic, bool(one.part.writes)), ()):
+                for other_number, other in by_topic.get((topic, bool(one.part.writes)), ()):
                     if _is_equal(one.part, other.part) and _can_be_one(one.part, other.part):
                         yield (_BY_TOPIC, 0), (number, other_number)
 

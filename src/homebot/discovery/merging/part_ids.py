@@ -13,7 +13,7 @@ PartPlace: TypeAlias = tuple[str, str, str]
 """Gateway, key, and what the part is called there."""
 
 PartIds: TypeAlias = Mapping[PartPlace, str]
-"""Which id the part had that was told of in a place."""
+"""The id that the part announced at each place had."""
 
 NO_IDS: PartIds = MappingProxyType({})
 
@@ -28,7 +28,7 @@ class Named:
     Attributes:
         name: What its best announcement calls it.
         label: What people know that announcement by.
-        places: Where it is told of, each with the age of the announcement: the smaller number is the older one.
+        places: Where it is announced, each with the age of the announcement: the smaller number is the older one.
     """
 
     name: str

@@ -44,7 +44,7 @@ class MergedParts:
 
 @dataclass(slots=True)
 class _SourcePart:
-    """A part as one origin tells of it: in one announcement, or in several that agree where it is told things."""
+    """A part as one origin announces it: in one announcement, or in several that agree on its command topics."""
 
     part: Part
     sources: list[SourceRecord]
@@ -54,7 +54,7 @@ class _SourcePart:
 class _Merged:
     """A part in the making, the so-manieth; *ways* are those that nobody disputes, the preferred ones first.
 
-    What the part is does not depend on who came first, so the ways are asked for that in the order of their origins.
+    What the part is does not depend on which came first, so the ways decide on that in the order of their origins.
     """
 
     part: Part
@@ -65,10 +65,10 @@ class _Merged:
 
 
 _Origin: TypeAlias = tuple[bool, str, str]
-"""Whether its convention is not the device's own, gateway, convention: native ones sort first."""
+"""True for what is not native, gateway, convention: native ones sort first."""
 
 _Way: TypeAlias = tuple[PartPlace, _Origin, Part]
-"""Where a part is announced, by which origin, and as what."""
+"""The place of a part, the origin of its announcement, and its description."""
 
 _Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
 

@@ -34,7 +34,7 @@ MAX_BELOW = 1000
 """Topics below a command topic that are looked at anew when that comes or goes."""
 
 MAX_LEVELS = 20
-"""Levels of a topic that are told apart; the rest is one."""
+"""Levels of a topic that are distinguished; the rest is one."""
 
 NOBODY = "*"
 """Stands for the owner of a topic that too many want; no device is called so."""
@@ -45,7 +45,7 @@ _NO_DEVICES: frozenset[str] = frozenset()
 
 @final
 class TopicOwnership:
-    """Keeps who may be told things where.
+    """Ownership of command topics.
 
     What it answers follows from the announcements that are known, whatever the order in which they came.
 

@@ -12,12 +12,12 @@ from homebot.discovery.topics.use import TopicUse
 __all__ = ["TopicNode", "Uses", "all_uses", "has_use", "used_below", "with_use", "without_use"]
 
 Uses: TypeAlias = TopicUse | dict[SourceKey, TopicUse]
-"""What several announcements do with a topic; of most topics it is one, which takes no dict."""
+"""Uses of a topic by announcements; most topics have one, which takes no dict."""
 
 
 @dataclass(slots=True, eq=False)
 class TopicNode:
-    """One topic: what is below, who wants to be told things there, who speaks there, and whose own it is.
+    """One topic: what is below, which announcements take commands or publish states there, and whose own it is.
 
     Attributes:
         verdicts: Of those who may not use it: who has it.

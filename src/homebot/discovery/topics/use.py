@@ -17,8 +17,8 @@ class TopicUse(NamedTuple):
         key: The announcement.
         device: Whose it is.
         announced_on: Where it was made.
-        writes: Topics that it wants to be told things on.
-        reads: Topics that the device speaks on.
+        writes: Its command topics.
+        reads: Its state topics.
         owns: Topics that the device has for itself, with all that is below them.
         identifiers: Who the device is, where it has such topics.
         bridge: The bridge that the device is behind.
