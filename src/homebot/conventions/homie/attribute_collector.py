@@ -13,14 +13,14 @@ from homebot.conventions.homie.model import MAX_PROPERTIES, HomieNode, HomieProp
 from homebot.conventions.payload import clean_text, shown
 from homebot.errors import WireError
 
-__all__ = ["Assembly"]
+__all__ = ["AttributeCollector"]
 
 _MAX_ARRAY = 100
 _LISTED = re.compile(r"[A-Za-z0-9_-]{1,100}(?:\[\])?")
 _ARRAY = re.compile(r"([0-9]{1,5})-([0-9]{1,5})")
 
 
-class Assembly:
+class AttributeCollector:
     """The nodes of one device, as its attributes have them.
 
     Args:
@@ -79,11 +79,11 @@ class Assembly:
         )
 
     def _property(self, node_id: str, element: str, prop_id: str) -> HomieProperty:
-        def told(attribute: str) -> str:
+        def field(attribute: str) -> str:
             return self._attributes.get(f"{node_id}/{prop_id}/{attribute}", "")
 
         self._count += 1
-        datatype, spelled = told("$datatype"), told("$format")
+        datatype, spelled = field("$datatype"), field("$format")
         if datatype not in DATATYPES or self._count > MAX_PROPERTIES:
             raise WireError(f"datatype is {shown(datatype)}, or there are more than {MAX_PROPERTIES}")
         options = parse_options(spelled) if datatype in {"enum", "color"} else ()
@@ -91,14 +91,14 @@ class Assembly:
             raise WireError(f"format {shown(spelled)} has no form of a colour")
         return HomieProperty(
             id=prop_id,
-            name=clean_text(told("$name")),
+            name=clean_text(field("$name")),
             datatype=datatype,
             topic=f"{self._topic}/{element}/{prop_id}",
-            unit=clean_text(told("$unit"), 20),
+            unit=clean_text(field("$unit"), 20),
             range=parse_range(spelled) if datatype in {"integer", "float"} else Range(),
             options=options,
-            is_settable=told("$settable") == "true",
-            is_retained=told("$retained") != "false",
+            is_settable=field("$settable") == "true",
+            is_retained=field("$retained") != "false",
             names_form=False,
         )
 

@@ -13,10 +13,10 @@ from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.homie.model import HomieProperty
 from homebot.conventions.homie.property_codecs import (
+    add_enum,
     add_flag,
     add_percent,
     add_temperature,
-    add_words,
     percent_of,
     percent_written,
 )
@@ -29,10 +29,10 @@ __all__ = ["add_cover", "add_fan", "add_lock", "add_thermostat", "add_valve"]
 Props = Mapping[str, HomieProperty]
 
 _OPENINGS = ("open", "closed", "opening", "closing", "stopped")
-_HEARD = {"open": "open", "close": "closed", "closed": "closed", "stop": "stopped", "up": "open", "down": "closed"}
+_MOVEMENTS = {"open": "open", "close": "closed", "closed": "closed", "stop": "stopped", "up": "open", "down": "closed"}
 _MOVES = {"open": ("open", "up"), "closed": ("close", "closed", "down"), "stopped": ("stop", "stopped")}
 _LOCKS = {True: "locked", False: "unlocked"}
-_LOCK_WORDS = {"locked": ("lock", "locked"), "unlocked": ("unlock", "unlocked"), "open": ("open",)}
+_LOCK_COMMANDS = {"locked": ("lock", "locked"), "unlocked": ("unlock", "unlocked"), "open": ("open",)}
 _VALVES = {True: "open", False: "closed"}
 
 
@@ -45,9 +45,9 @@ def add_cover(part: BytesPart, props: Props) -> None:
 
     def read(prop: HomieProperty, payload: bytes) -> Readings:
         value = read_plain(prop, payload)
-        word = value.casefold() if isinstance(value, str) else ""
-        word = _HEARD.get(word, word)
-        return {"movement": word} if word in _OPENINGS else NO_READINGS
+        movement = value.casefold() if isinstance(value, str) else ""
+        movement = _MOVEMENTS.get(movement, movement)
+        return {"movement": movement} if movement in _OPENINGS else NO_READINGS
 
     def move(prop: HomieProperty, orders: Mapping[str, str], value: PlainValue, _: float) -> tuple[Publication, ...]:
         return (publication(prop, orders[require_option("movement", value, orders)]),)
@@ -58,7 +58,7 @@ def add_cover(part: BytesPart, props: Props) -> None:
 
     if state is not None:
         part.read_from(state.topic, partial(read, state))
-    orders = _words(order, _MOVES)
+    orders = _options_by_command(order, _MOVES)
     writer = None
     if order is not None and orders:
         part.add_command_topics(f"{order.topic}/set")
@@ -72,7 +72,7 @@ def add_cover(part: BytesPart, props: Props) -> None:
 def add_lock(part: BytesPart, props: Props) -> None:
     """Let *part* be a lock: locked where its state is true."""
     state, order = props.get("lock"), props.get("lock_action")
-    orders = _words(order, _LOCK_WORDS)
+    orders = _options_by_command(order, _LOCK_COMMANDS)
 
     def read(payload: bytes) -> Readings:
         value = read_plain(state, payload) if state is not None else None
@@ -80,10 +80,10 @@ def add_lock(part: BytesPart, props: Props) -> None:
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         if state is not None and state.is_settable and value != "open":
-            wanted = require_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in orders else ())))
-            return (publication(state, "true" if wanted == "locked" else "false"),)
-        word = orders[require_option("lock", value, orders)]
-        return () if order is None else (publication(order, word),)
+            target = require_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in orders else ())))
+            return (publication(state, "true" if target == "locked" else "false"),)
+        option = orders[require_option("lock", value, orders)]
+        return () if order is None else (publication(order, option),)
 
     if state is not None:
         part.read_from(state.topic, read)
@@ -120,7 +120,7 @@ def add_thermostat(part: BytesPart, props: Props) -> None:
             add_temperature(part, capability, props[capability])
     for capability in ("thermostat_mode", "fan_mode"):
         if capability in props:
-            add_words(part, capability, props[capability])
+            add_enum(part, capability, props[capability])
 
 
 def add_fan(part: BytesPart, props: Props) -> None:
@@ -133,7 +133,7 @@ def add_fan(part: BytesPart, props: Props) -> None:
     if speed is not None:
         add_percent(part, "fan_speed", speed)
     if "fan_mode" in props:
-        add_words(part, "fan_mode", props["fan_mode"])
+        add_enum(part, "fan_mode", props["fan_mode"])
 
 
 def _add_switch_of_speed(part: BytesPart, speed: HomieProperty) -> None:
@@ -148,13 +148,13 @@ def _add_switch_of_speed(part: BytesPart, speed: HomieProperty) -> None:
     part.add_capability("on_off", readable=speed.is_retained, writer=write if speed.is_settable else None)
 
 
-def _words(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+def _options_by_command(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
     """The word of *prop* for each thing that it may be told."""
     if prop is None:
         return {}
-    by_word = {option.casefold(): option for option in prop.options}
+    by_name = {option.casefold(): option for option in prop.options}
     return {
-        meaning: by_word[word]
-        for meaning, words in spellings.items()
-        if (word := next((one for one in words if one in by_word), ""))
+        meaning: by_name[name]
+        for meaning, spelled in spellings.items()
+        if (name := next((one for one in spelled if one in by_name), ""))
     }

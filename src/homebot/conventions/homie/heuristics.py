@@ -6,25 +6,25 @@ Source: the words and forms that Homie devices commonly use.
 from __future__ import annotations
 
 from homebot.conventions.homie.model import HomieNode, HomieProperty
-from homebot.conventions.homie.node_types import words_in
+from homebot.conventions.homie.node_types import tokens_in
 from homebot.conventions.homie.qualifiers import is_beside, is_setting
 
 __all__ = ["guess_role", "is_moving", "is_opening", "is_speed"]
 
 
-def guess_role(node: HomieNode, prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
+def guess_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
     """Return the role of a property, one of :data:`homebot.conventions.homie.roles.CONTROLS` or ``press``.
 
     Args:
         node: The node that has it.
         prop: The property.
         kind: The node's kind; empty where there is no hint.
-        words: Of the property's id and name.
+        tokens: Of the property's id and name.
 
     Returns:
         Its role; empty where there is no hint.
     """
-    return _ordered(node, prop, kind, words) if prop.is_settable else _watched(node, prop, kind, words)
+    return _settable_role(node, prop, kind, tokens) if prop.is_settable else _reported_role(node, prop, kind, tokens)
 
 
 def is_opening(prop: HomieProperty) -> bool:
@@ -67,48 +67,48 @@ _ENDS = frozenset({1.0, 100.0, 254.0, 255.0})
 _LEAST_KELVIN = 1000.0
 
 
-def _ordered(node: HomieNode, prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
-    if is_setting(words_in(node.id, node.name)) or is_beside(words - _OF_VALVES if kind == "valve" else words):
+def _settable_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
+    if is_setting(tokens_in(node.id, node.name)) or is_beside(tokens - _OF_VALVES if kind == "valve" else tokens):
         return ""
     if prop.datatype == "color":
         return "color" if kind in {"light", ""} else ""
     is_main = prop.id == node.id
     if prop.is_number:
-        return _ordered_number(node, prop, kind, words)
+        return _settable_number_role(node, prop, kind, tokens)
     if prop.datatype == "boolean":
-        return _ordered_truth(kind, words, is_main=is_main)
-    return _ordered_word(prop, kind, words, is_main=is_main) if prop.datatype == "enum" else ""
+        return _settable_flag_role(kind, tokens, is_main=is_main)
+    return _settable_enum_role(prop, kind, tokens, is_main=is_main) if prop.datatype == "enum" else ""
 
 
-def _ordered_truth(kind: str, words: frozenset[str], *, is_main: bool) -> str:
+def _settable_flag_role(kind: str, tokens: frozenset[str], *, is_main: bool) -> str:
     if kind == "lock":
-        return "lock" if words & _LOCKING or is_main else ""
+        return "lock" if tokens & _LOCKING or is_main else ""
     if kind == "valve":
-        return "valve" if words & _FLOWING or is_main else ""
-    return "on_off" if words & _SWITCHING or is_main else ""
+        return "valve" if tokens & _FLOWING or is_main else ""
+    return "on_off" if tokens & _SWITCHING or is_main else ""
 
 
-def _ordered_number(node: HomieNode, prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
+def _settable_number_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
     if kind == "thermostat":
-        if not words & _SETPOINTS or not _is_room_temperature(prop):
+        if not tokens & _SETPOINTS or not _is_room_temperature(prop):
             return ""
-        return "cooling_setpoint" if any(word.startswith("cool") for word in words) else "heating_setpoint"
-    if kind in {"shutter", "garage-door"} or (not kind and "position" in words):
-        if words & _TILTS:
+        return "cooling_setpoint" if any(token.startswith("cool") for token in tokens) else "heating_setpoint"
+    if kind in {"shutter", "garage-door"} or (not kind and "position" in tokens):
+        if tokens & _TILTS:
             return "tilt"
-        return "position" if (words & _POSITIONS or prop.id == node.id) and _is_share(prop) else ""
+        return "position" if (tokens & _POSITIONS or prop.id == node.id) and _is_fraction(prop) else ""
     if kind == "fan":
-        return "fan_speed" if (words & _SPEEDS or prop.id == node.id) and _is_speed_range(prop) else ""
+        return "fan_speed" if (tokens & _SPEEDS or prop.id == node.id) and _is_speed_range(prop) else ""
     if kind not in {"light", ""}:
         return ""
     if prop.unit in _WHITES:
         is_white = prop.unit != "K" or prop.range.most is None or prop.range.most > _LEAST_KELVIN
         return "color_temperature" if is_white else ""
-    about = _LEVELS if kind == "light" or words_in(node.id, node.type) & _LEVELS else _BRIGHT
-    return "level" if words & about and _is_share(prop) and prop.range.most is not None else ""
+    about = _LEVELS if kind == "light" or tokens_in(node.id, node.type) & _LEVELS else _BRIGHT
+    return "level" if tokens & about and _is_fraction(prop) and prop.range.most is not None else ""
 
 
-def _is_share(prop: HomieProperty) -> bool:
+def _is_fraction(prop: HomieProperty) -> bool:
     """Return whether its range is a part of a whole: it begins at 0 or 1, and ends where percent and bytes do."""
     return prop.unit in {"", "%"} and prop.range.least in {None, 0.0, 1.0} and prop.range.most in {None, *_ENDS}
 
@@ -124,11 +124,11 @@ def _is_room_temperature(prop: HomieProperty) -> bool:
     return (unit in _CELSIUS and prop.range.holds(20.0)) or (unit in _FAHRENHEIT and prop.range.holds(68.0))
 
 
-def _ordered_word(prop: HomieProperty, kind: str, words: frozenset[str], *, is_main: bool) -> str:
+def _settable_enum_role(prop: HomieProperty, kind: str, tokens: frozenset[str], *, is_main: bool) -> str:
     options = {one.casefold() for one in prop.options}
     if kind == "fan":
-        return "fan_mode" if words & _SPEEDS or is_main else ""
-    if kind == "thermostat" and words & {"fan", "fanmode"}:
+        return "fan_mode" if tokens & _SPEEDS or is_main else ""
+    if kind == "thermostat" and tokens & {"fan", "fanmode"}:
         return "fan_mode"
     if kind == "thermostat" and prop.id in _MODES and options & _THERMAL:
         return "thermostat_mode"
@@ -137,11 +137,11 @@ def _ordered_word(prop: HomieProperty, kind: str, words: frozenset[str], *, is_m
     return "lock_action" if kind == "lock" and {"lock", "unlock"} <= options else ""
 
 
-def _watched(node: HomieNode, prop: HomieProperty, kind: str, words: frozenset[str]) -> str:
-    if kind == "thermostat" and prop.is_number and "temperature" in words and not is_beside(words):
+def _reported_role(node: HomieNode, prop: HomieProperty, kind: str, tokens: frozenset[str]) -> str:
+    if kind == "thermostat" and prop.is_number and "temperature" in tokens and not is_beside(tokens):
         return "local_temperature"
     if kind in {"shutter", "garage-door"} and is_opening(prop) and is_moving(prop):
         return "movement"
-    if kind == "lock" and prop.datatype == "boolean" and not is_beside(words):
-        return "lock" if words & _LOCKING or prop.id == node.id else ""
-    return "press" if prop.datatype == "boolean" and words & {"button", "doorbell"} else ""
+    if kind == "lock" and prop.datatype == "boolean" and not is_beside(tokens):
+        return "lock" if tokens & _LOCKING or prop.id == node.id else ""
+    return "press" if prop.datatype == "boolean" and tokens & {"button", "doorbell"} else ""

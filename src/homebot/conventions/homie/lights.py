@@ -80,10 +80,10 @@ def _add_level(part: BytesPart, lamp: _HomieLamp, level: HomieProperty) -> None:
 
 def _add_color(part: BytesPart, lamp: _HomieLamp, color: HomieProperty, *, has_level: bool) -> None:
     def read(payload: bytes) -> Readings:
-        told = read_color(color, payload)
-        if told is None:
+        value = read_color(color, payload)
+        if value is None:
             return NO_READINGS
-        hue, saturation, brightness = told
+        hue, saturation, brightness = value
         if has_level or brightness is None:
             return {"color": (hue, saturation)}
         return {"color": (hue, saturation), "level": brightness}
@@ -112,8 +112,8 @@ def _add_white(part: BytesPart, lamp: _HomieLamp, white: HomieProperty) -> None:
     def warm(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         least, most = bounds or _KELVIN
         kelvin = require_number("color_temperature", value, least, most, "K")
-        told = white.range.kept(round(kelvin if is_kelvin else MIRED / kelvin, digits))
-        return (publication(white, spell_plain(white, "color_temperature", told)), *lamp.switched(on=True))
+        number = white.range.kept(round(kelvin if is_kelvin else MIRED / kelvin, digits))
+        return (publication(white, spell_plain(white, "color_temperature", number)), *lamp.switched(on=True))
 
     bounds = _white_bounds(white, is_kelvin=is_kelvin)
     digits = 0 if white.datatype == "integer" else 3

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from homebot.conventions.homie.model import HomieNode
 
-__all__ = ["KINDS", "Kind", "declared_class", "declared_kind", "guessed_kinds", "words_in"]
+__all__ = ["KINDS", "Kind", "declared_class", "declared_kind", "guessed_kinds", "tokens_in"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +86,7 @@ _GUESSES: tuple[tuple[str, frozenset[str]], ...] = (
     ("valve", frozenset({"valve"})),
     ("light", frozenset({"light", "lamp", "bulb", "led", "dimmer", "strip", "rgb", "luminaire", "lighting"})),
 )
-_WORDS = re.compile(r"[a-z]+[0-9]*")
+_TOKEN = re.compile(r"[a-z]+[0-9]*")
 _LONGEST = 200
 
 
@@ -104,10 +104,10 @@ def declared_class(device_type: str) -> str:
 
 def guessed_kinds(node: HomieNode, around: frozenset[str]) -> tuple[str, ...]:
     """Return the kinds that the words of *node* speak of, then those of which the words *around* it do."""
-    own = words_in(node.type, node.id, node.name, *(prop.id for prop in node.properties))
-    return tuple(dict.fromkeys(kind for words in (own, around) for kind, hints in _GUESSES if words & hints))
+    own = tokens_in(node.type, node.id, node.name, *(prop.id for prop in node.properties))
+    return tuple(dict.fromkeys(kind for tokens in (own, around) for kind, hints in _GUESSES if tokens & hints))
 
 
-def words_in(*texts: str) -> frozenset[str]:
+def tokens_in(*texts: str) -> frozenset[str]:
     """Return the words of *texts* in small letters."""
-    return frozenset(word for text in texts for word in _WORDS.findall(text[:_LONGEST].casefold()))
+    return frozenset(token for text in texts for token in _TOKEN.findall(text[:_LONGEST].casefold()))

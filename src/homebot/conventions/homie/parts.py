@@ -20,7 +20,7 @@ from homebot.conventions.homie.controls import (
 from homebot.conventions.homie.lights import LIGHT_ROLES, add_light
 from homebot.conventions.homie.model import HomieDevice, HomieProperty
 from homebot.conventions.homie.node_part import node_part
-from homebot.conventions.homie.node_types import KINDS, declared_class, words_in
+from homebot.conventions.homie.node_types import KINDS, declared_class, tokens_in
 from homebot.conventions.homie.property_codecs import add_flag
 from homebot.conventions.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, as_settings, find_roles
 from homebot.conventions.homie.simple_parts import build_meters, build_singles
@@ -32,7 +32,7 @@ __all__ = ["build_parts"]
 
 def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     """Return the parts of *device*; first what it is there for."""
-    around = words_in(device.type, device.id, device.name)
+    around = tokens_in(device.type, device.id, device.name)
     nodes = tuple(find_roles(node, around) for node in device.nodes)
     controls: list[BytesPart] = []
     vacuum = find_vacuum(nodes)
@@ -83,7 +83,7 @@ def _may_be_of_a_lamp(node: NodeRoles) -> bool:
     """Return whether its kind says so, or nothing else: a pump's switch is not that of the lamp beside it."""
     if node.kind:
         return node.kind == "switch" or node.kind in _lights()
-    return words_in(node.node.type, node.node.id, node.node.name) <= _GENERAL
+    return tokens_in(node.node.type, node.node.id, node.node.name) <= _GENERAL
 
 
 _GENERAL = frozenset(
@@ -133,12 +133,12 @@ def _service_type(device: HomieDevice, node: NodeRoles, props: Mapping[str, Homi
     """Return the type of the controls of *node*; empty where it has none, or only some that mean nothing alone."""
     kind = KINDS[node.kind].service_type if node.kind else ""
     if props.keys() & _NEEDED.get(kind, frozenset()):
-        is_outlet = declared_class(device.type) in _OUTLETS or _OUTLETS & words_in(node.node.type, node.node.id)
+        is_outlet = declared_class(device.type) in _OUTLETS or _OUTLETS & tokens_in(node.node.type, node.node.id)
         return "plug" if kind == "switch" and is_outlet else kind
     for service_type in ("light", "window_covering", "switch"):
         if props.keys() & _NEEDED[service_type]:
-            words = words_in(node.node.type, node.node.id, device.type)
-            return "plug" if service_type == "switch" and words & _OUTLETS else service_type
+            tokens = tokens_in(node.node.type, node.node.id, device.type)
+            return "plug" if service_type == "switch" and tokens & _OUTLETS else service_type
     return ""
 
 

@@ -17,12 +17,12 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 __all__ = [
+    "add_enum",
     "add_flag",
     "add_percent",
     "add_plain",
     "add_press",
     "add_temperature",
-    "add_words",
     "percent_of",
     "percent_written",
 ]
@@ -46,7 +46,7 @@ def add_plain(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return (publication(prop, spell_plain(prop, capability, value)),)
 
-    _hear(part, prop, read)
+    _add_reader(part, prop, read)
     part.add_capability(
         capability,
         readable=prop.is_retained or not prop.is_settable,
@@ -80,7 +80,7 @@ def add_flag(part: BytesPart, prop: HomieProperty) -> None:
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return (publication(prop, "true" if require_bool("on_off", value) else "false"),)
 
-    _hear(part, prop, read)
+    _add_reader(part, prop, read)
     part.add_capability("on_off", readable=prop.is_retained, writer=_writer(part, prop, write))
 
 
@@ -94,7 +94,7 @@ def add_percent(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return (percent_written(prop, capability, require_number(capability, value, 0, _PERCENT, "%")),)
 
-    _hear(part, prop, read)
+    _add_reader(part, prop, read)
     part.add_capability(capability, readable=prop.is_retained, writer=_writer(part, prop, write))
 
 
@@ -111,30 +111,32 @@ def add_temperature(part: BytesPart, capability: str, prop: HomieProperty) -> No
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         least, most = bounds or _ANY_CELSIUS
         celsius = require_number(capability, value, least, most, "°C")
-        told = to_fahrenheit(celsius, _DIGITS) if is_fahrenheit else celsius
-        return (publication(prop, spell_plain(prop, capability, prop.range.kept(told) if bounds else told)),)
+        number = to_fahrenheit(celsius, _DIGITS) if is_fahrenheit else celsius
+        return (publication(prop, spell_plain(prop, capability, prop.range.kept(number) if bounds else number)),)
 
     ends = _bounds(prop)
     bounds = celsius_bounds(*ends) if ends and is_fahrenheit else ends
-    _hear(part, prop, read)
+    _add_reader(part, prop, read)
     part.add_capability(capability, writer=_writer(part, prop, write), bounds=bounds if prop.is_settable else ())
 
 
-def add_words(part: BytesPart, capability: str, prop: HomieProperty) -> None:
+def add_enum(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     """Let the words of *prop* be *capability*, in small letters."""
-    words = {option.casefold(): option for option in prop.options}
+    options = {option.casefold(): option for option in prop.options}
 
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
         return {capability: value.casefold()} if isinstance(value, str) else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        if not isinstance(value, str) or value not in words:
-            raise RefusedError(f"{capability} {shown(value)}", f"it takes {', '.join(list(words)[:20])}")
-        return (publication(prop, words[value]),)
+        if not isinstance(value, str) or value not in options:
+            raise RefusedError(f"{capability} {shown(value)}", f"it takes {', '.join(list(options)[:20])}")
+        return (publication(prop, options[value]),)
 
-    _hear(part, prop, read)
-    part.add_capability(capability, readable=prop.is_retained, writer=_writer(part, prop, write), options=tuple(words))
+    _add_reader(part, prop, read)
+    part.add_capability(
+        capability, readable=prop.is_retained, writer=_writer(part, prop, write), options=tuple(options)
+    )
 
 
 def percent_of(prop: HomieProperty, payload: bytes) -> float | None:
@@ -175,7 +177,7 @@ def _bounds(prop: HomieProperty) -> tuple[float, float] | tuple[()]:
     return (least, most) if least is not None and most is not None else ()
 
 
-def _hear(part: BytesPart, prop: HomieProperty, read: Callable[[bytes], Readings]) -> None:
+def _add_reader(part: BytesPart, prop: HomieProperty, read: Callable[[bytes], Readings]) -> None:
     if prop.is_retained:
         part.read_from(prop.topic, read)
     elif not prop.is_settable:

@@ -107,16 +107,16 @@ _OBJECTS = frozenset(
 """What can have water, gas or a door without that being a condition of it."""
 
 
-def is_beside(words: frozenset[str]) -> bool:
-    """Return whether *words* of a property say that it is not what its node is there for."""
-    return not words.isdisjoint(_BESIDE)
+def is_beside(tokens: frozenset[str]) -> bool:
+    """Return whether *tokens* of a property say that it is not what its node is there for."""
+    return not tokens.isdisjoint(_BESIDE)
 
 
-def is_object(words: frozenset[str]) -> bool:
-    """Return whether *words* of a property name a thing, so that a condition among them is only part of its name."""
-    return not words.isdisjoint(_OBJECTS)
+def is_object(tokens: frozenset[str]) -> bool:
+    """Return whether *tokens* of a property name a thing, so that a condition among them is only part of its name."""
+    return not tokens.isdisjoint(_OBJECTS)
 
 
-def is_setting(words: frozenset[str]) -> bool:
-    """Return whether *words* of a node say that nothing of it is what its device is there for."""
-    return not words.isdisjoint(_SETTINGS)
+def is_setting(tokens: frozenset[str]) -> bool:
+    """Return whether *tokens* of a node say that nothing of it is what its device is there for."""
+    return not tokens.isdisjoint(_SETTINGS)

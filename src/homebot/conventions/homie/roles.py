@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from homebot.conventions.homie.heuristics import guess_role, is_opening, is_speed
 from homebot.conventions.homie.model import HomieNode, HomieProperty
-from homebot.conventions.homie.node_types import KINDS, declared_kind, guessed_kinds, words_in
+from homebot.conventions.homie.node_types import KINDS, declared_kind, guessed_kinds, tokens_in
 from homebot.conventions.homie.sensor_tables import condition_of, quantity_of
 
 __all__ = ["CONTROLS", "THERMOSTAT_ROLES", "NodeRoles", "Role", "as_settings", "find_roles"]
@@ -70,16 +70,16 @@ def find_roles(node: HomieNode, around: frozenset[str]) -> NodeRoles:
     """
     declared = declared_kind(node.type)
     if declared:
-        roles = _singled(node, (_declared(node, prop, declared) for prop in node.properties))
+        roles = _singled(node, (_declared_role(node, prop, declared) for prop in node.properties))
         return NodeRoles(node, declared, is_guess=False, roles=roles)
     kinds = guessed_kinds(node, around)
     for kind in kinds:
-        roles = _singled(node, (_suggested(node, prop, kind) for prop in node.properties))
+        roles = _singled(node, (_guessed_role(node, prop, kind) for prop in node.properties))
         if _is_borne_out(kind, {role.name: role.prop for role in roles}):
             return NodeRoles(node, kind, is_guess=True, roles=roles)
-    roles = _singled(node, (_suggested(node, prop, "") for prop in node.properties))
+    roles = _singled(node, (_guessed_role(node, prop, "") for prop in node.properties))
     if kinds:
-        roles = tuple(_told(node, role.prop, "") if role.name in _SHARES else role for role in roles)
+        roles = tuple(_read_only_role(node, role.prop, "") if role.name in _SHARES else role for role in roles)
     return NodeRoles(node, "", is_guess=True, roles=roles)
 
 
@@ -91,7 +91,7 @@ def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRole
     """Return *node* so that what was guessed of it controls nothing, and without the given properties."""
     roles = [role for role in node.roles if role.prop not in without]
     if node.is_guess:
-        roles = [_told(node.node, role.prop, "") if role.name in CONTROLS else role for role in roles]
+        roles = [_read_only_role(node.node, role.prop, "") if role.name in CONTROLS else role for role in roles]
     return replace(node, kind="" if node.is_guess else node.kind, roles=tuple(roles))
 
 
@@ -101,7 +101,7 @@ def _singled(node: HomieNode, suggested: Iterable[Role]) -> tuple[Role, ...]:
     roles: list[Role] = []
     for role in suggested:
         is_taken = role.name in CONTROLS and role.name in taken
-        roles.append(_told(node, role.prop, "") if is_taken else role)
+        roles.append(_read_only_role(node, role.prop, "") if is_taken else role)
         taken.add(role.name)
     return tuple(roles)
 
@@ -132,7 +132,7 @@ def _is_number(prop: HomieProperty) -> bool:
     return prop.is_number
 
 
-def _is_truth(prop: HomieProperty) -> bool:
+def _is_flag(prop: HomieProperty) -> bool:
     return prop.datatype == "boolean"
 
 
@@ -145,7 +145,7 @@ def _is_choice(prop: HomieProperty) -> bool:
 
 
 _FITS: Mapping[str, _Fit] = {
-    "on_off": _is_truth,
+    "on_off": _is_flag,
     "level": _is_number,
     "color": lambda prop: prop.datatype == "color",
     "color_temperature": _is_number,
@@ -153,9 +153,9 @@ _FITS: Mapping[str, _Fit] = {
     "tilt": _is_number,
     "movement": is_opening,
     "move": _is_order,
-    "lock": _is_truth,
+    "lock": _is_flag,
     "lock_action": _is_order,
-    "valve": _is_truth,
+    "valve": _is_flag,
     "heating_setpoint": _is_number,
     "cooling_setpoint": _is_number,
     "local_temperature": lambda prop: prop.is_number and not prop.is_settable,
@@ -163,12 +163,12 @@ _FITS: Mapping[str, _Fit] = {
     "fan_mode": _is_choice,
     "fan_speed": _is_number,
     "battery": _is_number,
-    "battery_low": _is_truth,
+    "battery_low": _is_flag,
     "press": lambda prop: prop.datatype in {"enum", "string"},
 }
 
 
-def _declared(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
+def _declared_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
     name = KINDS[kind].roles.get(prop.id, "")
     if name == "fan_mode" and prop.is_number:
         name = "fan_speed"
@@ -178,25 +178,25 @@ def _declared(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
         first = next(one for one in node.properties if one.datatype == "boolean" and not one.is_settable)
         if first is prop:
             return Role(KINDS[kind].condition, prop, is_guess=False)
-    return _told(node, prop, kind)
+    return _read_only_role(node, prop, kind)
 
 
-def _suggested(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
-    words = words_in(prop.id, prop.name)
-    name = guess_role(node, prop, kind, words)
-    return Role(name, prop, is_guess=True) if name else _told(node, prop, kind)
+def _guessed_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
+    tokens = tokens_in(prop.id, prop.name)
+    name = guess_role(node, prop, kind, tokens)
+    return Role(name, prop, is_guess=True) if name else _read_only_role(node, prop, kind)
 
 
-def _told(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
+def _read_only_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
     """The role of a property that controls nothing by itself."""
     if prop.is_settable:
         return Role("", prop, is_guess=False)
-    words = words_in(prop.id, prop.name)
-    around = words_in(node.id, node.name, kind)
+    tokens = tokens_in(prop.id, prop.name)
+    around = tokens_in(node.id, node.name, kind)
     if prop.is_number:
-        name, is_guess = quantity_of(prop.unit, words | around)
+        name, is_guess = quantity_of(prop.unit, tokens | around)
         return Role(name, prop, is_guess)
     if prop.datatype == "boolean":
-        name = condition_of(words, around)
+        name = condition_of(tokens, around)
         return Role(name, prop, is_guess=name != "state")
     return Role("value" if prop.is_retained else "press", prop, is_guess=False)

@@ -44,7 +44,7 @@ _BY_UNIT: Mapping[str, str] = MappingProxyType(
     }
 )
 
-_BY_WORD: tuple[tuple[str, str, frozenset[str]], ...] = (
+_BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
     ("battery", "battery", frozenset({"", "%"})),
     ("humidity", "humidity", frozenset({"", "%"})),
     ("moisture", "soil_moisture", frozenset({"%"})),
@@ -92,32 +92,32 @@ CONDITIONS: Mapping[str, str] = MappingProxyType(
 """What a truth tells, by a word."""
 
 
-def quantity_of(unit: str, words: frozenset[str]) -> tuple[str, bool]:
-    """Return the capability of a number with *unit* near *words*, and whether that is a guess."""
+def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
+    """Return the capability of a number with *unit* near *tokens*, and whether that is a guess."""
     unit = unit.strip()
     if unit in _BY_UNIT:
         return _BY_UNIT[unit], False
-    if not words.isdisjoint(_NO_MEASURE):
+    if not tokens.isdisjoint(_NO_MEASURE):
         return "measurement", False
-    for word, capability, units in _BY_WORD:
-        if unit in units and any(one.startswith(word) if len(word) > _SHORT else one == word for one in words):
+    for token, capability, units in _BY_TOKEN:
+        if unit in units and any(one.startswith(token) if len(token) > _SHORT else one == token for one in tokens):
             return capability, True
     return "measurement", False
 
 
-def condition_of(words: frozenset[str], around: frozenset[str]) -> str:
+def condition_of(tokens: frozenset[str], around: frozenset[str]) -> str:
     """Return the capability of a truth; ``state`` where nothing tells.
 
     Args:
-        words: Of the property. One of a thing, such as a water tank, is no condition.
+        tokens: Of the property. One of a thing, such as a water tank, is no condition.
         around: Of its node; they count where the property's own say nothing.
     """
-    if is_object(words):
+    if is_object(tokens):
         return "state"
-    told = words if words & CONDITIONS.keys() or not words <= _NEUTRAL else around
-    if told is around and is_object(around):
+    counted = tokens if tokens & CONDITIONS.keys() or not tokens <= _NEUTRAL else around
+    if counted is around and is_object(around):
         return "state"
-    return next((capability for word, capability in CONDITIONS.items() if word in told), "state")
+    return next((capability for token, capability in CONDITIONS.items() if token in counted), "state")
 
 
 _NEUTRAL = frozenset(

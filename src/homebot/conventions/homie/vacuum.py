@@ -14,8 +14,8 @@ from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.homie.model import HomieNode, HomieProperty
 from homebot.conventions.homie.node_part import node_part
-from homebot.conventions.homie.node_types import words_in
-from homebot.conventions.homie.property_codecs import add_words
+from homebot.conventions.homie.node_types import tokens_in
+from homebot.conventions.homie.property_codecs import add_enum
 from homebot.conventions.homie.roles import NodeRoles
 from homebot.conventions.homie.values import publication, read_plain
 from homebot.conventions.part_builder import BytesPart
@@ -65,7 +65,7 @@ def build_vacuum(vacuum: Vacuum) -> BytesPart:
     """Describe the robot."""
     part = node_part(vacuum.node, "robotic_vacuum_cleaner", guessed=True)
     order, state = vacuum.order, vacuum.state
-    orders = {name: word for name, word in _ORDERS.items() if word in order.options}
+    orders = {name: option for name, option in _ORDERS.items() if option in order.options}
 
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return (publication(order, orders[require_option("vacuum", value, orders)]),)
@@ -75,7 +75,7 @@ def build_vacuum(vacuum: Vacuum) -> BytesPart:
     part.add_command_topics(f"{order.topic}/set")
     part.add_capability("vacuum", readable=state is not None, writer=write)
     if vacuum.power is not None:
-        add_words(part, "fan_mode", vacuum.power)
+        add_enum(part, "fan_mode", vacuum.power)
     return part
 
 
@@ -100,4 +100,4 @@ def _read(state: HomieProperty, payload: bytes) -> Readings:
 
 def _spelled(node: HomieNode) -> frozenset[str]:
     """The words of a node, also of one that writes ``FanSpeedControlCapability``."""
-    return words_in(_CAMEL.sub(" ", node.id), node.name)
+    return tokens_in(_CAMEL.sub(" ", node.id), node.name)

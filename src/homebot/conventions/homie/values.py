@@ -83,12 +83,12 @@ def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float
     text = to_text(payload)
     if text is None or len(text) > _LONGEST_TEXT:
         return None
-    words = text.split(",")
-    form = words.pop(0) if prop.names_form else (*prop.options, "")[0]
+    fields = text.split(",")
+    form = fields.pop(0) if prop.names_form else (*prop.options, "")[0]
     limits = _LIMITS.get(form)
-    if limits is None or form not in prop.options or len(words) != len(limits):
+    if limits is None or form not in prop.options or len(fields) != len(limits):
         return None
-    numbers = tuple(number for number in map(to_number, words) if number is not None)
+    numbers = tuple(number for number in map(to_number, fields) if number is not None)
     if len(numbers) != len(limits) or not all(0 <= one <= most for one, most in zip(numbers, limits, strict=True)):
         return None
     if form == "hsv":
@@ -108,8 +108,8 @@ def spell_color(prop: HomieProperty, hue: float, saturation: float) -> str:
         numbers = from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)
     else:
         numbers = from_hue_saturation("xy", hue, saturation, _ANY_WHITE)
-    words = [f"{one:g}" for one in numbers]
-    return ",".join([form, *words] if prop.names_form else words)
+    fields = [f"{one:g}" for one in numbers]
+    return ",".join([form, *fields] if prop.names_form else fields)
 
 
 def publication(prop: HomieProperty, text: str) -> Publication:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.decode import to_text
 from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn
-from homebot.conventions.homie.attribute_collector import Assembly
+from homebot.conventions.homie.attribute_collector import AttributeCollector
 from homebot.conventions.homie.described import describe
 from homebot.conventions.homie.model import MAX_PROPERTIES, HomieDevice
 from homebot.conventions.homie.state import STATES
@@ -101,7 +101,7 @@ class Version4:
                 return ()
         if not self._keep(device, attribute, text) or not _may_be_complete(device, attribute):
             return ()
-        return self._heard(device, domain, device_id)
+        return self._describe(device, domain, device_id)
 
     def _keep(self, device: _Homie4Device, attribute: str, text: str) -> bool:
         known = device.attributes.get(attribute)
@@ -119,16 +119,16 @@ class Version4:
         device.is_changed = device.is_changed or attribute != "$state"
         return True
 
-    def _heard(self, device: _Homie4Device, domain: str, device_id: str) -> tuple[AnnouncementEvent, ...]:
+    def _describe(self, device: _Homie4Device, domain: str, device_id: str) -> tuple[AnnouncementEvent, ...]:
         state = device.attributes.get("$state", "")
         if not device.is_changed or state in {"", "init"} or "$homie" not in device.attributes:
             return ()
-        assembly = Assembly(f"{domain}/{device_id}", device.attributes)
-        nodes = assembly.nodes()
+        collector = AttributeCollector(f"{domain}/{device_id}", device.attributes)
+        nodes = collector.nodes()
         if nodes is None:
             return ()
         device.is_changed = False
-        self.ignored += assembly.ignored
+        self.ignored += collector.ignored
         whole = HomieDevice(
             id=device_id,
             name=clean_text(device.attributes.get("$name", "")) or device_id,
@@ -136,9 +136,9 @@ class Version4:
             topic=f"{domain}/{device_id}",
             nodes=nodes,
             facts={
-                fact: told
+                fact: text
                 for attribute, fact in _FACTS.items()
-                if (told := clean_text(device.attributes.get(attribute, "")))
+                if (text := clean_text(device.attributes.get(attribute, "")))
             },
         )
         described = describe(whole, domain, is_alive=bool(STATES[state]))

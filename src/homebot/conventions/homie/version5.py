@@ -32,13 +32,13 @@ class _Homie5Device:
 
     Attributes:
         state: Its state; empty while it is unknown.
-        said: Hash of its document; None while there is none.
+        document_hash: Hash of its document; None while there is none.
         waiting: Its document, as it came, while it counts for nothing because of the state.
         is_described: Whether the gateway was told of it.
     """
 
     state: str = ""
-    said: int | None = None
+    document_hash: int | None = None
     waiting: bytes = b""
     is_described: bool = False
 
@@ -84,11 +84,11 @@ class Version5:
             device = _Homie5Device()
             if not self._devices.add(name, device):
                 return ()
-        told = self._told_state if attribute == "$state" else self._told_document
-        document = told(device, domain, device_id, payload)
-        return () if document is None else self._heard(device, name, domain, document)
+        take_attribute = self._take_state if attribute == "$state" else self._take_document
+        document = take_attribute(device, domain, device_id, payload)
+        return () if document is None else self._describe(device, name, domain, document)
 
-    def _told_state(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+    def _take_state(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
         """Return the document that waited for this state."""
         state = payload.decode(errors="replace") if len(payload) <= len("disconnected") else ""
         if state not in STATES:
@@ -100,14 +100,14 @@ class Version5:
         self._release(device)
         return document
 
-    def _told_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+    def _take_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
         """Return the document if it is another one and need not wait; what is illegal in it is told now anyway."""
-        said = hash(payload)
-        if device.said == said:
+        document_hash = hash(payload)
+        if device.document_hash == document_hash:
             return None
         document = parse_document(domain, device_id, payload)
         self._release(device)
-        device.said = said
+        device.document_hash = document_hash
         if device.is_ready:
             return document
         self._keep(device, payload)
@@ -115,7 +115,7 @@ class Version5:
 
     def _keep(self, device: _Homie5Device, payload: bytes) -> None:
         if self._waiting + len(payload) > _MAX_WAITING:
-            device.said = None
+            device.document_hash = None
             self._refused += 1
             return
         device.waiting = payload
@@ -125,7 +125,7 @@ class Version5:
         self._waiting -= len(device.waiting)
         device.waiting = b""
 
-    def _heard(
+    def _describe(
         self, device: _Homie5Device, name: str, domain: str, document: Document
     ) -> tuple[AnnouncementEvent, ...]:
         self.ignored += document.ignored
@@ -146,6 +146,6 @@ class Version5:
             self._devices.remove(name)
             return (DeviceWithdrawn(name, "its state was removed", is_final=True),) if device.is_described else ()
         self._release(device)
-        device.said = None
+        device.document_hash = None
         was_described, device.is_described = device.is_described, False
         return (DeviceWithdrawn(name, "its description was removed"),) if was_described else ()
