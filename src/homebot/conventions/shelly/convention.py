@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.conventions.description import AnnouncementEvent, Publication
-from homebot.conventions.shelly.gen1 import BIRTHS, FILTERS, Gen1
+from homebot.conventions.shelly.gen1 import BIRTH_MESSAGES, FILTERS, Gen1
 from homebot.conventions.shelly.gen2 import Gen2
 from homebot.errors import WireError
 
@@ -61,7 +61,7 @@ class Shelly:
 
     def birth_messages(self) -> tuple[Publication, ...]:
         """Return what makes the first generation announce itself; the second is asked one by one."""
-        return BIRTHS
+        return BIRTH_MESSAGES
 
     def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Take a message, and return what it tells of devices or makes one ask them."""

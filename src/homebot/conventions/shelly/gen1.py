@@ -18,9 +18,9 @@ from homebot.conventions.shelly.gen1_parts import is_known_topic
 from homebot.conventions.shelly.gen1_topics import Gen1Place
 from homebot.errors import WireError
 
-__all__ = ["BIRTHS", "FILTERS", "Gen1"]
+__all__ = ["BIRTH_MESSAGES", "FILTERS", "Gen1"]
 
-BIRTHS = (Publication("shellies/command", b"announce"), Publication("shellies/command", b"update"))
+BIRTH_MESSAGES = (Publication("shellies/command", b"announce"), Publication("shellies/command", b"update"))
 """Make all devices announce themselves, and tell their states."""
 
 FILTERS = (
@@ -74,11 +74,11 @@ class Gen1:
             return self._announced(topic, name, payload) if payload else ()
         if suffix == "online":
             return self._online(topic, name, payload)
-        return self._heard(topic, name, suffix) if payload and is_known_topic(suffix) else ()
+        return self._take_state(topic, name, suffix) if payload and is_known_topic(suffix) else ()
 
     def _announced(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        told = parse_object(payload)
-        device_id, mac = told.get("id"), told.get("mac", "")
+        announcement = parse_object(payload)
+        device_id, mac = announcement.get("id"), announcement.get("mac", "")
         if not isinstance(device_id, str) or not 0 < len(device_id) <= _LONGEST_NAME or set(device_id) & set("+#/\0"):
             raise WireError(f"an announcement has the id {shown(device_id)}")
         if not isinstance(mac, str):
@@ -90,7 +90,7 @@ class Gen1:
         if device is None:
             return ()
         gone = self._renamed(mac, device.place.name)
-        is_news = device.announce(device_id, mac, told)
+        is_news = device.announce(device_id, mac, announcement)
         if not device.is_announced:
             device.is_announced, device.topic = True, topic
         elif not gone and topic != device.topic and not is_news:
@@ -106,7 +106,7 @@ class Gen1:
         device.is_online = True
         return () if device.is_announced else self._described(device, topic)
 
-    def _heard(self, topic: str, name: str, suffix: str) -> tuple[AnnouncementEvent, ...]:
+    def _take_state(self, topic: str, name: str, suffix: str) -> tuple[AnnouncementEvent, ...]:
         device = self._device(name)
         if device is None or suffix in device.suffixes:
             return ()

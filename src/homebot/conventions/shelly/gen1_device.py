@@ -51,17 +51,17 @@ class Gen1Device:
     topic: str = ""
     presses: defaultdict[int, Presses] = field(default_factory=lambda: defaultdict(Presses))
 
-    def announce(self, device_id: str, mac: str, told: Mapping[str, object]) -> bool:
+    def announce(self, device_id: str, mac: str, announcement: Mapping[str, object]) -> bool:
         """Take what it says of itself; tell whether that differs from what it said before."""
-        before = self._said()
-        mode = told.get("mode")
+        before = self._announced_facts()
+        mode = announcement.get("mode")
         self.mac = mac
-        self.model_name = _text(told.get("model"), 40)
+        self.model_name = _text(announcement.get("model"), 40)
         self.model = find_model(self.model_name, device_id)
         self.mode = mode if isinstance(mode, str) else ""
-        self.version = _text(told.get("fw_ver"))
-        self.address = _text(told.get("ip"))
-        return self._said() != before
+        self.version = _text(announcement.get("fw_ver"))
+        self.address = _text(announcement.get("ip"))
+        return self._announced_facts() != before
 
     def known(self) -> frozenset[str]:
         """Return the topics that it publishes on: what is sure of its model, and what was heard."""
@@ -99,7 +99,7 @@ class Gen1Device:
             implies_alive=True,
         )
 
-    def _said(self) -> tuple[str, ...]:
+    def _announced_facts(self) -> tuple[str, ...]:
         return self.model_name, self.mode, self.mac, self.version, self.address
 
     def _facts(self) -> dict[str, str]:

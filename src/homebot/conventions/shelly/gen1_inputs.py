@@ -40,10 +40,10 @@ class Presses:
 
     def read(self, payload: bytes, *, counts_first: bool) -> Readings:
         """Return the press that *payload* tells, if it is a new one; the first counts where *counts_first* says so."""
-        told = to_json(payload)
-        if not isinstance(told, dict):
+        message = to_json(payload)
+        if not isinstance(message, dict):
             return NO_READINGS
-        event, count = told.get("event"), told.get("event_cnt")
+        event, count = message.get("event"), message.get("event_cnt")
         if not isinstance(count, int) or isinstance(count, bool):
             count = None
         is_first = self._count is None

@@ -41,7 +41,7 @@ def build_light(place: Gen1Place, kind: str, index: int, model: str) -> BytesPar
     """
     lamp = _Gen1Lamp(place.at(f"{kind}/{index}"), kind, _WHITES.get(model))
     part = PartBuilder(raw_bytes, f"{kind}:{index}", "light", advertised=kind)
-    part.read_from(lamp.topic, _read_word)
+    part.read_from(lamp.topic, _read_switch)
     part.read_from(f"{lamp.topic}/status", lamp.read)
     part.add_command_topics(f"{lamp.topic}/command")
     part.add_command_topics(f"{lamp.topic}/set")
@@ -61,28 +61,28 @@ class _Gen1Lamp:
     white: tuple[int, int] | None
 
     def read(self, payload: bytes) -> Readings:
-        told = to_json(payload)
-        if not isinstance(told, dict):
+        message = to_json(payload)
+        if not isinstance(message, dict):
             return NO_READINGS
-        is_color = self.kind == "color" and told.get("mode", "color") == "color"
+        is_color = self.kind == "color" and message.get("mode", "color") == "color"
         found: dict[str, PlainValue] = {}
-        if isinstance(on := told.get("ison"), bool):
+        if isinstance(on := message.get("ison"), bool):
             found["on_off"] = on
-        level = to_number(told.get("gain" if is_color else "brightness"))
+        level = to_number(message.get("gain" if is_color else "brightness"))
         if level is not None and 0 <= level <= 100:
             found["level"] = level
-        kelvin = to_number(told.get("temp"))
+        kelvin = to_number(message.get("temp"))
         if self.white is not None and kelvin is not None:
             found["color_temperature"] = None if is_color or kelvin <= 0 else kelvin
         if self.kind == "color":
-            found["color"] = _color(told) if is_color else None
+            found["color"] = _color(message) if is_color else None
         return found
 
     def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
-        word = "on" if require_bool("on_off", value) else "off"
+        turn = "on" if require_bool("on_off", value) else "off"
         if transition or self.kind == "white":
-            return self._set({"turn": word}, transition)
-        return (Publication(f"{self.topic}/command", word.encode()),)
+            return self._set({"turn": turn}, transition)
+        return (Publication(f"{self.topic}/command", turn.encode()),)
 
     def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         level = require_number("level", value, 0, 100, "%")
@@ -113,11 +113,11 @@ class _Gen1Lamp:
         return (Publication(f"{self.topic}/set", json.dumps(fields, separators=(",", ":")).encode()),)
 
 
-def _read_word(payload: bytes) -> Readings:
+def _read_switch(payload: bytes) -> Readings:
     return SWITCHED.get(to_text(payload) or "", NO_READINGS)
 
 
-def _color(told: Mapping[str, object]) -> tuple[float, ...] | None:
-    channels = [to_number(told.get(name)) for name in _CHANNELS]
+def _color(message: Mapping[str, object]) -> tuple[float, ...] | None:
+    channels = [to_number(message.get(name)) for name in _CHANNELS]
     known = tuple(one for one in channels if one is not None and 0 <= one <= 255)
     return to_hue_saturation("rgb", known, _ANY_WHITE) if len(known) == len(_CHANNELS) else None

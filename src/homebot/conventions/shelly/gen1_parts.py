@@ -132,14 +132,14 @@ def _input(
 
 def _meter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart | None:
     topic = channel.topic
-    told = {name: f"{topic}/{name}" for name in ("power", "energy") if f"{topic}/{name}" in suffixes}
-    return build_meter(place, f"{channel.kind}:{channel.index}/meter", told) if told else None
+    suffix_by_name = {name: f"{topic}/{name}" for name in ("power", "energy") if f"{topic}/{name}" in suffixes}
+    return build_meter(place, f"{channel.kind}:{channel.index}/meter", suffix_by_name) if suffix_by_name else None
 
 
 def _emeter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
     names = ("power", "voltage", "current", "total", "total_returned")
-    told = {name: f"{channel.topic}/{name}" for name in names if f"{channel.topic}/{name}" in suffixes}
-    return build_meter(place, f"emeter:{channel.index}", told)
+    suffix_by_name = {name: f"{channel.topic}/{name}" for name in names if f"{channel.topic}/{name}" in suffixes}
+    return build_meter(place, f"emeter:{channel.index}", suffix_by_name)
 
 
 def _adc(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:

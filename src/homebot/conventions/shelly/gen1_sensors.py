@@ -27,8 +27,8 @@ class Gen1Sensor:
         suffix: Its topic below the device's; where it has channels, without the number.
         service_type: See :attr:`homebot.devices.Part.service_type`.
         capability: See :data:`homebot.devices.capabilities.CAPABILITIES`.
-        words: What each payload means.
-        is_number: Whether a payload that is none of *words* is a number.
+        values: What each payload means.
+        is_number: Whether a payload that is none of *values* is a number.
         least: Smallest number that can be.
         most: Largest number that can be; another is *unknown*.
         category: See :attr:`homebot.devices.Part.category`.
@@ -38,7 +38,7 @@ class Gen1Sensor:
     suffix: str
     service_type: str
     capability: str
-    words: Mapping[str, PlainValue] = field(default_factory=dict)
+    values: Mapping[str, PlainValue] = field(default_factory=dict)
     is_number: bool = False
     least: float = -1e12
     most: float = 1e12
@@ -48,8 +48,8 @@ class Gen1Sensor:
     def read(self, payload: bytes) -> Readings:
         """Return what *payload* tells; never raises."""
         text = to_text(payload) or ""
-        if text in self.words:
-            return {self.capability: self.words[text]}
+        if text in self.values:
+            return {self.capability: self.values[text]}
         if not self.is_number:
             return NO_READINGS
         found = read_number(self.capability, text)
@@ -58,15 +58,17 @@ class Gen1Sensor:
         return {self.capability: None} if is_out else found
 
 
-_TRUTHS: Mapping[str, PlainValue] = MappingProxyType({"true": True, "false": False, "1": True, "0": False, "-1": None})
+_FLAG_VALUES: Mapping[str, PlainValue] = MappingProxyType(
+    {"true": True, "false": False, "1": True, "0": False, "-1": None}
+)
 _MOST_CELSIUS = 998.0
 """A sensor that is broken or absent says 999."""
 
 _TABLE = (
     Gen1Sensor("sensor/state", "contact_sensor", "contact", {"open": True, "close": False, "unknown": None}),
-    Gen1Sensor("sensor/motion", "occupancy_sensor", "occupancy", _TRUTHS),
-    Gen1Sensor("sensor/flood", "water_leak_detector", "water_leak", _TRUTHS),
-    Gen1Sensor("sensor/smoke", "smoke_co_alarm", "smoke", _TRUTHS),
+    Gen1Sensor("sensor/motion", "occupancy_sensor", "occupancy", _FLAG_VALUES),
+    Gen1Sensor("sensor/flood", "water_leak_detector", "water_leak", _FLAG_VALUES),
+    Gen1Sensor("sensor/smoke", "smoke_co_alarm", "smoke", _FLAG_VALUES),
     Gen1Sensor(
         "sensor/gas",
         "smoke_co_alarm",
@@ -78,17 +80,17 @@ _TABLE = (
     Gen1Sensor("sensor/lux", "light_sensor", "illuminance", is_number=True, least=0),
     Gen1Sensor("sensor/concentration", "x_sensor", "measurement", is_number=True, least=0, unit="ppm"),
     Gen1Sensor("sensor/tilt", "x_sensor", "measurement", is_number=True, least=0, unit="°"),
-    Gen1Sensor("sensor/vibration", "x_binary_sensor", "vibration", _TRUTHS),
+    Gen1Sensor("sensor/vibration", "x_binary_sensor", "vibration", _FLAG_VALUES),
     Gen1Sensor("sensor/battery", "x_battery", "battery", is_number=True, least=0, most=100, category="diagnostic"),
-    Gen1Sensor("sensor/charger", "x_battery", "battery_charging", _TRUTHS, category="diagnostic"),
+    Gen1Sensor("sensor/charger", "x_battery", "battery_charging", _FLAG_VALUES, category="diagnostic"),
     Gen1Sensor(
         "temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS, category="diagnostic"
     ),
-    Gen1Sensor("overtemperature", "x_binary_sensor", "heat", _TRUTHS, category="diagnostic"),
-    Gen1Sensor("overpower", "x_binary_sensor", "problem", _TRUTHS, category="diagnostic"),
+    Gen1Sensor("overtemperature", "x_binary_sensor", "heat", _FLAG_VALUES, category="diagnostic"),
+    Gen1Sensor("overpower", "x_binary_sensor", "problem", _FLAG_VALUES, category="diagnostic"),
     Gen1Sensor("ext_temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS),
     Gen1Sensor("ext_humidity", "humidity_sensor", "humidity", is_number=True, least=0, most=100),
-    Gen1Sensor("ext_switch", "x_binary_sensor", "state", _TRUTHS),
+    Gen1Sensor("ext_switch", "x_binary_sensor", "state", _FLAG_VALUES),
 )
 
 SENSORS: Mapping[str, Gen1Sensor] = MappingProxyType({sensor.suffix: sensor for sensor in _TABLE})
@@ -119,17 +121,17 @@ def build_sensor(place: Gen1Place, sensor: Gen1Sensor, index: int | None = None)
     return part
 
 
-def build_meter(place: Gen1Place, part_id: str, told: Mapping[str, str]) -> BytesPart:
+def build_meter(place: Gen1Place, part_id: str, topics: Mapping[str, str]) -> BytesPart:
     """Describe a meter.
 
     Args:
         place: Of its device.
         part_id: Of the part.
-        told: Topics below the device's, by what is told there: power, energy, total, total_returned, voltage,
+        topics: Topics below the device's, by what is told there: power, energy, total, total_returned, voltage,
             current.
     """
     part = PartBuilder(raw_bytes, part_id, "electrical_meter", advertised="meter")
-    for name, suffix in told.items():
+    for name, suffix in topics.items():
         capability, factor = _METERED[name]
         part.read_from(place.at(suffix), _measuring(capability, factor))
         part.add_capability(capability)

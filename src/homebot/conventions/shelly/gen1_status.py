@@ -49,8 +49,8 @@ def build_valve(place: Gen1Place) -> tuple[BytesPart, ...]:
     return part, _status_part(place, "battery", "x_battery", "battery", _battery, "diagnostic")
 
 
-def _truth(told: Mapping[str, object], name: str) -> PlainValue | object:
-    value = told.get(name)
+def _flag(status: Mapping[str, object], name: str) -> PlainValue | object:
+    value = status.get(name)
     return value if isinstance(value, bool) else _UNCLEAR
 
 
@@ -59,13 +59,13 @@ def _number(value: object) -> PlainValue | object:
     return _UNCLEAR if number is None else number
 
 
-def _battery(told: Mapping[str, object]) -> PlainValue | object:
-    battery = told.get("bat")
+def _battery(status: Mapping[str, object]) -> PlainValue | object:
+    battery = status.get("bat")
     return _number(battery.get("value") if isinstance(battery, dict) else battery)
 
 
-def _temperature(told: Mapping[str, object]) -> PlainValue | object:
-    temperature = told.get("tmp")
+def _temperature(status: Mapping[str, object]) -> PlainValue | object:
+    temperature = status.get("tmp")
     if not isinstance(temperature, dict):
         return _UNCLEAR
     return None if temperature.get("is_valid") is False else _number(temperature.get("value"))
@@ -73,9 +73,9 @@ def _temperature(told: Mapping[str, object]) -> PlainValue | object:
 
 _Find = Callable[[Mapping[str, object]], PlainValue | object]
 _MOTION: tuple[tuple[str, str, str, _Find, Category], ...] = (
-    ("motion", "occupancy_sensor", "occupancy", lambda told: _truth(told, "motion"), ""),
-    ("vibration", "x_binary_sensor", "vibration", lambda told: _truth(told, "vibration"), ""),
-    ("lux", "light_sensor", "illuminance", lambda told: _number(told.get("lux")), ""),
+    ("motion", "occupancy_sensor", "occupancy", lambda status: _flag(status, "motion"), ""),
+    ("vibration", "x_binary_sensor", "vibration", lambda status: _flag(status, "vibration"), ""),
+    ("lux", "light_sensor", "illuminance", lambda status: _number(status.get("lux")), ""),
     ("temperature", "temperature_sensor", "temperature", _temperature, ""),
     ("battery", "x_battery", "battery", _battery, "diagnostic"),
 )
@@ -85,8 +85,8 @@ def _status_part(
     place: Gen1Place, part_id: str, service_type: str, capability: str, find: _Find, category: Category
 ) -> BytesPart:
     def read(payload: bytes) -> Readings:
-        told = to_json(payload)
-        value = find(told) if isinstance(told, dict) else _UNCLEAR
+        status = to_json(payload)
+        value = find(status) if isinstance(status, dict) else _UNCLEAR
         return {capability: value} if value is None or isinstance(value, (bool, float)) else NO_READINGS
 
     part = PartBuilder(raw_bytes, part_id, service_type, advertised="status", category=category)
@@ -97,16 +97,16 @@ def _status_part(
 
 
 def _read_valve(payload: bytes) -> Readings:
-    told = to_json(payload)
-    if not isinstance(told, dict):
+    status = to_json(payload)
+    if not isinstance(status, dict):
         return NO_READINGS
-    listed = told.get("thermostats")
-    valve = listed[0] if isinstance(listed, list) and listed and isinstance(listed[0], dict) else told
+    listed = status.get("thermostats")
+    valve = listed[0] if isinstance(listed, list) and listed and isinstance(listed[0], dict) else status
     found: dict[str, PlainValue] = {}
     target = valve.get("target_t")
-    wanted = to_number(target.get("value")) if isinstance(target, dict) else None
-    if wanted is not None:
-        found["heating_setpoint"] = wanted
+    setpoint = to_number(target.get("value")) if isinstance(target, dict) else None
+    if setpoint is not None:
+        found["heating_setpoint"] = setpoint
     temperature = _temperature(valve)
     if temperature is None or isinstance(temperature, float):
         found["local_temperature"] = temperature

@@ -14,7 +14,7 @@ from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.decode import to_json
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn
 from homebot.conventions.payload import parse_object, shown
-from homebot.conventions.shelly.gen2_answers import is_prefix, kind_of, mac_in, tells_change, text_of
+from homebot.conventions.shelly.gen2_answers import is_config_change, is_prefix, kind_of, mac_in, text_of
 from homebot.conventions.shelly.gen2_component import Fields
 from homebot.conventions.shelly.gen2_device import Gen2Device, looks
 from homebot.conventions.shelly.rpc import call
@@ -27,7 +27,7 @@ MAX_ANSWER_BYTES = 128 * 1024
 
 _MAX_DEVICES = 3000
 _MAX_KEPT_BYTES = 32 * 1024 * 1024
-_QUESTIONS = ("Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus")
+_REQUESTED_METHODS = ("Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus")
 
 
 class Gen2:
@@ -76,7 +76,7 @@ class Gen2:
             return self._notified(topic.removesuffix("/events/rpc"), payload)
         prefix, _, component = topic.partition("/status/")
         if component:
-            return self._told(prefix, component, payload) if mac_in(prefix) else ()
+            return self._take_status(prefix, component, payload) if mac_in(prefix) else ()
         return self._online(topic.removesuffix("/online"), payload, retained=retained)
 
     def _online(self, prefix: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
@@ -88,25 +88,27 @@ class Gen2:
         if device is None:
             return ()
         if device.described is not None:
-            return () if retained else (self._question(device),)
-        return (self._question(device),) if retained else self._asked(device)
+            return () if retained else (self._request(device),)
+        return (self._request(device),) if retained else self._requests(device)
 
-    def _told(self, prefix: str, component: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+    def _take_status(self, prefix: str, component: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         device = self._device(prefix)
-        if device is None or device.is_told:
+        if device is None or device.has_status:
             return ()
-        return self._overheard(device, {component: to_json(payload)}, f"{prefix}/status/{component}", len(payload))
+        return self._learn_components(
+            device, {component: to_json(payload)}, f"{prefix}/status/{component}", len(payload)
+        )
 
-    def _overheard(
+    def _learn_components(
         self, device: Gen2Device, components: Fields, topic: str, size: int
     ) -> tuple[AnnouncementEvent, ...]:
         """Describe *device* by what it publishes without having answered, if ever it will."""
-        asked = self._asked(device)
-        kept = device.sizes.get("overheard", 0) + size
-        if not device.overhears(components) or not self._has_room(device, "overheard", kept):
-            return asked
-        device.overhear(components, kept)
-        return self._described(device, topic, device.prefix) + asked
+        requests = self._requests(device)
+        kept = device.sizes.get("components", 0) + size
+        if not device.has_new_fields(components) or not self._has_room(device, "components", kept):
+            return requests
+        device.learn_components(components, kept)
+        return self._described(device, topic, device.prefix) + requests
 
     def _gone(self, prefix: str) -> tuple[AnnouncementEvent, ...]:
         device = self._devices.remove(prefix)
@@ -128,14 +130,14 @@ class Gen2:
         method, params = frame.get("method"), frame.get("params")
         if not isinstance(params, dict):
             return ()
-        if device.is_told and device.described is not None:
-            return (self._question(device),) if method == "NotifyEvent" and tells_change(params) else ()
+        if device.has_status and device.described is not None:
+            return (self._request(device),) if method == "NotifyEvent" and is_config_change(params) else ()
         if method == "NotifyStatus" and mac_in(prefix):
-            return self._overheard(device, params, f"{prefix}/events/rpc", len(payload))
-        asked = self._asked(device)
+            return self._learn_components(device, params, f"{prefix}/events/rpc", len(payload))
+        requests = self._requests(device)
         if method == "NotifyFullStatus" and self._keep(device, "status", params, len(payload)):
-            return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + asked
-        return asked
+            return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + requests
+        return requests
 
     def _answered(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         frame = parse_object(payload, MAX_ANSWER_BYTES)
@@ -158,14 +160,14 @@ class Gen2:
                 return None
         return device
 
-    def _asked(self, device: Gen2Device) -> tuple[AnnouncementEvent, ...]:
+    def _requests(self, device: Gen2Device) -> tuple[AnnouncementEvent, ...]:
         """Ask at the first sign of life, the second, the fourth, the eighth: it may be no Shelly at all."""
-        device.heard += 1
-        return (self._question(device),) if device.heard & (device.heard - 1) == 0 else ()
+        device.signs_of_life += 1
+        return (self._request(device),) if device.signs_of_life & (device.signs_of_life - 1) == 0 else ()
 
-    def _question(self, device: Gen2Device) -> DeviceRequest:
+    def _request(self, device: Gen2Device) -> DeviceRequest:
         source = f"{self._client}/{device.prefix}"
-        return DeviceRequest(device.prefix, tuple(call(device.prefix, source, method) for method in _QUESTIONS))
+        return DeviceRequest(device.prefix, tuple(call(device.prefix, source, method) for method in _REQUESTED_METHODS))
 
     def _keep(self, device: Gen2Device, kind: str, result: Fields, size: int) -> bool:
         if not self._has_room(device, kind, size):

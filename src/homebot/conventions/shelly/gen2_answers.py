@@ -11,7 +11,7 @@ from homebot.conventions.payload import clean_text
 from homebot.conventions.shelly.gen2_component import Fields
 from homebot.numbers import to_number
 
-__all__ = ["fields_in", "is_prefix", "kind_of", "mac_in", "sleeps", "tells_change", "text_of"]
+__all__ = ["fields_in", "is_config_change", "is_prefix", "kind_of", "mac_in", "sleeps", "text_of"]
 
 _OWN_ID = re.compile(r"shelly[a-z0-9]{0,40}-([0-9a-f]{12})", re.IGNORECASE)
 _LONGEST_PREFIX = 200
@@ -41,7 +41,7 @@ def mac_in(prefix: str) -> str:
     return match[1].upper() if match else ""
 
 
-def tells_change(params: Fields) -> bool:
+def is_config_change(params: Fields) -> bool:
     """Return whether the *params* of an event say that the device is set up anew."""
     events = params.get("events")
     listed = events[:_MOST_EVENTS] if isinstance(events, list) else ()

@@ -25,11 +25,11 @@ def build_bluetooth_device(component: ShellyComponent) -> tuple[JsonPart, ...]:
     for field, service_type, capability in _OF_DEVICES:
         if field in component.status:
             part = component.part(field, service_type, category="diagnostic")
-            component.tells(part, measured(field, capability))
+            component.read_status(part, measured(field, capability))
             part.add_capability(capability)
             parts.append(part)
     keys = component.part("", "generic_switch")
-    component.hears_presses(keys, PRESSES)
+    component.read_presses(keys, PRESSES)
     return (keys, *parts)
 
 
@@ -41,7 +41,7 @@ def build_bluetooth_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
     object_id = component.config.get("obj_id")
     if object_id == _BUTTON:
         part = component.part("", "generic_switch")
-        component.hears_presses(part, PRESSES)
+        component.read_presses(part, PRESSES)
         return (part,)
     known = _OBJECTS.get(object_id) if isinstance(object_id, int) else None
     if known is None:
@@ -49,7 +49,7 @@ def build_bluetooth_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
     capability, unit = known
     is_number = CAPABILITIES[capability].kind == "number"
 
-    def told(status: Fields) -> Readings:
+    def decode(status: Fields) -> Readings:
         value = status.get("value")
         if isinstance(value, bool):
             return NO_READINGS if is_number else {capability: value}
@@ -58,7 +58,7 @@ def build_bluetooth_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
 
     service_type = SENSOR_TYPES.get(capability, "x_sensor" if is_number else "x_binary_sensor")
     part = component.part("", service_type, category="diagnostic" if capability in _DIAGNOSTIC else "")
-    component.tells(part, told)
+    component.read_status(part, decode)
     part.add_capability(capability, unit=unit)
     return (part,)
 

@@ -22,12 +22,12 @@ from homebot.conventions.table_codec import json_object
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 
-__all__ = ["Fields", "Gen2Place", "ShellyComponent", "Told", "flag", "measured"]
+__all__ = ["Fields", "Gen2Place", "ShellyComponent", "StatusDecoder", "flag", "measured"]
 
 Fields: TypeAlias = Mapping[str, object]
 """A status or a configuration, or a part of one."""
 
-Told: TypeAlias = Callable[[Fields], Readings]
+StatusDecoder: TypeAlias = Callable[[Fields], Readings]
 """What a status, or what changed of one, tells. Never raises."""
 
 _NO_FIELDS: Fields = MappingProxyType({})
@@ -96,21 +96,21 @@ class ShellyComponent:
             json_object, part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category
         )
 
-    def tells(self, part: JsonPart, told: Told, key: str = "") -> None:
-        """Have *part* read the component, or the one called *key*, with *told*."""
+    def read_status(self, part: JsonPart, decode: StatusDecoder, key: str = "") -> None:
+        """Have *part* read the component, or the one called *key*, with *decode*."""
         key = key or self.key
         prefix = self.place.prefix
-        part.read_from(f"{prefix}/events/rpc", lambda frame: _read(frame, "params", key, told))
-        part.read_from(f"{prefix}/status/{key}", told)
-        part.read_from(self.place.answers, lambda frame: _read(frame, "result", key, told))
+        part.read_from(f"{prefix}/events/rpc", lambda frame: _read(frame, "params", key, decode))
+        part.read_from(f"{prefix}/status/{key}", decode)
+        part.read_from(self.place.answers, lambda frame: _read(frame, "result", key, decode))
 
-    def hears_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
+    def read_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
         """Have *part* read its events, named as in *presses*."""
         key = self.key
         part.read_events_from(f"{self.place.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses))
         part.add_capability("press", options=tuple(presses.values()))
 
-    def listens(self, part: JsonPart) -> None:
+    def add_command_topic(self, part: JsonPart) -> None:
         """Name the topic that commands to *part* go to."""
         part.add_command_topics(f"{self.place.prefix}/rpc")
 
@@ -119,31 +119,31 @@ class ShellyComponent:
         return (call(self.place.prefix, self.place.source, method, {"id": self.index, **params}),)
 
 
-def measured(field: str, capability: str, factor: float = 1.0) -> Told:
+def measured(field: str, capability: str, factor: float = 1.0) -> StatusDecoder:
     """Return a reader of one number; ``null`` in its place is *unknown*."""
 
-    def told(status: Fields) -> Readings:
+    def decode(status: Fields) -> Readings:
         if field not in status:
             return NO_READINGS
         return read_number(capability, status[field], lambda number: number * factor)
 
-    return told
+    return decode
 
 
-def flag(field: str, capability: str) -> Told:
+def flag(field: str, capability: str) -> StatusDecoder:
     """Return a reader of one truth; ``null`` in its place is *unknown*."""
 
-    def told(status: Fields) -> Readings:
+    def decode(status: Fields) -> Readings:
         value: object = status.get(field, _NO_FIELDS)
         return {capability: value} if value is None or isinstance(value, bool) else NO_READINGS
 
-    return told
+    return decode
 
 
-def _read(frame: Fields, member: str, key: str, told: Told) -> Readings:
+def _read(frame: Fields, member: str, key: str, decode: StatusDecoder) -> Readings:
     components = frame.get(member)
     status = components.get(key) if isinstance(components, dict) else None
-    return told(status) if isinstance(status, dict) else NO_READINGS
+    return decode(status) if isinstance(status, dict) else NO_READINGS
 
 
 _MOST_EVENTS = 32

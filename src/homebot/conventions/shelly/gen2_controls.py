@@ -38,8 +38,8 @@ def build_switch(component: ShellyComponent) -> tuple[JsonPart, ...]:
         return component.call("Switch.Set", on=require_bool("on_off", value))
 
     part = component.part("", "plug" if component.place.is_plug else "switch")
-    component.tells(part, flag("output", "on_off"))
-    component.listens(part)
+    component.read_status(part, flag("output", "on_off"))
+    component.add_command_topic(part)
     part.add_capability("on_off", writer=write)
     return (part,)
 
@@ -57,8 +57,8 @@ def build_cover(component: ShellyComponent) -> tuple[JsonPart, ...]:
         return component.call("Cover.GoToPosition", slat_pos=round(require_number("tilt", value, 0, 100, "%")))
 
     part = component.part("", "window_covering")
-    component.tells(part, _told_by_cover)
-    component.listens(part)
+    component.read_status(part, _decode_cover)
+    component.add_command_topic(part)
     part.add_capability("movement", writer=move, options=("open", "closed", "opening", "closing", "stopped"))
     if component.status.get("pos_control") is not False:
         part.add_capability("position", writer=go)
@@ -80,8 +80,8 @@ def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
         return component.call("Thermostat.SetConfig", config={"enable": enable})
 
     part = component.part("", "thermostat")
-    component.tells(part, _told_by_thermostat)
-    component.listens(part)
+    component.read_status(part, _decode_thermostat)
+    component.add_command_topic(part)
     part.add_capability("heating_setpoint", writer=heat, bounds=_THERMOSTAT_BOUNDS)
     part.add_capability("local_temperature")
     part.add_capability("thermostat_mode", writer=choose, options=_MODES)
@@ -98,19 +98,19 @@ def build_radiator_valve(component: ShellyComponent) -> tuple[JsonPart, ...]:
 
     part = component.part("", "thermostat", tag="radiator_valve")
     for field, capability in (("target_C", "heating_setpoint"), ("current_C", "local_temperature")):
-        component.tells(part, measured(field, capability))
-    component.tells(part, measured("pos", "position"))
-    component.listens(part)
+        component.read_status(part, measured(field, capability))
+    component.read_status(part, measured("pos", "position"))
+    component.add_command_topic(part)
     part.add_capability("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
     part.add_capability("local_temperature")
     part.add_capability("position")
     battery = component.part("battery", "x_battery", category="diagnostic")
-    component.tells(battery, measured("battery", "battery"))
+    component.read_status(battery, measured("battery", "battery"))
     battery.add_capability("battery")
     return part, battery
 
 
-def _told_by_cover(status: Fields) -> Readings:
+def _decode_cover(status: Fields) -> Readings:
     state = status.get("state")
     found = dict(_MOVEMENTS.get(state, NO_READINGS)) if isinstance(state, str) else {}
     for field, capability in (("current_pos", "position"), ("slat_pos", "tilt")):
@@ -120,7 +120,7 @@ def _told_by_cover(status: Fields) -> Readings:
     return found
 
 
-def _told_by_thermostat(status: Fields) -> Readings:
+def _decode_thermostat(status: Fields) -> Readings:
     found = {
         **measured("target_C", "heating_setpoint")(status),
         **measured("current_C", "local_temperature")(status),

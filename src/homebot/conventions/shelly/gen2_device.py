@@ -28,7 +28,7 @@ class Gen2Device:
         config: That to ``Shelly.GetConfig``.
         status: That to ``Shelly.GetStatus``, or what it told when it woke; before, what it told of components.
         sizes: Bytes of each answer that is kept.
-        heard: Signs of life before it was described.
+        signs_of_life: Signs of life before it was described.
         described: Its description as it was given last; None before.
     """
 
@@ -37,7 +37,7 @@ class Gen2Device:
     config: Fields = field(default_factory=dict)
     status: Fields = field(default_factory=dict)
     sizes: dict[str, int] = field(default_factory=dict)
-    heard: int = 0
+    signs_of_life: int = 0
     described: DeviceAnnounced | None = None
 
     def keep(self, kind: str, answer: Fields, size: int) -> None:
@@ -52,31 +52,31 @@ class Gen2Device:
                 self.status = answer
 
     @property
-    def is_told(self) -> bool:
+    def has_status(self) -> bool:
         """True if it told its whole status."""
         return "status" in self.sizes
 
-    def overhears(self, components: Fields) -> bool:
+    def has_new_fields(self, components: Fields) -> bool:
         """Return whether *components* say something of it that is new; its values are not."""
         return any(
             isinstance(fields, dict) and not fields.keys() <= fields_in(self.status, key).keys()
             for key, fields in components.items()
         )
 
-    def overhear(self, components: Fields, size: int) -> None:
+    def learn_components(self, components: Fields, size: int) -> None:
         """Take what it tells of components; *size* is how many bytes of that are kept now."""
-        self.sizes["overheard"] = size
-        told = dict(self.status)
+        self.sizes["components"] = size
+        status = dict(self.status)
         for key, fields in components.items():
-            if isinstance(fields, dict) and (key in told or len(told) < MAX_COMPONENTS):
-                told[key] = {**fields_in(told, key), **fields}
-        self.status = told
+            if isinstance(fields, dict) and (key in status or len(status) < MAX_COMPONENTS):
+                status[key] = {**fields_in(status, key), **fields}
+        self.status = status
 
     @property
     def mac(self) -> str:
         """Its hardware address; empty where it did not tell it yet."""
-        told = text_of(self.info.get("mac")) or text_of(fields_in(self.status, "sys").get("mac"))
-        return told or mac_in(self.prefix)
+        address = text_of(self.info.get("mac")) or text_of(fields_in(self.status, "sys").get("mac"))
+        return address or mac_in(self.prefix)
 
     def describe(self, client: str, topic: str, device_id: str) -> DeviceAnnounced:
         """Return its description; without parts where no component of it is known.
@@ -92,7 +92,7 @@ class Gen2Device:
             self.prefix,
             client,
             f"{client}/{self.prefix}/rpc",
-            is_plug=any(word in models for word in _PLUGS),
+            is_plug=any(name in models for name in _PLUGS),
         )
         return DeviceAnnounced(
             key=self.prefix,

@@ -49,8 +49,8 @@ def build_light(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a lamp."""
     lamp = _Gen2Lamp(component, LIGHTS[component.kind], _white_range(component.config))
     part = component.part("", "light")
-    component.tells(part, lamp.told)
-    component.listens(part)
+    component.read_status(part, lamp.decode)
+    component.add_command_topic(part)
     part.add_capability("on_off", writer=lamp.switch)
     part.add_capability("level", writer=lamp.dim)
     if lamp.kind.has_white:
@@ -66,7 +66,7 @@ class _Gen2Lamp:
     kind: _LightKind
     white: tuple[int, int]
 
-    def told(self, status: Fields) -> Readings:
+    def decode(self, status: Fields) -> Readings:
         found: dict[str, PlainValue] = {}
         if isinstance(on := status.get("output"), bool):
             found["on_off"] = on

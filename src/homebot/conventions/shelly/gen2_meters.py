@@ -39,11 +39,11 @@ def build_meters(component: ShellyComponent) -> tuple[JsonPart, ...]:
     part = component.part("" if is_meter else "meter", "electrical_meter")
     for field, capability in _ELECTRICAL:
         if field in component.status:
-            component.tells(part, measured(field, capability))
+            component.read_status(part, measured(field, capability))
             part.add_capability(capability)
     for field, capability in _COUNTED:
         if isinstance(component.status.get(field), dict):
-            component.tells(part, partial(_told_energy, field, capability))
+            component.read_status(part, partial(_decode_energy, field, capability))
             part.add_capability(capability)
     if component.kind == "em1":
         _count(component, part, f"em1data:{component.index}", "total_act_energy", "total_act_ret_energy")
@@ -56,12 +56,12 @@ def build_own_temperature(component: ShellyComponent) -> tuple[JsonPart, ...]:
         return ()
     inner = measured("tC", "temperature")
 
-    def told(status: Fields) -> Readings:
+    def decode(status: Fields) -> Readings:
         temperature = status.get("temperature")
         return inner(temperature) if isinstance(temperature, dict) else NO_READINGS
 
     part = component.part("temperature", "temperature_sensor", category="diagnostic")
-    component.tells(part, told)
+    component.read_status(part, decode)
     part.add_capability("temperature")
     return (part,)
 
@@ -69,7 +69,7 @@ def build_own_temperature(component: ShellyComponent) -> tuple[JsonPart, ...]:
 def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
     total = component.part("", "electrical_meter")
     for field, capability in _TOTALS:
-        component.tells(total, measured(field, capability))
+        component.read_status(total, measured(field, capability))
         total.add_capability(capability)
     data = f"emdata:{component.index}"
     _count(component, total, data, "total_act", "total_act_ret")
@@ -79,7 +79,7 @@ def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
             continue
         part = component.part(phase, "electrical_meter", tag=f"phase_{phase}")
         for field, capability in (("act_power", "power"), ("voltage", "voltage"), ("current", "current")):
-            component.tells(part, measured(f"{phase}_{field}", capability))
+            component.read_status(part, measured(f"{phase}_{field}", capability))
             part.add_capability(capability)
         _count(component, part, data, f"{phase}_total_act_energy", f"{phase}_total_act_ret_energy")
         parts.append(part)
@@ -89,11 +89,11 @@ def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
 def _count(component: ShellyComponent, part: JsonPart, key: str, drawn: str, returned: str) -> None:
     """Have *part* tell the energy that the component *key* counts both ways."""
     for field, capability in ((drawn, "energy"), (returned, "energy_returned")):
-        component.tells(part, measured(field, capability, _ENERGY), key)
+        component.read_status(part, measured(field, capability, _ENERGY), key)
         part.add_capability(capability)
 
 
-def _told_energy(field: str, capability: str, status: Fields) -> Readings:
+def _decode_energy(field: str, capability: str, status: Fields) -> Readings:
     energy = status.get(field)
     total = to_number(energy.get("total")) if isinstance(energy, dict) else None
     return NO_READINGS if total is None else {capability: total * _ENERGY}

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, Told, flag, measured
+from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, StatusDecoder, flag, measured
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
@@ -34,12 +34,12 @@ class _Sensor:
     category: Category = ""
 
     @property
-    def told(self) -> Told:
-        is_truth = self.capability in _TRUTHS
-        return flag(self.field, self.capability) if is_truth else measured(self.field, self.capability)
+    def decoder(self) -> StatusDecoder:
+        is_flag = self.capability in _FLAGS
+        return flag(self.field, self.capability) if is_flag else measured(self.field, self.capability)
 
 
-_TRUTHS = frozenset({"smoke", "water_leak", "occupancy"})
+_FLAGS = frozenset({"smoke", "water_leak", "occupancy"})
 
 SENSORS: Mapping[str, _Sensor] = MappingProxyType(
     {
@@ -66,7 +66,7 @@ def build_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a component that is one sensor."""
     sensor = SENSORS[component.kind]
     part = component.part("", sensor.service_type, category=sensor.category)
-    component.tells(part, sensor.told)
+    component.read_status(part, sensor.decoder)
     part.add_capability(sensor.capability)
     return (part,)
 
@@ -74,7 +74,7 @@ def build_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
 def build_power(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a battery, where the device has one."""
     part = component.part("", "x_battery", category="diagnostic")
-    component.tells(part, _told_by_power)
+    component.read_status(part, _decode_power)
     part.add_capability("battery")
     battery = component.status.get("battery")
     if isinstance(battery, dict) and "V" in battery:
@@ -91,31 +91,31 @@ def build_input(component: ShellyComponent) -> tuple[JsonPart, ...]:
         return ()
     if kind == "analog" or (kind is None and "percent" in component.status and "state" not in component.status):
         part = component.part("", "x_sensor")
-        component.tells(part, measured("percent", "measurement"))
+        component.read_status(part, measured("percent", "measurement"))
         part.add_capability("measurement", unit="%")
         return (part,)
     if kind == "count":
         part = component.part("", "x_sensor")
-        component.tells(part, _told_by_counter)
+        component.read_status(part, _decode_counter)
         part.add_capability("measurement")
         return (part,)
     is_button = kind != "switch"
     part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
     if kind == "switch" or component.status.get("state") is not None:
-        component.tells(part, flag("state", "state"))
+        component.read_status(part, flag("state", "state"))
         part.add_capability("state")
     if is_button:
-        component.hears_presses(part, PRESSES)
+        component.read_presses(part, PRESSES)
     return (part,)
 
 
-def _told_by_counter(status: Fields) -> Readings:
+def _decode_counter(status: Fields) -> Readings:
     counts = status.get("counts")
     total = to_number(counts.get("total")) if isinstance(counts, dict) else None
     return NO_READINGS if total is None else {"measurement": total}
 
 
-def _told_by_power(status: Fields) -> Readings:
+def _decode_power(status: Fields) -> Readings:
     found: dict[str, PlainValue] = {}
     battery, external = status.get("battery"), status.get("external")
     if isinstance(battery, dict) and "percent" in battery:

@@ -41,7 +41,7 @@ def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
     bounds = _bounds(component.config)
     least, most = bounds or (-_MOST, _MOST)
 
-    def told(status: Fields) -> Readings:
+    def decode(status: Fields) -> Readings:
         value = _plain(component.kind, status.get("value"))
         return NO_READINGS if value is None else {capability: value}
 
@@ -56,11 +56,11 @@ def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
             case "enum" if options:
                 return component.call(method, value=require_option(capability, value, options))
             case _:
-                return component.call(method, value=_wanted_text(capability, value))
+                return component.call(method, value=_require_text(capability, value))
 
     part = component.part("", "x_setting", category="config")
-    component.tells(part, told)
-    component.listens(part)
+    component.read_status(part, decode)
+    component.add_command_topic(part)
     part.add_capability(
         capability,
         writer=write,
@@ -76,34 +76,34 @@ def _build_zone(component: ShellyComponent) -> JsonPart:
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return component.call("Boolean.Set", value=require_option("valve", value, _VALVES) == "open")
 
-    def told(status: Fields) -> Readings:
+    def decode(status: Fields) -> Readings:
         value = status.get("value")
         return {"valve": "open" if value else "closed"} if isinstance(value, bool) else NO_READINGS
 
     part = component.part("", "water_valve", tag=_role(component.config))
-    component.tells(part, told)
-    component.listens(part)
+    component.read_status(part, decode)
+    component.add_command_topic(part)
     part.add_capability("valve", writer=write, options=_VALVES)
     return part
 
 
 def _build_watched(component: ShellyComponent, role: str) -> JsonPart:
     """Describe a value that is only told."""
-    service_type, capability, unit = _WATCHED.get(role, ("x_sensor", _TOLD[component.kind], ""))
+    service_type, capability, unit = _WATCHED.get(role, ("x_sensor", _READ_ONLY[component.kind], ""))
 
-    def told(status: Fields) -> Readings:
+    def decode(status: Fields) -> Readings:
         value = _plain(component.kind, status.get("value"))
         return NO_READINGS if value is None else {capability: value}
 
     part = component.part("", "x_binary_sensor" if capability == "state" else service_type)
-    component.tells(part, told)
+    component.read_status(part, decode)
     part.add_capability(capability, unit=unit)
     return part
 
 
 _VALVES = ("open", "closed")
 _ZONE = re.compile(r"zone[0-9]{1,2}")
-_TOLD: Mapping[str, str] = {"boolean": "state", "number": "measurement", "text": "value", "enum": "value"}
+_READ_ONLY: Mapping[str, str] = {"boolean": "state", "number": "measurement", "text": "value", "enum": "value"}
 _WATCHED: Mapping[str, tuple[str, str, str]] = {
     "average_temperature": ("temperature_sensor", "temperature", ""),
     "last_precipitation": ("x_sensor", "measurement", "mm"),
@@ -127,7 +127,7 @@ def build_virtual_button(component: ShellyComponent) -> tuple[JsonPart, ...]:
         return component.call("Button.Trigger", event="single_push")
 
     part = component.part("", "generic_switch")
-    component.listens(part)
+    component.add_command_topic(part)
     part.add_capability("push", readable=False, writer=push)
     return (part,)
 
@@ -140,7 +140,7 @@ def _plain(kind: str, value: object) -> PlainValue:
     return clean_text(value, _LONGEST_TEXT) if isinstance(value, str) else None
 
 
-def _wanted_text(capability: str, value: PlainValue) -> str:
+def _require_text(capability: str, value: PlainValue) -> str:
     if isinstance(value, str) and len(value) <= _LONGEST_TEXT and value.isprintable():
         return value
     raise RefusedError(f"{capability} {shown(value)}", f"it takes a text of at most {_LONGEST_TEXT} characters")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 __all__ = ["OnlineTopic"]
 
-_WORDS = {b"true": True, b"false": False}
+_PAYLOADS = {b"true": True, b"false": False}
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,4 +21,4 @@ class OnlineTopic:
 
     def read(self, payload: bytes) -> bool | None:
         """Return whether the device is there, or None when *payload* says neither."""
-        return _WORDS.get(payload)
+        return _PAYLOADS.get(payload)
