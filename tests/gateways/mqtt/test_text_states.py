@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import anyio
 import pytest
+from pydantic import BaseModel
 
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication, TextEndpoint
+from homebot.conventions.text_codec import TextCodec
 from homebot.devices import RawCommand, RawMessage
+from homebot.devices.part import Capability, Part
 from homebot.devices.report import Report
 from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest
 from homebot.devices.value import PlainValue
@@ -212,3 +216,65 @@ async def test_a_message_that_the_broker_had_kept_is_no_sign_of_life(make_house:
         assert house.sighted() == []
         await house.say(LAMP, "on")
         assert [(one.kind, one.confirmed) for one in house.sighted()] == [("updated", True)]
+
+
+class BellSettings(BaseModel):
+    """The convention has none."""
+
+
+class Bells:
+    """``bell/NAME/says`` and ``bell/NAME/do``: a convention of somebody else's whose topics announce."""
+
+    Settings: ClassVar[type[BaseModel]] = BellSettings
+    name: ClassVar[str] = "bells"
+
+    def __init__(self, settings: BaseModel) -> None:
+        del settings
+        self.rejected = 0
+
+    def filters(self) -> tuple[str, ...]:
+        return ("bell/+/says",)
+
+    def birth_messages(self) -> tuple[Publication, ...]:
+        return ()
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[DeviceAnnounced, ...]:
+        del payload, retained
+        device = self.announced(topic)
+        return () if device is None else (device,)
+
+    def announced(self, topic: str) -> DeviceAnnounced | None:
+        if not topic.endswith("/says"):
+            return None
+        name = topic.split("/")[1]
+        if name == "broken":
+            raise RuntimeError("crash")
+        capability = Capability(name="on_off", settable=True)
+        part = Part(
+            id="", service_type="siren", capabilities=(capability,), reads=(topic,), writes=(f"bell/{name}/do",)
+        )
+        endpoint = TextEndpoint("bells", topic, f"bell/{name}/do")
+        return DeviceAnnounced(
+            f"bell {name}", self.name, (), name, (DescribedPart(part, TextCodec(part)),), topic, text=endpoint
+        )
+
+
+async def test_somebody_elses_devices_may_say_text_too(make_house: MakeHouse) -> None:
+    async with make_house(conventions=(f"{__name__}:Bells", "thesis")) as house:
+        await house.listen("bell/+/do")
+        for _ in range(2):
+            await house.say("bell/door/says", "on")
+        (bell,) = house.sighted()
+        assert (bell.key, bell.service_type, bell.address) == ("bell door", "bells", "bell/door/says")
+        assert house.told() == [("bell door", {".on_off": True}, False)]
+        assert (await house.command("bell door", "", "on_off", value=False)).success
+        (heard,) = await house.heard()
+        assert (heard.topic, heard.payload) == ("bell/door/do", b"off")
+
+
+async def test_a_convention_that_fails_on_a_topic_costs_its_message_alone(make_house: MakeHouse) -> None:
+    async with make_house(conventions=(f"{__name__}:Bells",)) as house:
+        await house.say("bell/broken/says", "on")
+        await house.say("bell/door/says", "on")
+        assert [one.key for one in house.sighted()] == ["bell door"]
+        assert house.gateway.counters.failures == 1

@@ -114,7 +114,6 @@ class Thesis:
             topic=topic,
             facts={"home": home},
             owns=(base,),
-            implies_alive=True,
             text=endpoint,
         )
 

@@ -246,7 +246,11 @@ class MqttGateway(Gateway):
             if (part := read_text_address(command.address)) is not None:
                 await self._described.commands.tell(*part, command.payload)
             else:
-                await self._publish(command)
+                address, payload = command.address, command.payload.encode()
+                self._expect(address, payload)
+                await self._connection.publish(address, payload, qos=command.qos, retain=command.retain)
+                if (route := self._described.route(address)) is not None and route.conventions:
+                    await self._described.overhear(MqttMessage(address, payload, command.qos, retain=False), route)
             self.counters.commands += 1
         except LinkError as exc:
             self.counters.commands_failed += 1
@@ -255,17 +259,13 @@ class MqttGateway(Gateway):
             self.counters.commands_refused += 1
             self._warn(COMMAND_REFUSED, f"not sent to {command.address}: {exc}", topic=command.address)
 
-    async def _publish(self, command: RawCommand) -> None:
+    def _expect(self, address: str, payload: bytes) -> None:
+        """Check that *payload* may be sent to *address*, and expect the same text as the answer of a device there."""
         if not self.acts:
             raise RefusedError("the command", self.observes_because)
-        payload = command.payload.encode()
-        codec = self._described.codecs.get(command.address)
+        codec = self._described.codecs.get(address)
         if codec is not None:
-            codec.expect(payload)  # the device may say the same, as its answer
-        await self._connection.publish(command.address, payload, qos=command.qos, retain=command.retain)
-        route = self._described.route(command.address)
-        if route is not None and route.conventions:
-            await self._described.overhear(MqttMessage(command.address, payload, command.qos, retain=False), route)
+            codec.expect(payload)
 
 
 def _topic_level(text: str) -> str:

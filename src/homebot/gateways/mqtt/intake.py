@@ -214,7 +214,7 @@ class AnnouncementHandler:
         for problem in change.refused:
             self._counters.topics_refused += 1
             self._tribunal.log_limited(NOT_READ, f"{claim.key} is only partly read: {problem}", topic=message.topic)
-        is_live = described.implies_alive and not message.retain
+        is_live = (described.implies_alive or described.text is not None) and not message.retain
         if described.text is not None and message.retain and before is None:
             words = f"{claim.key} is known only from a retained message; it may be gone"
             self._tribunal.log_limited(RETAINED_ONLY, words, topic=message.topic)

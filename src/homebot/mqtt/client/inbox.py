@@ -42,7 +42,7 @@ class Inbox:
         self._messages.append(message)
         if message.qos == 0:
             self._droppable += 1
-            self._droppable_bytes += _size(message)
+            self._droppable_bytes += len(message.topic) + len(message.payload)
             while self._droppable > 1 and (
                 self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes
             ):
