@@ -1,0 +1,61 @@
+"""The gateway of somebody else's package keeps the contract."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from tests.gateways.contract import GatewayContract, Lamp, running
+
+from homebot.gateways import Gateway
+from homebot.graph import Graph, Node
+from homebot.plugins import load_plugin
+
+PACKAGE = Path(__file__).parent.parent / "packages" / "homebot-folder-gateway"
+
+
+class LampFile(Lamp):
+    """A lamp that writes ``on`` or ``off`` into its file, and reads commands in another."""
+
+    def __init__(self, gateway: Gateway, folder: Path) -> None:
+        super().__init__(gateway, "Hall")
+        self._folder = folder
+
+    async def announce(self) -> None:
+        await self.report(on=False)
+
+    async def report(self, *, on: bool) -> None:
+        (self._folder / "Hall.lamp").write_text("on" if on else "off")
+
+    async def withdraw(self) -> None:
+        (self._folder / "Hall.lamp").unlink()
+
+    async def told(self) -> bool | None:
+        file = self._folder / "Hall.set"
+        return file.read_text() == "on" if file.exists() and file.read_text() else None
+
+    async def lose_link(self) -> None:
+        self._folder.rename(self._folder.with_name("unplugged"))
+
+    async def mend_link(self) -> None:
+        self._folder.with_name("unplugged").rename(self._folder)
+
+
+class TestFolderOfThePackage(GatewayContract):
+    """One file."""
+
+    @pytest.fixture(autouse=True)
+    def _folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.syspath_prepend(PACKAGE)
+        self.folder = tmp_path / "lamps"
+        self.folder.mkdir()
+
+    @asynccontextmanager
+    async def lamp(self) -> AsyncIterator[Lamp]:
+        kind = load_plugin("homebot.gateways", "homebot_folder:FolderGateway")
+        async with Node(Graph(), "folder", namespace="/gateway") as node:
+            gateway = kind(node, kind.Settings(folder=str(self.folder)))
+            async with running(gateway):
+                yield LampFile(gateway, self.folder)
