@@ -1,0 +1,85 @@
+"""A Mosquitto with the face that the contract suite of clients wants of a broker."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import subprocess
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Final, Self
+
+import anyio
+
+__all__ = ["MOSQUITTO", "MosquittoBroker"]
+
+MOSQUITTO: Final = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin")
+
+
+class MosquittoBroker:
+    """Mosquitto on a free port; nobody may touch what is below ``secret``.
+
+    Args:
+        credentials: Passwords by user name.
+        policy: Not asked; its rule is in the list of what is allowed.
+    """
+
+    host: Final = "127.0.0.1"
+
+    def __init__(self, *, credentials: Mapping[str, str], policy: object) -> None:
+        del policy
+        self._folder = Path(tempfile.mkdtemp(prefix="mosquitto-"))
+        self._credentials = credentials
+        self._process: subprocess.Popen[bytes] | None = None
+        with socket.create_server((self.host, 0)) as probe:
+            self.port = int(probe.getsockname()[1])
+
+    async def __aenter__(self) -> Self:
+        folder = self._folder
+        (folder / "passwords").write_text("".join(f"{name}:{word}\n" for name, word in self._credentials.items()))
+        (folder / "passwords").chmod(0o600)
+        await anyio.run_process(["mosquitto_passwd", "-U", str(folder / "passwords")])
+        rules = "".join(f"user {name}\ntopic readwrite #\ntopic deny secret/#\n" for name in self._credentials)
+        (folder / "acl").write_text(rules)
+        (folder / "mosquitto.conf").write_text(
+            f"listener {self.port} {self.host}\nuser root\nallow_anonymous false\npassword_file {folder}/passwords\n"
+            f"acl_file {folder}/acl\npersistence true\npersistence_location {folder}/\nmax_queued_messages 100000\n"
+        )
+        await self._start()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.stop(abrupt=True)
+        shutil.rmtree(self._folder)
+
+    async def stop(self, *, abrupt: bool = False) -> None:
+        """Stop it; *abrupt* kills it."""
+        process, self._process = self._process, None
+        if process is not None:
+            process.kill() if abrupt else process.terminate()
+            await anyio.to_thread.run_sync(process.wait)
+
+    async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
+        """Start it anew with its sessions, which it writes down only where it is stopped in order."""
+        assert keep_sessions
+        del abrupt
+        await self.stop()
+        await self._start()
+
+    async def _start(self) -> None:
+        self._process = subprocess.Popen(
+            [str(MOSQUITTO), "-c", str(self._folder / "mosquitto.conf")],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        with anyio.fail_after(10):
+            while True:
+                try:
+                    async with await anyio.connect_tcp(self.host, self.port):
+                        return
+                except OSError:
+                    await anyio.sleep(0.01)
