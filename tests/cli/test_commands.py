@@ -210,7 +210,7 @@ def test_a_locked_door_wants_its_token(
     locked_homebot: Any, capsys: Text, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert run(locked_homebot, "topic", "list") == 1
-    assert "a token is needed" in capsys.readouterr().err
+    assert "a valid token is needed" in capsys.readouterr().err
     token = tmp_path / "token"
     token.write_text("hunter2\n", encoding="utf-8")
     assert run(locked_homebot, "--token-file", str(token), "topic", "list") == 0

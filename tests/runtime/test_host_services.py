@@ -105,5 +105,5 @@ async def test_what_nobody_needs_is_not_started() -> None:
 
 def test_a_simulated_house_needs_a_service_that_can_host_it() -> None:
     """A radio is none."""
-    with pytest.raises(ConfigError, match=r"test: gateways: none is on homebot's own broker"):
+    with pytest.raises(ConfigError, match=r"test: gateways: none uses the embedded broker"):
         Runtime(config("first"), house=thesis_world())

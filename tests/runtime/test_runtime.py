@@ -186,7 +186,7 @@ async def test_a_door_that_is_taken_ends_the_start() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         runtime = Runtime(parse_config({"door": {"port": port}}, "test"))
-        with pytest.raises(ConfigError, match=f"127.0.0.1:{port} is taken, maybe by another homebot"):
+        with pytest.raises(ConfigError, match=f"127.0.0.1:{port} is in use, maybe by another homebot"):
             async with runtime:
                 pytest.fail("it must not start")
     assert runtime.graph.get_node_names() == ()

@@ -285,4 +285,4 @@ def test_a_reader_of_the_log_that_leaves_does_not_end_it(start: Start) -> None:
     run.until("embedded MQTT broker")
     assert run.process.stderr is not None
     run.process.stderr.close()
-    assert run.process.wait(20) == 0
+    assert run.process.wait(50) == 0
