@@ -30,7 +30,7 @@ FAMILIES = (
 """Folders whose classes have names of somebody else's: of a maker, of a standard, of things in a house."""
 
 PLAIN = """
-account ack choice memory version
+account ack base choice memory paho version
 ahead alive applicant authentication backoff blocking budget byte cached candidate clean
 completion connect console context conversion core count counter deadline deferred delayed descriptor dial
 dict dropped dutie entity excess expiring fact fake feed find flight forget frame grant group half health
