@@ -3,7 +3,7 @@ from dataclasses import dataclass
 import pytest
 
 from homebot.conventions.description import Availability, AvailabilityMode
-from homebot.gateways.mqtt.reachability import ReachabilityReader
+from homebot.gateways.announced.reachability import ReachabilityReader
 
 
 @dataclass(frozen=True)
