@@ -16,12 +16,12 @@ from homebot.wot.vocabulary import CAPABILITY_TYPES, LONE_TYPES, NAMES, OWNED, T
 
 __all__ = ["ClassifiedPart", "observe_form", "parts_of", "write_form"]
 
-_HEARS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
-_TELLS = frozenset({"writeproperty", "invokeaction"})
+_OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
+_WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
 _CATEGORIES: dict[str, Category] = {"config": "config", "diagnostic": "diagnostic"}
 _KINDS = {"boolean": "bool", "integer": "number", "number": "number", "string": "text"}
 _BY_TYPE = {name: capability for capability, name in CAPABILITY_TYPES.items()}
-_WORD = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
+_TOKEN_BREAK = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,20 +63,20 @@ def parts_of(thing: Thing) -> tuple[ClassifiedPart, ...]:
 
 def observe_form(affordance: Affordance) -> Form | None:
     """Return the form by which it is heard over MQTT, if there is one."""
-    return next((one for one in affordance.forms if _is_heard(one)), None)
+    return next((one for one in affordance.forms if _is_observable(one)), None)
 
 
 def write_form(affordance: Affordance) -> Form | None:
     """Return the form by which it is told over MQTT, if there is one."""
-    return next((one for one in affordance.forms if _is_told(one)), None)
+    return next((one for one in affordance.forms if _is_writable(one)), None)
 
 
-def _is_heard(form: Form) -> bool:
-    return form.is_mqtt and bool(form.filter) and not _HEARS.isdisjoint(form.ops)
+def _is_observable(form: Form) -> bool:
+    return form.is_mqtt and bool(form.filter) and not _OBSERVE_OPS.isdisjoint(form.ops)
 
 
-def _is_told(form: Form) -> bool:
-    return form.is_mqtt and bool(form.topic) and not _TELLS.isdisjoint(form.ops)
+def _is_writable(form: Form) -> bool:
+    return form.is_mqtt and bool(form.topic) and not _WRITE_OPS.isdisjoint(form.ops)
 
 
 def _meaning(one: Affordance, main: str) -> _One:
@@ -92,15 +92,15 @@ def _meaning(one: Affordance, main: str) -> _One:
         capability = _in_context(_BY_TYPE.get(name, ""), main)
         if capability and _suits(capability, one.schema):
             return _One(one, capability, guessed=False)
-    spelt = _WORD.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
-    capability = _in_context(NAMES.get(spelt, spelt), main)
+    name = _TOKEN_BREAK.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
+    capability = _in_context(NAMES.get(name, name), main)
     if capability in CAPABILITIES and _suits(capability, one.schema):
         return _One(one, capability, guessed=True)
-    can_be_told = write_form(one) is not None and not one.read_only
+    is_settable = write_form(one) is not None and not one.read_only
     general = {
-        "bool": "on_off" if can_be_told else "state",
-        "number": "number" if can_be_told else "measurement",
-        "text": ("option" if one.schema.enum else "text") if can_be_told else "value",
+        "bool": "on_off" if is_settable else "state",
+        "number": "number" if is_settable else "measurement",
+        "text": ("option" if one.schema.enum else "text") if is_settable else "value",
     }
     return _One(one, general.get(kind, "raw"), guessed=True)
 
@@ -117,14 +117,14 @@ def _in_context(capability: str, main: str) -> str:
 
 
 def _suits(capability: str, schema: DataSchema) -> bool:
-    wanted, kind = CAPABILITIES[capability].kind if capability in CAPABILITIES else "", _KINDS.get(schema.type, "")
+    expected, kind = CAPABILITIES[capability].kind if capability in CAPABILITIES else "", _KINDS.get(schema.type, "")
     if capability == "color":
         return kind == "text"
     if capability == "lock":
         return kind in {"text", "bool"}
-    if wanted == "bool":
+    if expected == "bool":
         return kind == "bool" or (kind == "text" and len(schema.enum) == 2)  # on and off
-    return wanted == kind
+    return expected == kind
 
 
 def _guess(capabilities: Iterable[str]) -> str:
@@ -171,8 +171,8 @@ def _part(thing: Thing, part_id: str, members: list[_One], main: str, *, main_is
         category=_CATEGORIES.get(written.get("category", ""), ""),
         guessed=guessed,
         capabilities=tuple(capability for capability, _ in found),
-        reads=tuple(dict.fromkeys(form.filter for one in listed for form in one.forms if _is_heard(form))),
-        writes=tuple(dict.fromkeys(form.topic for one in listed for form in one.forms if _is_told(form))),
+        reads=tuple(dict.fromkeys(form.filter for one in listed for form in one.forms if _is_observable(form))),
+        writes=tuple(dict.fromkeys(form.topic for one in listed for form in one.forms if _is_writable(form))),
     )
     return ClassifiedPart(part, found)
 

@@ -17,10 +17,10 @@ from homebot.devices.text.encode import read_text_address
 from homebot.wot.parse import CONTEXT
 from homebot.wot.vocabulary import CAPABILITY_TYPES, DEVICE_TYPE_NAMES, WEBTHINGS
 
-__all__ = ["MQTT_VOCABULARY", "PLAIN_WORDS", "own_content_type", "to_thing"]
+__all__ = ["MQTT_VOCABULARY", "TEXT_CONTENT_TYPE", "own_content_type", "to_thing"]
 
 MQTT_VOCABULARY: Final = "https://www.w3.org/2019/wot/mqtt#"
-PLAIN_WORDS: Final = "text/plain"
+TEXT_CONTENT_TYPE: Final = "text/plain"
 _OWN_VOCABULARY: Final = "urn:homebot:td#"
 _JSON_TYPES = {"bool": "boolean", "number": "number", "text": "string", "numbers": "array"}
 
@@ -80,7 +80,7 @@ def _properties(device: Device, brokers: Mapping[str, str]) -> Iterator[tuple[st
 
 def _property(part: DevicePart, capability: Capability, forms: list[dict[str, object]]) -> dict[str, object]:
     known = CAPABILITIES.get(capability.name, CapabilityType(capability.name, "text", capability.name))
-    shown: dict[str, object] = {
+    fields: dict[str, object] = {
         "title": f"{part.part.name} {capability.name}".strip(),
         "description": known.meaning,
         "type": _JSON_TYPES[known.kind],
@@ -89,13 +89,13 @@ def _property(part: DevicePart, capability: Capability, forms: list[dict[str, ob
         "observable": capability.readable,
     }
     if capability.name in CAPABILITY_TYPES:
-        shown["@type"] = CAPABILITY_TYPES[capability.name]
+        fields["@type"] = CAPABILITY_TYPES[capability.name]
     if unit := capability.unit or known.unit:
-        shown["unit"] = unit
+        fields["unit"] = unit
     if bounds := capability.bounds or known.bounds:
-        shown |= {"minimum": bounds[0], "maximum": bounds[-1]}
+        fields |= {"minimum": bounds[0], "maximum": bounds[-1]}
     if options := capability.options or known.options:
-        shown["enum"] = list(dict.fromkeys(options))
+        fields["enum"] = list(dict.fromkeys(options))
     own = {
         "capability": capability.name,
         "serviceType": part.part.service_type,
@@ -106,7 +106,7 @@ def _property(part: DevicePart, capability: Capability, forms: list[dict[str, ob
         "category": part.part.category,
         "guessed": "true" if part.part.guessed else "",
     }
-    return shown | {f"homebot:{name}": value for name, value in own.items() if value} | {"forms": forms}
+    return fields | {f"homebot:{name}": value for name, value in own.items() if value} | {"forms": forms}
 
 
 def _forms(part: DevicePart, capability: Capability, brokers: Mapping[str, str]) -> Iterator[dict[str, object]]:
@@ -114,9 +114,9 @@ def _forms(part: DevicePart, capability: Capability, brokers: Mapping[str, str])
     broker = brokers.get(best.gateway if best else "", "mqtt://localhost:1883")
     content = own_content_type(best.convention if best else "")
     if capability.readable:
-        yield from (_form(broker, content, heard=topic) for topic in part.part.reads)
+        yield from (_form(broker, content, observed=topic) for topic in part.part.reads)
     if capability.settable:
-        yield from (_form(broker, content, told=topic) for topic in part.part.writes)
+        yield from (_form(broker, content, written=topic) for topic in part.part.writes)
 
 
 def _plain_property(endpoint: Endpoint, forms: list[dict[str, object]]) -> dict[str, object]:
@@ -133,27 +133,27 @@ def _plain_property(endpoint: Endpoint, forms: list[dict[str, object]]) -> dict[
 def _plain_forms(endpoint: Endpoint, brokers: Mapping[str, str]) -> Iterator[dict[str, object]]:
     broker = brokers.get(endpoint.gateway, "mqtt://localhost:1883")
     if endpoint.address and read_text_address(endpoint.address) is None:
-        yield _form(broker, PLAIN_WORDS, heard=endpoint.address)
+        yield _form(broker, TEXT_CONTENT_TYPE, observed=endpoint.address)
     if endpoint.command_address and read_text_address(endpoint.command_address) is None:
-        yield _form(broker, PLAIN_WORDS, told=endpoint.command_address)
+        yield _form(broker, TEXT_CONTENT_TYPE, written=endpoint.command_address)
 
 
-def _form(broker: str, content: str, *, heard: str = "", told: str = "") -> dict[str, object]:
+def _form(broker: str, content: str, *, observed: str = "", written: str = "") -> dict[str, object]:
     """It can be observed rather than read: whether the broker keeps it is not known."""
-    if heard:
+    if observed:
         return {
             "href": broker,
             "contentType": content,
             "op": ["observeproperty", "unobserveproperty"],
             "mqv:controlPacket": "subscribe",
-            "mqv:filter": heard,
+            "mqv:filter": observed,
         }
     return {
         "href": broker,
         "contentType": content,
         "op": "writeproperty",
         "mqv:controlPacket": "publish",
-        "mqv:topic": told,
+        "mqv:topic": written,
     }
 
 

@@ -128,14 +128,14 @@ class Fields:
             raise self.problem(name, f"{length} are too many; {_MAX_LISTED} is the limit")
 
     def _where(self, name: str) -> str:
-        shown = name if len(name) <= _MAX_SHOWN else f"{name[:_MAX_SHOWN]}…"
-        shown = shown if shown.isprintable() else ascii(shown)
-        return f"{self._path}.{shown}" if self._path and name else shown or self._path or "the description"
+        text = name if len(name) <= _MAX_SHOWN else f"{name[:_MAX_SHOWN]}…"
+        text = text if text.isprintable() else ascii(text)
+        return f"{self._path}.{text}" if self._path and name else text or self._path or "the description"
 
-    def _wrong(self, name: str, wanted: str, value: object) -> WireError:
+    def _wrong(self, name: str, expected: str, value: object) -> WireError:
         if value is None:
-            return self.problem(name, f"is missing; {wanted} is wanted")
-        return self.problem(name, f"{wanted} is wanted, got {_shown(value)}")
+            return self.problem(name, f"is missing; {expected} is wanted")
+        return self.problem(name, f"{expected} is wanted, got {_shown(value)}")
 
 
 def _shown(value: object) -> str:

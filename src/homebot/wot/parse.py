@@ -24,8 +24,8 @@ _OPS: Mapping[AffordanceKind, tuple[str, ...]] = {
     "action": ("invokeaction", "queryaction", "cancelaction"),
     "event": ("subscribeevent", "unsubscribeevent"),
 }
-_HEARS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
-_TELLS = frozenset({"writeproperty", "invokeaction"})
+_OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
+_WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
 _TYPES: tuple[DataType, ...] = get_args(DataType)
 
 _MAX_AFFORDANCES = 300
@@ -73,10 +73,10 @@ def _check_security(fields: Fields) -> None:
     names = definitions.names()
     for name in names:
         definitions.inner(name).text("scheme", required=True)
-    wanted = fields.texts("security")
-    if not wanted:
+    required = fields.texts("security")
+    if not required:
         raise fields.problem("security", "is missing; the name of a security definition is wanted")
-    for name in wanted:
+    for name in required:
         if name not in names:
             raise fields.problem("security", f"{name[:60]!a} is not in securityDefinitions")
 
@@ -135,14 +135,14 @@ def _form(form: Fields, ops: tuple[str, ...], base: str) -> Form:
     in_path = unquote(path).removeprefix("/") if is_mqtt else ""
     packet = form.text("mqv:controlPacket").rpartition(":")[2]
     filters, named = form.texts("mqv:filter"), form.text("mqv:topic") or in_path
-    topic = named if _TELLS & set(ops) and packet != "subscribe" else ""
-    heard = filters[0] if filters else named
-    heard = heard if _HEARS & set(ops) and packet != "publish" else ""
+    topic = named if _WRITE_OPS & set(ops) and packet != "subscribe" else ""
+    observed = filters[0] if filters else named
+    observed = observed if _OBSERVE_OPS & set(ops) and packet != "publish" else ""
     return Form(
         ops=ops,
         scheme=scheme.lower(),
         topic=topic,
-        filter=heard,
+        filter=observed,
         qos=_qos(form),
         retain=_retain(form),
         content_type=form.text("contentType") or "application/json",

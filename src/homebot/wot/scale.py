@@ -12,7 +12,7 @@ from homebot.wot.units import unit_of
 
 __all__ = ["bounds_of", "canonical", "on_the_wire"]
 
-_SHARES = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
+_FRACTIONS = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
 """What goes from nothing to all, whatever the thing calls the two ends."""
 
 _PERCENT = 100.0
@@ -85,8 +85,8 @@ def _ends(capability: str, affordance: Affordance) -> tuple[float, float] | None
     low, high = affordance.schema.minimum, affordance.schema.maximum
     if low is None or high is None or not 0 < high - low < _NO_RANGE:
         return None
-    is_share = capability in _SHARES or (high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT))
-    return (low, high) if is_share else None
+    is_fraction = capability in _FRACTIONS or (high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT))
+    return (low, high) if is_fraction else None
 
 
 def _is_fahrenheit(capability: str, affordance: Affordance) -> bool:

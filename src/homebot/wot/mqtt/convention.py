@@ -25,7 +25,7 @@ from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
 from homebot.wot import ClassifiedPart, Thing, observe_form, parts_of, read_thing, write_form
 from homebot.wot.mqtt.codec import thing_codec
-from homebot.wot.mqtt.payload_codec import is_spoken
+from homebot.wot.mqtt.payload_codec import is_supported
 
 __all__ = ["ThingDescriptions", "ThingSettings"]
 
@@ -117,12 +117,12 @@ class ThingDescriptions:
 
 
 def _parts(thing: Thing) -> Iterator[DescribedPart]:
-    for meant in parts_of(thing):
-        usable = _usable(meant)
+    for classified in parts_of(thing):
+        usable = _usable(classified)
         yield DescribedPart(usable.part, thing_codec(usable))
 
 
-def _usable(meant: ClassifiedPart) -> ClassifiedPart:
+def _usable(classified: ClassifiedPart) -> ClassifiedPart:
     """Without what cannot be spoken.
 
     Raises:
@@ -131,22 +131,22 @@ def _usable(meant: ClassifiedPart) -> ClassifiedPart:
     affordances = []
     reads: dict[str, None] = {}
     writes: dict[str, None] = {}
-    for capability, affordance in meant.affordances:
-        heard, told = observe_form(affordance), write_form(affordance)
-        if heard is not None and capability.readable and is_spoken(heard.content_type):
-            reads[_checked(affordance.name, heard.filter, validate_filter)] = None
+    for capability, affordance in classified.affordances:
+        observed, written = observe_form(affordance), write_form(affordance)
+        if observed is not None and capability.readable and is_supported(observed.content_type):
+            reads[_checked(affordance.name, observed.filter, validate_filter)] = None
         else:
-            heard = None
-        if told is not None and capability.settable and is_spoken(told.content_type):
-            writes[_checked(affordance.name, told.topic, validate_topic)] = None
+            observed = None
+        if written is not None and capability.settable and is_supported(written.content_type):
+            writes[_checked(affordance.name, written.topic, validate_topic)] = None
         else:
-            told = None
-        offered = capability.model_copy(update={"readable": heard is not None, "settable": told is not None})
+            written = None
+        offered = capability.model_copy(update={"readable": observed is not None, "settable": written is not None})
         affordances.append((offered, affordance))
     capabilities: tuple[Capability, ...] = tuple(one for one, _ in affordances)
-    part: Part = meant.part.model_copy(
+    part: Part = classified.part.model_copy(
         update={
-            "name": clean_text(meant.part.name),
+            "name": clean_text(classified.part.name),
             "capabilities": capabilities,
             "reads": tuple(reads),
             "writes": tuple(writes),

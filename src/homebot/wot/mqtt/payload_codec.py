@@ -14,9 +14,9 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.numbers import to_number
-from homebot.wot import PLAIN_WORDS, Affordance, canonical, on_the_wire
+from homebot.wot import TEXT_CONTENT_TYPE, Affordance, canonical, on_the_wire
 
-__all__ = ["is_spoken", "meant_value", "spelt_value"]
+__all__ = ["decode_value", "encode_value", "is_supported"]
 
 _JSON = re.compile(r"application/([a-z0-9.+-]+\+)?json")
 _TRUE = frozenset({"true", "on", "1", "yes", "open", "locked", "active"})
@@ -26,13 +26,13 @@ _LOCKS = {True: "locked", False: "unlocked"}
 _MAX_TEXT = 500
 
 
-def is_spoken(content_type: str) -> bool:
+def is_supported(content_type: str) -> bool:
     """Return whether payloads of this type are understood: JSON and plain text."""
     kind = content_type.partition(";")[0].strip().casefold()
-    return kind == PLAIN_WORDS or _JSON.fullmatch(kind) is not None
+    return kind == TEXT_CONTENT_TYPE or _JSON.fullmatch(kind) is not None
 
 
-def meant_value(capability: Capability, affordance: Affordance, payload: bytes) -> tuple[PlainValue] | None:
+def decode_value(capability: Capability, affordance: Affordance, payload: bytes) -> tuple[PlainValue] | None:
     """Return the value that *payload* tells, in a tuple because it may be None, unknown; None where it tells none."""
     if len(payload) > MAX_STATE_BYTES:
         return None
@@ -42,23 +42,23 @@ def meant_value(capability: Capability, affordance: Affordance, payload: bytes) 
         value = payload.decode(errors="replace").strip()  # bare words, whatever the content type says
     if value is None or (CAPABILITIES[capability.name].kind == "number" and is_unknown(value)):
         return (None,)
-    found = _meant(capability, affordance, value)
+    found = _decode(capability, affordance, value)
     return None if found is None else (found,)
 
 
-def spelt_value(capability: Capability, affordance: Affordance, value: PlainValue, content_type: str) -> bytes:
+def encode_value(capability: Capability, affordance: Affordance, value: PlainValue, content_type: str) -> bytes:
     """Return the payload that makes *capability* become *value*.
 
     Raises:
         RefusedError: It is no value of this capability.
     """
-    spelt = _spelt(capability, affordance, value)
-    if content_type.partition(";")[0].strip().casefold() == PLAIN_WORDS and isinstance(spelt, str):
-        return spelt.encode(errors="replace")
-    return json.dumps(spelt, ensure_ascii=False).encode(errors="replace")
+    encoded = _encode(capability, affordance, value)
+    if content_type.partition(";")[0].strip().casefold() == TEXT_CONTENT_TYPE and isinstance(encoded, str):
+        return encoded.encode(errors="replace")
+    return json.dumps(encoded, ensure_ascii=False).encode(errors="replace")
 
 
-def _meant(capability: Capability, affordance: Affordance, value: object) -> PlainValue:
+def _decode(capability: Capability, affordance: Affordance, value: object) -> PlainValue:
     name = capability.name
     kind = CAPABILITIES[name].kind
     if name == "color":
@@ -76,19 +76,19 @@ def _meant(capability: Capability, affordance: Affordance, value: object) -> Pla
     return clean_text(json.dumps(value, ensure_ascii=False), _MAX_TEXT)
 
 
-def _spelt(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
+def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
     name, what = capability.name, f"{capability.name} {shown(value)}"
     kind = CAPABILITIES[name].kind
     if name == "color":
-        return _spelt_color(what, value)
+        return _encode_color(what, value)
     if name == "lock":
         if value not in {"locked", "unlocked"}:
             raise RefusedError(what, "it takes locked, unlocked")
-        return _spelt_flag(affordance, value == "locked") if affordance.schema.type == "boolean" else value
+        return _encode_flag(affordance, value == "locked") if affordance.schema.type == "boolean" else value
     if kind == "bool":
         if not isinstance(value, bool):
             raise RefusedError(what, "it takes true or false")
-        return _spelt_flag(affordance, value)
+        return _encode_flag(affordance, value)
     if kind == "number":
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise RefusedError(what, "it takes a number")
@@ -110,20 +110,20 @@ def _flag(affordance: Affordance, value: object) -> bool | None:
         return value
     enum = affordance.schema.enum
     if len(enum) == 2 and value in enum:  # a yes and a no
-        return value == _words(affordance)[True]
-    word = str(value).casefold() if isinstance(value, (str, int, float)) else ""
-    return True if word in _TRUE else False if word in _FALSE else None
+        return value == _values_by_flag(affordance)[True]
+    text = str(value).casefold() if isinstance(value, (str, int, float)) else ""
+    return True if text in _TRUE else False if text in _FALSE else None
 
 
-def _spelt_flag(affordance: Affordance, value: bool) -> object:  # noqa: FBT001  # what it is about
+def _encode_flag(affordance: Affordance, value: bool) -> object:  # noqa: FBT001  # what it is about
     if len(affordance.schema.enum) == 2 and affordance.schema.type != "boolean":  # a yes and a no
-        return _words(affordance)[value]
+        return _values_by_flag(affordance)[value]
     if affordance.schema.type == "string":
         return "true" if value else "false"
     return value
 
 
-def _words(affordance: Affordance) -> dict[bool, object]:
+def _values_by_flag(affordance: Affordance) -> dict[bool, object]:
     first, second = affordance.schema.enum
     yes = str(first).casefold() in _TRUE or str(second).casefold() in _FALSE
     return {True: first, False: second} if yes else {True: second, False: first}
@@ -138,7 +138,7 @@ def _color(value: object) -> tuple[float, float] | None:
     return round(hue * 360, 1), round(saturation * 100, 1)
 
 
-def _spelt_color(what: str, value: PlainValue) -> str:
+def _encode_color(what: str, value: PlainValue) -> str:
     match value:
         case (int() | float() as hue, int() | float() as saturation) if 0 <= hue <= 360 and 0 <= saturation <= 100:
             rgb = colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)
