@@ -15,11 +15,11 @@ from homebot.devices.value import PlainValue
 __all__ = [
     "Convention",
     "OfferPublisher",
+    "ProblemReportingConvention",
     "PublishingConvention",
     "ReservingConvention",
     "SlicedConvention",
     "TextConvention",
-    "TroubledConvention",
 ]
 
 
@@ -126,7 +126,7 @@ class SlicedConvention(Protocol):
 
 
 @runtime_checkable
-class TroubledConvention(Protocol):
+class ProblemReportingConvention(Protocol):
     """A convention that may notice that something it should hear does not come."""
 
     def problems(self) -> tuple[str, ...]:

@@ -63,16 +63,16 @@ def is_unknown(value: object) -> bool:
     return value is None or (isinstance(value, float) and not math.isfinite(value))
 
 
-def read_number(capability: str, value: object, told: Callable[[float], float | None] = float) -> Readings:
+def read_number(capability: str, value: object, convert: Callable[[float], float | None] = float) -> Readings:
     """Return what *value* tells of *capability*: a number, that it is unknown, or nothing.
 
     Args:
         capability: What the number is.
         value: What the message has in its place.
-        told: Makes the value of the number; None where that cannot be.
+        convert: Makes the value of the number; None where that cannot be.
     """
     number = to_number(value)
     if number is None:
         return {capability: None} if is_unknown(value) else NO_READINGS
-    outside = told(number)
+    outside = convert(number)
     return NO_READINGS if outside is None else {capability: outside}

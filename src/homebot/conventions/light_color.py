@@ -134,17 +134,17 @@ def _rgb_to_rgbww(rgb: Channels, white: KelvinRange) -> Channels:
 def _rgbww_to_rgb(rgbww: Channels, white: KelvinRange) -> Channels:
     warmest, coldest = (kelvin_mired(one) for one in white)
     cold, warm = rgbww[3:]
-    share = warm / (cold + warm) if cold + warm else 0.5
-    mired = coldest + share * (warmest - coldest)
+    warm_fraction = warm / (cold + warm) if cold + warm else 0.5
+    mired = coldest + warm_fraction * (warmest - coldest)
     level = max(cold, warm) / 255
     tint = _white_rgb(kelvin_mired(mired) if mired else 0)
     return _as_bright(rgbww, tuple(one + part * level for one, part in zip(rgbww[:3], tint, strict=True)))
 
 
-def _as_bright(wanted: Channels, channels: Channels) -> Channels:
+def _as_bright(target: Channels, channels: Channels) -> Channels:
     """Scale *channels* so that the largest is as large as the largest wanted."""
     largest = max(channels)
-    factor = max(wanted) / largest if largest else 0.0
+    factor = max(target) / largest if largest else 0.0
     return tuple(round(one * factor) for one in channels)
 
 

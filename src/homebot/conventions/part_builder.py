@@ -22,13 +22,13 @@ class PartBuilder(Generic[MessageT]):
     """Collects what one part can do, and becomes its description.
 
     Args:
-        opened: What its readers are given of a payload.
+        parse_payload: What its readers are given of a payload.
         part_id: See :class:`homebot.devices.part.Part`, as are the others.
     """
 
     def __init__(
         self,
-        opened: PayloadParser[MessageT],
+        parse_payload: PayloadParser[MessageT],
         part_id: str,
         service_type: str,
         *,
@@ -38,7 +38,7 @@ class PartBuilder(Generic[MessageT]):
         category: Category = "",
         guessed: bool = False,
     ) -> None:
-        self._opened = opened
+        self._parse_payload = parse_payload
         self._about = (part_id, service_type, name, advertised, tag, category, guessed)
         self._capabilities: dict[str, Capability] = {}
         self._readers: dict[str, tuple[Reader[MessageT], ...]] = {}
@@ -46,8 +46,8 @@ class PartBuilder(Generic[MessageT]):
         self._writers: dict[str, Writer] = {}
         self._coded_writers: dict[str, CodedWriter] = {}
         self._writes: dict[str, None] = {}
-        self._asks: dict[Publication, None] = {}
-        self._fades: tuple[AutoExpiry, ...] = ()
+        self._state_requests: dict[Publication, None] = {}
+        self._expiries: tuple[AutoExpiry, ...] = ()
         self._remembers = False
 
     @property
@@ -73,10 +73,10 @@ class PartBuilder(Generic[MessageT]):
         if writer is not None:
             self._writers[name] = writer
 
-    def offers_coded(
+    def add_coded_capability(
         self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()
     ) -> None:
-        """As :meth:`offers`, for what may be told with a code alone."""
+        """As :meth:`add_capability`, for what may be told with a code alone."""
         self._capabilities[name] = Capability(name=name, readable=readable, settable=True, options=options)
         self._coded_writers[name] = writer
 
@@ -85,7 +85,7 @@ class PartBuilder(Generic[MessageT]):
         self._readers[topic] = (*self._readers.get(topic, ()), reader)
 
     def read_events_from(self, topic: str, reader: Reader[MessageT]) -> None:
-        """As :meth:`reads`, but what the broker had kept is not read: it happened before."""
+        """As :meth:`read_from`, but what the broker had kept is not read: it happened before."""
         self._readers.setdefault(topic, ())
         self._event_readers[topic] = (*self._event_readers.get(topic, ()), reader)
 
@@ -95,11 +95,11 @@ class PartBuilder(Generic[MessageT]):
 
     def add_state_request(self, *publications: Publication) -> None:
         """Name what makes the device tell the part's state."""
-        self._asks.update(dict.fromkeys(publications))
+        self._state_requests.update(dict.fromkeys(publications))
 
-    def add_expiry(self, *fades: AutoExpiry) -> None:
+    def add_expiry(self, *expiries: AutoExpiry) -> None:
         """Let values end by themselves."""
-        self._fades += fades
+        self._expiries += expiries
 
     def remembers(self) -> None:
         """Say that its codec needs what was said before; see :attr:`DescribedPart.remembers`."""
@@ -108,7 +108,7 @@ class PartBuilder(Generic[MessageT]):
     def build(self) -> DescribedPart:
         """Return the finished part."""
         part_id, service_type, name, advertised, tag, category, guessed = self._about
-        codec = TableCodec(self._opened, self._readers, self._event_readers, self._writers, self._coded_writers)
+        codec = TableCodec(self._parse_payload, self._readers, self._event_readers, self._writers, self._coded_writers)
         part = Part(
             id=part_id,
             name=name,
@@ -123,7 +123,7 @@ class PartBuilder(Generic[MessageT]):
         )
         slim = Part.of_checked(**part.__dict__)  # without a set of its fields of its own, which is 700 bytes
         return DescribedPart(
-            slim, codec, state_requests=tuple(self._asks), expiries=self._fades, remembers=self._remembers
+            slim, codec, state_requests=tuple(self._state_requests), expiries=self._expiries, remembers=self._remembers
         )
 
 

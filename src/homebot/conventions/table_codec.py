@@ -59,25 +59,25 @@ class TableCodec(Generic[MessageT]):
     """A codec made of tables; see :class:`homebot.conventions.description.Codec`.
 
     Args:
-        opened: What the readers are given of a payload.
+        parse_payload: What the readers are given of a payload.
         readers: By topic, or filter where the device declared one; every topic is here.
         event_readers: By topic; they are not given what the broker had kept.
         writers: By capability.
         coded_writers: Those that take a code, by capability; they are not among *writers*.
     """
 
-    __slots__ = ("_coded_writers", "_event_readers", "_opened", "_readers", "_wild", "_writers")
+    __slots__ = ("_coded_writers", "_event_readers", "_parse_payload", "_readers", "_wild", "_writers")
 
     def __init__(
         self,
-        opened: PayloadParser[MessageT],
+        parse_payload: PayloadParser[MessageT],
         readers: Mapping[str, tuple[Reader[MessageT], ...]],
         event_readers: Mapping[str, tuple[Reader[MessageT], ...]],
         writers: Mapping[str, Writer],
         coded_writers: Mapping[str, CodedWriter] | None = None,
     ) -> None:
         self._coded_writers: Mapping[str, CodedWriter] = coded_writers or _NONE
-        self._opened = opened
+        self._parse_payload = parse_payload
         self._readers = readers
         self._event_readers: Mapping[str, tuple[Reader[MessageT], ...]] = event_readers or _NONE
         self._writers: Mapping[str, Writer] = writers or _NONE
@@ -94,7 +94,7 @@ class TableCodec(Generic[MessageT]):
             readers += self._event_readers.get(topic, ())
         if self._wild:
             readers += self._readers_on_filters(topic, retained=retained)
-        message = self._opened(payload, retained=retained) if readers else None
+        message = self._parse_payload(payload, retained=retained) if readers else None
         if message is None:
             return NO_READINGS
         if len(readers) == 1:

@@ -47,24 +47,24 @@ class TextCodec:
         if len(payload) > _LONGEST:
             return NO_READINGS
         self._last, self._was_retained = payload, retained
-        told = self._decode(payload)
-        return self._as_answer(told) if payload == self._awaited and told else told
+        readings = self._decode(payload)
+        return self._as_answer(readings) if payload == self._awaited and readings else readings
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
         """Return what to publish so that *capability* becomes *value*; there is no text for a transition."""
         del transition
-        said = encode_command(capability, value, self._part).encode(errors="replace")
-        self.expect(said)
-        return (Publication(self._part.writes[0], said, qos=1),)
+        payload = encode_command(capability, value, self._part).encode(errors="replace")
+        self.expect(payload)
+        return (Publication(self._part.writes[0], payload, qos=1),)
 
     def expect(self, command: bytes) -> None:
         """Note that the part was told *command*, so that its answer may be the same text."""
         self._awaited = command if len(command) <= _LONGEST else b""
 
-    def _as_answer(self, told: Readings) -> Readings:
+    def _as_answer(self, readings: Readings) -> Readings:
         command, self._awaited = self._awaited, b""
         try:
             name, value = decode_command(command.decode(), self._part)
         except (RefusedError, UnicodeDecodeError):
-            return told
-        return told if name in told else {name: value}
+            return readings
+        return readings if name in readings else {name: value}

@@ -49,7 +49,7 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
         return {"alarm": text} if text in _STATES else NO_READINGS
 
     entity = Entity(config, "x_alarm_panel")
-    entity.offers_coded("alarm", commands.set, readable=entity.read_text_from(source, read), options=_STATES)
+    entity.add_coded_capability("alarm", commands.set, readable=entity.read_text_from(source, read), options=_STATES)
     entity.add_commands(commands.command)
     return entity.build()
 

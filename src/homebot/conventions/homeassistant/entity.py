@@ -57,12 +57,15 @@ class Entity(PartBuilder[StateMessage]):
         self.add_command_topics(*(one.topic for one in commands if one is not None))
 
     def _add_reader(
-        self, source: ValueSource | None, opened: Callable[[ValueSource, ReadT, StateMessage], Readings], read: ReadT
+        self,
+        source: ValueSource | None,
+        read_source: Callable[[ValueSource, ReadT, StateMessage], Readings],
+        read: ReadT,
     ) -> bool:
         if source is None:
             return False
         if not source.problem:
-            self.read_from(source.topic, partial(opened, source, read))
+            self.read_from(source.topic, partial(read_source, source, read))
             return True
         self.read_from(source.topic, partial(_read_raw, source.encoding))
         self.add_capability("raw")

@@ -43,6 +43,6 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
         return (command.publication_with_code(payloads[require_option("lock", value, payloads)], code),)
 
     entity = Entity(config, "door_lock")
-    entity.offers_coded("lock", write, readable=entity.read_text_from(config.source("state_topic"), read))
+    entity.add_coded_capability("lock", write, readable=entity.read_text_from(config.source("state_topic"), read))
     entity.add_commands(command)
     return entity.build()

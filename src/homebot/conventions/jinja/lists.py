@@ -102,7 +102,7 @@ def _sum(run: Run, value: object, attribute: object = None, start: object = 0) -
     return total
 
 
-def _selecting(*, wanted: bool, of_attribute: bool) -> Callable[..., object]:
+def _selecting(*, expected: bool, of_attribute: bool) -> Callable[..., object]:
     def select(run: Run, value: object, *arguments: object) -> object:
         values = values_of(run, value) if value else []
         run.spend(4 * len(values))
@@ -111,7 +111,7 @@ def _selecting(*, wanted: bool, of_attribute: bool) -> Callable[..., object]:
         return [
             one
             for one in values
-            if bool(check(run, attribute_of(one, arguments[0]) if of_attribute else one, *rest[1:])) is wanted
+            if bool(check(run, attribute_of(one, arguments[0]) if of_attribute else one, *rest[1:])) is expected
         ]
 
     return select
@@ -193,11 +193,11 @@ LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
     "list": _of(list),
     "max": _extreme(max),
     "min": _extreme(min),
-    "reject": _selecting(wanted=False, of_attribute=False),
-    "rejectattr": _selecting(wanted=False, of_attribute=True),
+    "reject": _selecting(expected=False, of_attribute=False),
+    "rejectattr": _selecting(expected=False, of_attribute=True),
     "reverse": _reverse,
-    "select": _selecting(wanted=True, of_attribute=False),
-    "selectattr": _selecting(wanted=True, of_attribute=True),
+    "select": _selecting(expected=True, of_attribute=False),
+    "selectattr": _selecting(expected=True, of_attribute=True),
     "sort": _sort,
     "sum": _sum,
     "unique": _unique,

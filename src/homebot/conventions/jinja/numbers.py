@@ -67,9 +67,9 @@ def _inexact(value: object) -> bool:
 
 def _bool(_: Run, value: object, default: object = MISSING) -> object:
     if isinstance(value, str):
-        word = value[:_LONGEST_WORD].lower().strip()
-        if word in _YES or word in _NO:
-            return word in _YES
+        text = value[:_LONGEST_FLAG].lower().strip()
+        if text in _YES or text in _NO:
+            return text in _YES
     elif isinstance(value, (bool, int, float)):
         return value != 0
     return _or_default(value, default, "bool")
@@ -162,7 +162,7 @@ def _ordinal(_: Run, value: object) -> str:
     return shown + ("th" if tens in range(11, 14) else {1: "st", 2: "nd", 3: "rd"}.get(ones, "th"))
 
 
-_LONGEST_WORD = 32
+_LONGEST_FLAG = 32
 _YES = frozenset({"1", "true", "yes", "on", "enable"})
 _NO = frozenset({"0", "false", "no", "off", "disable"})
 

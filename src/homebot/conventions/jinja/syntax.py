@@ -43,10 +43,10 @@ def parse(source: str) -> Program:
         body = reader.statements(tree.body)
     except RecursionError:
         raise TemplateError("is nested too deeply") from None
-    missing = (reader.asked - reader.assigned) & HOME_ASSISTANT
+    missing = (reader.referenced - reader.assigned) & HOME_ASSISTANT
     if missing:
         raise TemplateError(f"uses `{min(missing)}`, which only Home Assistant has")
-    return Program(body, frozenset(reader.asked), reader.weight)
+    return Program(body, frozenset(reader.referenced), reader.weight)
 
 
 @final
@@ -54,7 +54,7 @@ class _SyntaxReader:
     """Goes through Jinja's tree once; *weight* counts its nodes."""
 
     def __init__(self) -> None:
-        self.asked: set[str] = set()
+        self.referenced: set[str] = set()
         self.assigned: set[str] = set()
         self.weight = 0
         self._depth = 0
@@ -149,7 +149,7 @@ class _SyntaxReader:
         return statements.continue_loop
 
     def name(self, node: nodes.Name) -> Evaluate:
-        self.asked.add(node.name)
+        self.referenced.add(node.name)
         return expressions.name(node.name, CONSTANTS.get(node.name, UNDEFINED))
 
     def constant(self, node: nodes.Const) -> Evaluate:

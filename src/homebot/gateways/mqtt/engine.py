@@ -16,9 +16,9 @@ import anyio.lowlevel
 from homebot.conventions.convention import (
     Convention,
     OfferPublisher,
+    ProblemReportingConvention,
     PublishingConvention,
     TextConvention,
-    TroubledConvention,
 )
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawMessage
@@ -341,7 +341,7 @@ class AnnouncedDevices:
             Count(name="dropped_overflow", count=lost.dropped_overflow),
             Count(name="dropped_malformed", count=lost.dropped_malformed),
         )
-        troubled = (one for one in self.conventions if isinstance(one, TroubledConvention))
+        troubled = (one for one in self.conventions if isinstance(one, ProblemReportingConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self.lease.trouble,) if self.lease.trouble else ()
         return HealthResponse(
