@@ -20,14 +20,14 @@ MessageT = TypeVar("MessageT")
 MessageT_co = TypeVar("MessageT_co", covariant=True)
 
 Reader: TypeAlias = Callable[[MessageT], Readings]
-"""What one opened message tells. Never raises."""
+"""The readings of one parsed message. Never raises."""
 
 Writer: TypeAlias = Callable[[PlainValue, float], tuple[Publication, ...]]
-"""What to publish for a value and a transition in seconds; raises RefusedError."""
+"""The publications for a value and a transition in seconds; raises RefusedError."""
 
 
 CodedWriter: TypeAlias = Callable[[PlainValue, str], tuple[Publication, ...]]
-"""What to publish for a value and a code, which is empty where none was given; raises RefusedError."""
+"""The publications for a value and a code, which is empty where none was given; raises RefusedError."""
 
 
 class PayloadParser(Protocol[MessageT_co]):

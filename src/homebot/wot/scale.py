@@ -13,7 +13,7 @@ from homebot.wot.units import unit_of
 __all__ = ["bounds_of", "canonical", "on_the_wire"]
 
 _FRACTIONS = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
-"""What goes from nothing to all, whatever the thing calls the two ends."""
+"""Capabilities that go from nothing to all, whatever the thing calls the two ends."""
 
 _PERCENT = 100.0
 _EXACT = 12

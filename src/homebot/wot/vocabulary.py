@@ -99,7 +99,7 @@ OWNED: Mapping[str, frozenset[str]] = MappingProxyType(
         "water_valve": frozenset({"valve", "position"}),
     }
 )
-"""Which capabilities make up one part of a type; any other is a part by itself."""
+"""Capabilities that make up one part of a type; any other is a part by itself."""
 
 LONE_TYPES: Mapping[str, str] = MappingProxyType(
     {
@@ -139,7 +139,7 @@ LONE_TYPES: Mapping[str, str] = MappingProxyType(
         "state": "x_binary_sensor",
     }
 )
-"""What a part is that has this capability and nothing to say what it is."""
+"""Types of a part that has this capability and nothing to say what it is."""
 
 NAMES: Mapping[str, str] = MappingProxyType(
     {

@@ -70,7 +70,7 @@ _STATES = (*_ACTIONS, "pending", "arming", "disarming")
 
 @dataclass(frozen=True, slots=True)
 class _AlarmCommands:
-    """Tells the alarm."""
+    """The commands of an alarm."""
 
     command: CommandTopic
     payloads: Mapping[str, str]

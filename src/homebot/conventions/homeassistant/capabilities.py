@@ -30,16 +30,16 @@ def add_choice(
     meanings: Mapping[str, str | None] | None = None,
     on_command: Callable[[str], None] = lambda _option: None,
 ) -> None:
-    """Let *entity* have a word out of *options*; other words are not heard, and not told.
+    """Let *entity* have one of *options*; others are neither read nor commanded.
 
     Args:
         entity: Whose.
         name: Of the capability.
-        source: Where it is said, if it is.
-        command: Where it is told, if it is.
-        options: The words.
-        meanings: What further words mean; by default ``None`` means that it is unknown.
-        on_command: Given each word that it is told.
+        source: The source of its state; None where it has none.
+        command: The topic of its commands; None where it takes none.
+        options: Its options.
+        meanings: Meanings of further texts; by default ``None`` means that it is unknown.
+        on_command: Called with each option that is commanded.
     """
     if not options:
         return
@@ -70,7 +70,7 @@ def add_flag(
     command: CommandTopic | None,
     payloads: Mapping[bool, str],
 ) -> None:
-    """Let *entity* be on or off, which the *payloads* say; ``None`` means that it is unknown."""
+    """Let *entity* be on or off, by its *payloads*; ``None`` means that it is unknown."""
     states: dict[str, bool | None] = {"None": None, payloads[False]: False, payloads[True]: True}
 
     def read(text: str) -> Readings:
@@ -101,13 +101,13 @@ def add_number(
     Args:
         entity: Whose.
         name: Of the capability.
-        source: Where it is said, if it is.
-        command: Where it is told, if it is.
-        bounds: Smallest and largest number that it is told.
+        source: The source of its state; None where it has none.
+        command: The topic of its commands; None where it takes none.
+        bounds: Smallest and largest number that it takes.
         unit: Of the numbers, outside of the device.
-        unknown: The word which says that it is unknown.
-        from_device: Makes the outside number of what the device says; None where that cannot be.
-        to_device: Makes what the device is told of the outside number.
+        unknown: The text for unknown.
+        from_device: Converts a number of the device; None where that cannot be.
+        to_device: Converts a number for the device.
     """
     read = partial(read_number, name, unknown=unknown, convert=from_device)
 

@@ -59,7 +59,7 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
 
 _CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
 _STATES = ("closed", "open", "closing", "opening", "stopped")
-"""Where two states have the same word, the later one counts."""
+"""The later of two states with the same word counts."""
 
 _COMMANDS = {
     "open": ("payload_open", "OPEN"),

@@ -62,7 +62,7 @@ _NAMES: Mapping[str, tuple[str, ...]] = {
     "rgbw": ("red", "green", "blue", "white"),
     "rgbww": ("red", "green", "blue", "cold_white", "warm_white"),
 }
-"""What the templates call the channels."""
+"""The names of the channels in templates."""
 
 _DIMMED = ("rgb", "rgbw", "rgbww")
 """Modes whose channels carry the brightness where it has no topic of its own."""
@@ -88,7 +88,7 @@ def _assumed(config: DiscoveryConfig) -> frozenset[str]:
 
 @dataclass(frozen=True, slots=True)
 class _BasicLightCommands:
-    """Tells the lamp: the values on their topics, and that it shall be on before, after, or not at all."""
+    """The commands of a lamp: the values on their topics, and that it shall be on before, after, or not at all."""
 
     command: CommandTopic
     payload_on: str

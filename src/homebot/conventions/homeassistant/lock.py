@@ -17,7 +17,7 @@ from homebot.errors import WrongCodeError
 __all__ = ["build_lock"]
 
 _STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jammed")
-"""Where two states have the same word, the later one counts."""
+"""The later of two states with the same word counts."""
 
 
 def build_lock(config: DiscoveryConfig) -> DescribedPart:

@@ -66,7 +66,7 @@ _MODE_OF = {
     ("temperature_low", "heating_setpoint"): "heat_cool",
     ("temperature_high", "cooling_setpoint"): "heat_cool",
 }
-"""What one is that has no modes, by its target."""
+"""The mode of one that has no modes, by its target."""
 
 
 def _targets(available: Available, modes: tuple[str, ...]) -> dict[str, str]:

@@ -31,13 +31,13 @@ __all__ = [
 ]
 
 Values: TypeAlias = Mapping[str, PlainValue]
-"""What is known of a part, by capability."""
+"""The known values of a part, by capability."""
 
 StateWriter: TypeAlias = Callable[[Values], str]
 """The payload that tells the values; empty for one that clears what the broker keeps."""
 
 CommandReader: TypeAlias = Callable[[str], Values]
-"""What a payload orders, by capability, in this order; empty for what is no order. Never raises."""
+"""The values that a payload commands, by capability, in this order; empty for what is no command. Never raises."""
 
 Available: TypeAlias = dict[str, Capability]
 """The capabilities of a part that no entity has taken yet, by name."""
@@ -92,8 +92,8 @@ class PublishedEntity:
         component: The same.
         name: The same.
         config: All fields of its config so far.
-        states: What it tells.
-        commands: What it is told, by topic.
+        states: The states that it publishes.
+        commands: Readers of its commands, by topic.
     """
 
     def __init__(
@@ -109,17 +109,17 @@ class PublishedEntity:
     def add_state(
         self, key: str, name: str, write: StateWriter, capabilities: Iterable[str] = (), *, is_event: bool = False
     ) -> None:
-        """Tell *capabilities*, by default *name* alone, on a topic that the field *key* names."""
+        """Publish *capabilities*, by default *name* alone, on a topic that the field *key* names."""
         topic = self.config[key] = self._topics.state(name)
         self.states.append(PublishedState(topic, frozenset(capabilities) or frozenset({name}), write, is_event))
 
     def add_command(self, key: str, name: str, read: CommandReader) -> None:
-        """Take orders on a topic that the field *key* names."""
+        """Take commands on a topic that the field *key* names."""
         topic = self.config[key] = self._topics.command(name)
         self.commands[topic] = read
 
     def has(self, capability: Capability, state_key: str, write: StateWriter, command_key: str = "") -> None:
-        """Tell *capability* where it is readable; see :meth:`add_state`. An order for it is read by its kind."""
+        """Publish *capability* where it is readable; see :meth:`add_state`. A command for it is read by its kind."""
         if capability.readable:
             self.add_state(state_key, capability.name, write)
         if capability.settable and command_key:
@@ -162,7 +162,7 @@ def shortest(number: float) -> str:
 
 
 def read_flag(name: str, payloads: Mapping[str, bool]) -> CommandReader:
-    """Return a reader of orders in two words, or one."""
+    """Return a reader of commands that are two payloads, or one."""
 
     def read(text: str) -> Values:
         return {name: payloads[text]} if text in payloads else {}
@@ -182,7 +182,7 @@ def read_number(name: str, bounds: tuple[float, ...]) -> CommandReader:
 
 
 def read_option(name: str, payloads: Mapping[str, str]) -> CommandReader:
-    """Return a reader of words: what each payload orders."""
+    """Return a reader of options: the one that each payload commands."""
 
     def read(text: str) -> Values:
         return {name: payloads[text]} if text in payloads else {}

@@ -47,7 +47,7 @@ _BUTTONS: Mapping[str, tuple[str, Mapping[str, object]]] = MappingProxyType(
         "scene": ("scene", {"payload_on": "PRESS"}),
     }
 )
-"""What is pressed or called: the component, and its fields."""
+"""Capabilities that are pressed or called: the component, and its fields."""
 
 
 def _button(capability: Capability, topics: EntityTopics) -> tuple[PublishedEntity, ...]:

@@ -51,7 +51,7 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
 
 @dataclass(frozen=True, slots=True)
 class _SirenCommands:
-    """Tells the siren. Tone and volume also turn it on, as they do in Home Assistant."""
+    """The commands of a siren. Tone and volume also turn it on, as they do in Home Assistant."""
 
     on: CommandTopic
     off: CommandTopic

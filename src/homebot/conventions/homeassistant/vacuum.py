@@ -58,7 +58,7 @@ _COMMANDS = {
     "returning": ("return_home", "payload_return_to_base", "return_to_base"),
     "spot": ("clean_spot", "payload_clean_spot", "clean_spot"),
 }
-"""What it is told: the feature that it needs for that, and the payload."""
+"""Commands by state: the feature that it needs for that, and the payload."""
 
 _LONGEST = 120
 

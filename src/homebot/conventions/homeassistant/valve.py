@@ -55,7 +55,7 @@ def build_valve(config: DiscoveryConfig) -> DescribedPart:
 
 
 _STATES = ("closed", "open", "closing", "opening")
-"""Where two states have the same word, the later one counts."""
+"""The later of two states with the same word counts."""
 
 _COMMANDS = {"open": ("payload_open", "OPEN"), "closed": ("payload_close", "CLOSE"), "stopped": ("payload_stop", "")}
 _NO_POSITION = ("payload_open", "payload_close", "state_open", "state_closed")
@@ -103,7 +103,7 @@ class _ValveStateDecoder:
 
 @dataclass(frozen=True, slots=True)
 class _ValveCommands:
-    """Tells the valve. With a scale, open and closed are positions."""
+    """The commands of a valve. With a scale, open and closed are positions."""
 
     command: CommandTopic
     payloads: Mapping[str, str]

@@ -41,6 +41,6 @@ def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
 
 
 _CELSIUS = (Thermometer(is_fahrenheit=True).celsius(110.0), Thermometer(is_fahrenheit=True).celsius(140.0))
-"""Where the config does not say: 110 to 140 °F."""
+"""Bounds where the config has none: 110 to 140 °F."""
 
 _MODES = ("eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off")

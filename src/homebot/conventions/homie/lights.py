@@ -23,7 +23,7 @@ from homebot.devices.value import PlainValue
 __all__ = ["LIGHT_ROLES", "add_light"]
 
 LIGHT_ROLES = ("on_off", "level", "color", "color_temperature")
-"""What a lamp may have, each once."""
+"""Roles that a lamp may have, each once."""
 
 _KELVIN = (1000.0, 40_000.0)
 

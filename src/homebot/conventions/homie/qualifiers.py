@@ -104,7 +104,7 @@ _OBJECTS = frozenset(
     }
     | {"pump", "supply", "tank", "temperature", "usage", "valve", "watertank"}
 )
-"""What can have water, gas or a door without that being a condition of it."""
+"""Things that can have water, gas or a door without that being a condition of them."""
 
 
 def is_beside(tokens: frozenset[str]) -> bool:

@@ -89,7 +89,7 @@ CONDITIONS: Mapping[str, str] = MappingProxyType(
         "rain": "rain",
     }
 )
-"""What a truth tells, by a word."""
+"""Capabilities of boolean properties, by a token of their name."""
 
 
 def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:

@@ -16,7 +16,7 @@ __all__ = ["STATES", "StateTopic", "availability_of"]
 STATES: Mapping[str, bool | None] = MappingProxyType(
     {"init": None, "ready": True, "sleeping": True, "alert": True, "disconnected": False, "lost": False}
 )
-"""Whether a device can be reached; a sleeping one takes commands when it wakes, one that starts says neither."""
+"""Reachability of a device by its state; a sleeping one takes commands when it wakes, one that starts says neither."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,7 @@ FILTERS = (
     *(f"{{domain}}/+/+/{attribute}" for attribute in _OF_NODE),
     *(f"{{domain}}/+/{attribute}" for attribute in _OF_DEVICE),
 )
-"""What is retained comes in this order, so that all of a device is there when its state is."""
+"""In the order in which retained messages shall come: all of a device is there when its state is."""
 
 _MAX_DEVICES = 2000
 _MAX_CHARACTERS = 16_000_000

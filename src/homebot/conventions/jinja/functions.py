@@ -41,7 +41,7 @@ def _map(run: Run, value: object, *arguments: object, **named: object) -> object
 
 
 CONSTANTS: Final[dict[str, float]] = NUMBER_CONSTANTS
-"""What these names mean where the template and its variables say nothing else."""
+"""Meanings of these names where the template and its variables say nothing else."""
 
 FILTERS: Final[dict[str, Callable[..., object]]] = {
     **LIST_FILTERS,

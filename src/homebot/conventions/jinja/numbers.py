@@ -196,4 +196,4 @@ NUMBER_FILTERS: Final[dict[str, Callable[..., object]]] = {
 """By name; each takes the run and the value first."""
 
 NUMBER_CONSTANTS: Final[dict[str, float]] = {"e": math.e, "pi": math.pi, "tau": math.tau}
-"""What these names mean where the template and its variables say nothing else."""
+"""Meanings of these names where the template and its variables say nothing else."""

@@ -22,7 +22,7 @@ __all__ = ["SWITCHED", "build_relay", "build_roller"]
 SWITCHED: Mapping[str, Readings] = MappingProxyType(
     {"on": {"on_off": True}, "off": {"on_off": False}, "overpower": {"on_off": False}}
 )
-"""What the words of a relay or light mean; one that drew too much power was switched off."""
+"""Readings of the payloads of a relay or light; one that drew too much power was switched off."""
 
 _MOVEMENTS: Mapping[str, Readings] = MappingProxyType(
     {

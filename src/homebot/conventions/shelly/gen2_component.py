@@ -28,7 +28,7 @@ Fields: TypeAlias = Mapping[str, object]
 """A status or a configuration, or a part of one."""
 
 StatusDecoder: TypeAlias = Callable[[Fields], Readings]
-"""What a status, or what changed of one, tells. Never raises."""
+"""The readings of a status, or of what changed of one. Never raises."""
 
 _NO_FIELDS: Fields = MappingProxyType({})
 

@@ -108,7 +108,7 @@ _WATCHED: Mapping[str, tuple[str, str, str]] = {
     "average_temperature": ("temperature_sensor", "temperature", ""),
     "last_precipitation": ("x_sensor", "measurement", "mm"),
 }
-"""What the numbers of a maker's service tell, by their roles."""
+"""Capabilities of the numbers of a maker's service, by their roles."""
 
 
 def _role(config: Fields) -> str:

@@ -15,7 +15,7 @@ from homebot.mqtt.topics import validate_topic
 __all__ = ["LIGHT", "RELAY", "SHUTTER", "TasmotaConfig", "Tilt", "read_config"]
 
 RELAY, LIGHT, SHUTTER = 1, 2, 3
-"""What an output may be, besides 0 for none."""
+"""Types of an output, besides 0 for none."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,19 +23,19 @@ class TasmotaTopics:
     """The topics of one device.
 
     Attributes:
-        config: What it told of itself.
+        config: Its configuration, as it announced it.
     """
 
     config: TasmotaConfig
 
     @property
     def states(self) -> tuple[str, str]:
-        """The topics on which outputs are told: at once, and every few minutes."""
+        """The topics on which outputs are reported: at once, and every few minutes."""
         return f"{self.config.results}RESULT", f"{self.config.telemetry}STATE"
 
     @property
     def sensors(self) -> tuple[str, str]:
-        """The topics on which sensors are told: every few minutes, and when asked."""
+        """The topics on which sensors are reported: every few minutes, and when requested."""
         return f"{self.config.telemetry}SENSOR", f"{self.config.results}STATUS10"
 
     @property
@@ -61,8 +61,8 @@ class TasmotaTopics:
         """Return the topic of a command."""
         return f"{self.config.commands}{command}"
 
-    def state_text(self, on: bool) -> str:  # noqa: FBT001 - it is what the word says
-        """Return its word for on or off."""
+    def state_text(self, on: bool) -> str:  # noqa: FBT001 - it is what the text says
+        """Return its text for on or off."""
         return self.config.state_texts[1 if on else 0]
 
     def add_power_switch(self, part: JsonPart, index: int) -> None:
@@ -74,7 +74,7 @@ class TasmotaTopics:
         part.add_state_request(*self.state_requests)
 
     def add_power_state(self, part: JsonPart, index: int) -> None:
-        """Have *part* tell whether the output *index* is on."""
+        """Have *part* report whether the output *index* is on."""
         for topic in self.states:
             part.read_from(topic, partial(self._read_state, index))
         part.add_capability("state")

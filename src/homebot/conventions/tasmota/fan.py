@@ -34,7 +34,7 @@ _MIDDLE = 2
 
 
 class _Fan:
-    """Reads and tells the fan.
+    """The state and the commands of a fan.
 
     It has no command for the speed from before, so the last one that it told is remembered.
     """

@@ -50,7 +50,7 @@ _PAIR = 2
 
 @dataclass(frozen=True, slots=True)
 class _TasmotaLamp:
-    """Reads and tells one lamp.
+    """The state and the commands of one lamp.
 
     Attributes:
         topics: Its topics.

@@ -57,7 +57,7 @@ _COMMANDS = {"open": "Open", "closed": "Close", "stopped": "Stop"}
 
 @dataclass(frozen=True, slots=True)
 class _Shutter:
-    """Reads and tells one shutter.
+    """The state and the commands of one shutter.
 
     Attributes:
         topics: Its topics.

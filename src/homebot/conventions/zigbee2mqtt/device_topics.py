@@ -25,7 +25,7 @@ class Zigbee2MqttTopics:
     """The topics of one device.
 
     Attributes:
-        state: Topic of its state, a JSON object of all that it tells.
+        state: Topic of its state, a JSON object of all that it reports.
         is_awake: Whether it can be asked: one with a battery sleeps and never answers.
         takes_transition: Whether it takes the seconds that a change shall take.
         bare_endpoints: Numbers of its endpoints that the bridge has no name for: it does not find them in the name of a
@@ -41,11 +41,11 @@ class Zigbee2MqttTopics:
 
     @property
     def command(self) -> str:
-        """The topic that it listens on."""
+        """The topic of its commands."""
         return f"{self._base}/set"
 
     def of(self, expose: Expose) -> Zigbee2MqttTopics:
-        """Return where *expose* is told and asked for."""
+        """Return the topics at which *expose* is set and requested."""
         if expose.endpoint not in self.bare_endpoints:
             return self
         keys = [one.key for one in expose.features if one.key] if expose.type in SPECIFIC_TYPES else [expose.key]
@@ -72,7 +72,7 @@ class Zigbee2MqttTopics:
         return (Publication(self.command, payload),)
 
     def request_state(self, *features: Expose | None) -> tuple[Publication, ...]:
-        """Return what to publish so that the device tells *features*; nothing for those that cannot be asked for."""
+        """Return what to publish so that the device reports *features*; nothing for those that cannot be requested."""
         keys = self._plain(_gettable(features)) if self.is_awake else {}
         if not keys:
             return ()

@@ -62,17 +62,17 @@ class Expose:
 
     @property
     def is_published(self) -> bool:
-        """True if the device tells it by itself."""
+        """True if the device publishes it by itself."""
         return bool(self.access & 1)
 
     @property
     def is_settable(self) -> bool:
-        """True if it can be told."""
+        """True if it can be set."""
         return bool(self.access & 2)
 
     @property
     def is_gettable(self) -> bool:
-        """True if it can be asked for."""
+        """True if it can be requested."""
         return bool(self.access & 4)
 
     @property

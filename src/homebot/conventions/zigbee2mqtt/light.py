@@ -62,7 +62,7 @@ def build_light(part: JsonPart, topics: Zigbee2MqttTopics, light: Expose, effect
 
 @dataclass(frozen=True, slots=True)
 class _Zigbee2MqttLamp:
-    """Reads and tells one lamp.
+    """The state and the commands of one lamp.
 
     Attributes:
         topics: Its topics.

@@ -48,7 +48,7 @@ _FEATURES: Mapping[str, frozenset[str]] = {
     "climate": FEATURES_OF_CLIMATE,
     "fan": FEATURES_OF_FAN,
 }
-"""What the part itself stands for; other features are parts of their own, mostly settings."""
+"""Features of the part itself; others are parts of their own, mostly settings."""
 
 _MOST_PARTS = 500
 

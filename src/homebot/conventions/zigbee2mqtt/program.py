@@ -48,7 +48,7 @@ def add_mode(part: JsonPart, topics: Zigbee2MqttTopics, mode: Expose, program: E
 
 @dataclass(frozen=True, slots=True)
 class _Mode:
-    """Reads and tells the mode; *by_hand* are those of manual operation."""
+    """The state of the mode and its commands; *by_hand* are those of manual operation."""
 
     topics: Zigbee2MqttTopics
     mode: Expose

@@ -40,7 +40,7 @@ _LEVELS = ((25.0, "low"), (50.0, "medium"), (75.0, "high"), (100.0, "very_high")
 
 @dataclass(frozen=True, slots=True)
 class _Siren:
-    """Tells the siren. Tone and volume also turn it on."""
+    """The commands of a siren. Tone and volume also turn it on."""
 
     topics: Zigbee2MqttTopics
     key: str
