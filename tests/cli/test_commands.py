@@ -189,7 +189,7 @@ def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
             "area": "",
             "names": [],
             "identifiers": [],
-            "reachable": {"state": "unknown", "since": "1970-01-01T00:00:00.000Z", "why": "it does not say"},
+            "reachable": {"state": "unknown", "since": "1970-01-01T00:00:00.000Z", "why": "it does not report it"},
             "offline_parts": [],
             "parts": [],
             "states": [],

@@ -92,7 +92,7 @@ def test_what_tells_it_no_more_is_nothing_to_go_by(index: DeviceIndex, lamp: Sig
     index.observe(lamp)
     index.report(tell(lamp, REACHABLE, False, at=1))
     index.report(tell(lamp, REACHABLE, None, at=2, address=""))
-    assert (only(index).reachable.why, only(index).offline_parts) == ("it does not say", ())
+    assert (only(index).reachable.why, only(index).offline_parts) == ("it does not report it", ())
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.booleans()), max_size=20))

@@ -127,7 +127,7 @@ class Reachability(Message):
 
     state: Literal["yes", "no", "unknown"] = "unknown"
     since: Time = Time(sec=0, nanosec=0)
-    why: str = "it does not say"
+    why: str = "it does not report it"
 
 
 class State(Message):

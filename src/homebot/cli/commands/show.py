@@ -100,8 +100,8 @@ def _title(part: DevicePart) -> str:
 def _part(part: DevicePart, states: dict[tuple[str, str], State], now: float) -> Iterator[tuple[str, ...]]:
     for capability in part.part.capabilities:
         yield _capability(capability, states.get((part.id, capability.name)), now)
-    yield from (("reads", topic) for topic in part.part.reads)
-    yield from (("writes", topic) for topic in part.part.writes)
+    yield from (("state topic", topic) for topic in part.part.reads)
+    yield from (("command topic", topic) for topic in part.part.writes)
     for number, route in enumerate(part.routes):
         by = _by(route.gateway, route.convention, route.key)
         yield ("route" if number == 0 else "else"), by

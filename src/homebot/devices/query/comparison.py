@@ -142,7 +142,7 @@ def _fact(name: Token) -> str:
         return fact
     known = {*FIELDS, *FACTS, *CAPABILITY_WORDS}
     hint = did_you_mean(fact, known, f"known are {', '.join(sorted(FIELDS))}, …", _ALIKE)
-    raise UsageError(f"{name.text[:40]!r} at character {name.at} is nothing that can be asked for; {hint}")
+    raise UsageError(f"{name.text[:40]!r} at character {name.at} is unknown; {hint}")
 
 
 def _condition(field: str, name: Token, value: Token) -> Query:
@@ -163,7 +163,7 @@ def _type(value: Token) -> TypeIs:
         similar = similar_to(fold(value.text), TYPE_WORDS, _ALIKE)
         if similar:
             raise UsageError(
-                f"{value.text[:40]!r} at character {value.at} is no type; did you mean {' or '.join(similar)}? "
-                f"If devices call themselves so, write it in quotation marks"
+                f"{value.text[:40]!r} at character {value.at} is not a device type; "
+                f"did you mean {' or '.join(similar)}? If devices were announced as one, put it in quotation marks"
             )
     return type_is(value.text)
