@@ -15,7 +15,7 @@ from homebot.conventions.payload import clean_text, parse_object, shown
 from homebot.conventions.shelly.gen1_device import Gen1Device
 from homebot.conventions.shelly.gen1_models import find_model
 from homebot.conventions.shelly.gen1_parts import is_known_topic
-from homebot.conventions.shelly.gen1_topics import Gen1Place
+from homebot.conventions.shelly.gen1_topics import Gen1Topics
 from homebot.errors import WireError
 
 __all__ = ["BIRTH_MESSAGES", "FILTERS", "Gen1"]
@@ -89,7 +89,7 @@ class Gen1:
         device = self._device(name or device_id)
         if device is None:
             return ()
-        gone = self._renamed(mac, device.place.name)
+        gone = self._renamed(mac, device.topics.name)
         is_news = device.announce(device_id, mac, announcement)
         if not device.is_announced:
             device.is_announced, device.topic = True, topic
@@ -118,7 +118,7 @@ class Gen1:
     def _device(self, name: str) -> Gen1Device | None:
         device = self._devices.get(name)
         if device is None:
-            device = Gen1Device(Gen1Place(name), find_model("", name))
+            device = Gen1Device(Gen1Topics(name), find_model("", name))
             if not self._devices.add(name, device):
                 return None
         return device
@@ -140,6 +140,6 @@ class Gen1:
         described = device.describe(topic)
         if not described.parts:
             return ()
-        self._devices.keep(device.place.name)
+        self._devices.keep(device.topics.name)
         device.topic = described.topic
         return (described,)

@@ -12,7 +12,7 @@ from homebot.conventions.command_values import require_bool, require_number, req
 from homebot.conventions.decode import NO_READINGS, Readings, to_text
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import BytesPart, PartBuilder
-from homebot.conventions.shelly.gen1_topics import Gen1Place
+from homebot.conventions.shelly.gen1_topics import Gen1Topics
 from homebot.conventions.table_codec import raw_bytes
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
@@ -35,9 +35,9 @@ _ORDERS = {"open": b"open", "closed": b"close", "stopped": b"stop"}
 _FULLY_OPEN = 100
 
 
-def build_relay(place: Gen1Place, index: int, *, is_plug: bool) -> BytesPart:
+def build_relay(topics: Gen1Topics, index: int, *, is_plug: bool) -> BytesPart:
     """Describe a relay: a plug where it is a socket."""
-    topic = place.at(f"relay/{index}")
+    topic = topics.at(f"relay/{index}")
 
     def read(payload: bytes) -> Readings:
         return SWITCHED.get(to_text(payload) or "", NO_READINGS)
@@ -52,9 +52,9 @@ def build_relay(place: Gen1Place, index: int, *, is_plug: bool) -> BytesPart:
     return part
 
 
-def build_roller(place: Gen1Place, index: int) -> BytesPart:
+def build_roller(topics: Gen1Topics, index: int) -> BytesPart:
     """Describe a roller. One that was never calibrated does not know its position, and says -1."""
-    topic = place.at(f"roller/{index}")
+    topic = topics.at(f"roller/{index}")
 
     def read(payload: bytes) -> Readings:
         return _MOVEMENTS.get(to_text(payload) or "", NO_READINGS)

@@ -12,7 +12,7 @@ from homebot.conventions.payload import clean_text
 from homebot.conventions.shelly.gen1_inputs import Presses
 from homebot.conventions.shelly.gen1_models import Gen1Model, find_model
 from homebot.conventions.shelly.gen1_parts import build_parts
-from homebot.conventions.shelly.gen1_topics import Gen1Place
+from homebot.conventions.shelly.gen1_topics import Gen1Topics
 from homebot.conventions.shelly.online import OnlineTopic
 from homebot.devices.identity import identifiers
 
@@ -24,7 +24,7 @@ class Gen1Device:
     """All that one device has published so far.
 
     Attributes:
-        place: Where it speaks.
+        topics: Its topics.
         model: What its name or its announcement says that it is; None where that is not known.
         suffixes: Topics below its own that it was heard on.
         mac: Its hardware address, once it announced itself; likewise the following.
@@ -38,7 +38,7 @@ class Gen1Device:
         presses: What it told of each of its inputs, at most 16.
     """
 
-    place: Gen1Place
+    topics: Gen1Topics
     model: Gen1Model | None
     suffixes: set[str] = field(default_factory=set)
     mac: str = ""
@@ -81,21 +81,21 @@ class Gen1Device:
         Args:
             topic: Where it told last.
         """
-        place = self.place
+        topics = self.topics
         sleeps = self.model is not None and self.model.sleeps
-        declared = (self.mac, place.name if _HARDWARE_ID.fullmatch(place.name) else "")
+        declared = (self.mac, topics.name if _HARDWARE_ID.fullmatch(topics.name) else "")
         return DeviceAnnounced(
-            key=place.topic,
+            key=topics.topic,
             convention="shelly",
             native=True,
             whole_device=True,
             identifiers=identifiers(declared),
-            name=clean_text(place.name),
-            parts=build_parts(place, self.model, self.known(), self.presses),
+            name=clean_text(topics.name),
+            parts=build_parts(topics, self.model, self.known(), self.presses),
             topic=self.topic or topic,
             facts=self._facts(),
-            availability=None if sleeps else Availability((OnlineTopic(place.at("online")),)),
-            owns=(place.topic,),
+            availability=None if sleeps else Availability((OnlineTopic(topics.at("online")),)),
+            owns=(topics.topic,),
             implies_alive=True,
         )
 

@@ -9,7 +9,7 @@ from functools import partial
 
 from homebot.conventions.decode import NO_READINGS, Readings, to_json, to_text
 from homebot.conventions.part_builder import BytesPart, PartBuilder
-from homebot.conventions.shelly.gen1_topics import Gen1Place
+from homebot.conventions.shelly.gen1_topics import Gen1Topics
 from homebot.conventions.table_codec import raw_bytes
 
 __all__ = ["Presses", "build_input"]
@@ -54,12 +54,12 @@ class Presses:
 
 
 def build_input(
-    place: Gen1Place, index: int, presses: Presses, *, has_state: bool, has_events: bool, counts_first: bool
+    topics: Gen1Topics, index: int, presses: Presses, *, has_state: bool, has_events: bool, counts_first: bool
 ) -> BytesPart:
     """Describe an input: a button where it tells presses.
 
     Args:
-        place: Where the device speaks.
+        topics: Those of the device.
         index: Number of the input.
         presses: Its presses so far.
         has_state: Whether it tells if it is on.
@@ -70,10 +70,10 @@ def build_input(
         raw_bytes, f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input"
     )
     if has_state:
-        part.read_from(place.at(f"input/{index}"), _read_state)
+        part.read_from(topics.at(f"input/{index}"), _read_state)
         part.add_capability("state")
     if has_events:
-        part.read_events_from(place.at(f"input_event/{index}"), partial(presses.read, counts_first=counts_first))
+        part.read_events_from(topics.at(f"input_event/{index}"), partial(presses.read, counts_first=counts_first))
         part.add_capability("press", options=tuple(_PRESSES.values()))
     return part
 

@@ -15,7 +15,7 @@ from homebot.conventions.description import Publication
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import BytesPart, PartBuilder
 from homebot.conventions.shelly.gen1_controls import SWITCHED
-from homebot.conventions.shelly.gen1_topics import Gen1Place
+from homebot.conventions.shelly.gen1_topics import Gen1Topics
 from homebot.conventions.table_codec import raw_bytes
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
@@ -30,16 +30,16 @@ _LONGEST_TRANSITION = 5000
 _CHANNELS = ("red", "green", "blue")
 
 
-def build_light(place: Gen1Place, kind: str, index: int, model: str) -> BytesPart:
+def build_light(topics: Gen1Topics, kind: str, index: int, model: str) -> BytesPart:
     """Describe a lamp.
 
     Args:
-        place: Of its device.
+        topics: Those of its device.
         kind: ``light``, ``color`` or ``white``: below which topic it is.
         index: Its channel.
         model: Number of its device's model; empty where that is not known.
     """
-    lamp = _Gen1Lamp(place.at(f"{kind}/{index}"), kind, _WHITES.get(model))
+    lamp = _Gen1Lamp(topics.at(f"{kind}/{index}"), kind, _WHITES.get(model))
     part = PartBuilder(raw_bytes, f"{kind}:{index}", "light", advertised=kind)
     part.read_from(lamp.topic, _read_switch)
     part.read_from(f"{lamp.topic}/status", lamp.read)

@@ -18,7 +18,7 @@ from homebot.conventions.shelly.gen1_lights import build_light
 from homebot.conventions.shelly.gen1_models import Gen1Model
 from homebot.conventions.shelly.gen1_sensors import SENSORS, build_meter, build_sensor
 from homebot.conventions.shelly.gen1_status import build_motion, build_valve
-from homebot.conventions.shelly.gen1_topics import Gen1Place
+from homebot.conventions.shelly.gen1_topics import Gen1Topics
 
 __all__ = ["MAX_CHANNELS", "build_parts", "is_known_topic"]
 
@@ -35,12 +35,12 @@ def is_known_topic(suffix: str) -> bool:
 
 
 def build_parts(
-    place: Gen1Place, model: Gen1Model | None, suffixes: frozenset[str], presses: defaultdict[int, Presses]
+    topics: Gen1Topics, model: Gen1Model | None, suffixes: frozenset[str], presses: defaultdict[int, Presses]
 ) -> tuple[DescribedPart, ...]:
-    """Return the parts of the device at *place* that publishes *suffixes*; first what it is there for.
+    """Return the parts of the device at *topics* that publishes *suffixes*; first what it is there for.
 
     Args:
-        place: Where it speaks.
+        topics: Its topics.
         model: What it is, where that is known.
         suffixes: What it publishes on.
         presses: What it told so far of each of its inputs.
@@ -48,16 +48,16 @@ def build_parts(
     parts: list[BytesPart] = []
     for channel in _channels(suffixes):
         if channel.kind == "input":
-            parts.append(_input(place, channel, suffixes, model, presses[channel.index]))
+            parts.append(_input(topics, channel, suffixes, model, presses[channel.index]))
             continue
-        parts.extend(part for build in _BUILDERS[channel.kind] if (part := build(place, channel, suffixes, model)))
+        parts.extend(part for build in _BUILDERS[channel.kind] if (part := build(topics, channel, suffixes, model)))
     if "relay/power" in suffixes and "relay/0/power" not in suffixes:
-        parts.append(build_meter(place, "meter", {"power": "relay/power", "energy": "relay/energy"}))
-    parts.extend(build_sensor(place, SENSORS[suffix]) for suffix in SENSORS if suffix in suffixes)
+        parts.append(build_meter(topics, "meter", {"power": "relay/power", "energy": "relay/energy"}))
+    parts.extend(build_sensor(topics, SENSORS[suffix]) for suffix in SENSORS if suffix in suffixes)
     if "status" in suffixes:
-        parts.extend(build_valve(place) if model is not None and model.name == "SHTRV-01" else build_motion(place))
+        parts.extend(build_valve(topics) if model is not None and model.name == "SHTRV-01" else build_motion(topics))
     for part in parts[:1]:
-        part.add_state_request(Publication(f"{place.topic}/command", b"update"))
+        part.add_state_request(Publication(f"{topics.topic}/command", b"update"))
     return tuple(part.build() for part in parts)
 
 
@@ -71,7 +71,7 @@ class _Channel:
         return f"{self.kind}/{self.index}"
 
 
-_Build = Callable[[Gen1Place, _Channel, frozenset[str], Gen1Model | None], BytesPart | None]
+_Build = Callable[[Gen1Topics, _Channel, frozenset[str], Gen1Model | None], BytesPart | None]
 
 _CHANNEL = re.compile(
     r"(?P<kind>relay|roller|light|color|white|input|input_event|emeter|adc|ext_temperature|ext_humidity|ext_switch)"
@@ -105,23 +105,23 @@ def _channels(suffixes: frozenset[str]) -> tuple[_Channel, ...]:
     return tuple(sorted(found, key=lambda one: (order.index(one.kind), one.index)))
 
 
-def _relay(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
-    return build_relay(place, channel.index, is_plug=model is not None and model.is_plug)
+def _relay(topics: Gen1Topics, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
+    return build_relay(topics, channel.index, is_plug=model is not None and model.is_plug)
 
 
-def _roller(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
-    return build_roller(place, channel.index)
+def _roller(topics: Gen1Topics, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
+    return build_roller(topics, channel.index)
 
 
-def _light(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
-    return build_light(place, channel.kind, channel.index, "" if model is None else model.name)
+def _light(topics: Gen1Topics, channel: _Channel, _suffixes: frozenset[str], model: Gen1Model | None) -> BytesPart:
+    return build_light(topics, channel.kind, channel.index, "" if model is None else model.name)
 
 
 def _input(
-    place: Gen1Place, channel: _Channel, suffixes: frozenset[str], model: Gen1Model | None, presses: Presses
+    topics: Gen1Topics, channel: _Channel, suffixes: frozenset[str], model: Gen1Model | None, presses: Presses
 ) -> BytesPart:
     return build_input(
-        place,
+        topics,
         channel.index,
         presses,
         has_state=channel.topic in suffixes,
@@ -130,24 +130,26 @@ def _input(
     )
 
 
-def _meter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart | None:
+def _meter(
+    topics: Gen1Topics, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None
+) -> BytesPart | None:
     topic = channel.topic
     suffix_by_name = {name: f"{topic}/{name}" for name in ("power", "energy") if f"{topic}/{name}" in suffixes}
-    return build_meter(place, f"{channel.kind}:{channel.index}/meter", suffix_by_name) if suffix_by_name else None
+    return build_meter(topics, f"{channel.kind}:{channel.index}/meter", suffix_by_name) if suffix_by_name else None
 
 
-def _emeter(place: Gen1Place, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
+def _emeter(topics: Gen1Topics, channel: _Channel, suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
     names = ("power", "voltage", "current", "total", "total_returned")
     suffix_by_name = {name: f"{channel.topic}/{name}" for name in names if f"{channel.topic}/{name}" in suffixes}
-    return build_meter(place, f"emeter:{channel.index}", suffix_by_name)
+    return build_meter(topics, f"emeter:{channel.index}", suffix_by_name)
 
 
-def _adc(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
-    return build_meter(place, f"adc:{channel.index}", {"voltage": channel.topic})
+def _adc(topics: Gen1Topics, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
+    return build_meter(topics, f"adc:{channel.index}", {"voltage": channel.topic})
 
 
-def _external(place: Gen1Place, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
-    return build_sensor(place, SENSORS[channel.kind], channel.index)
+def _external(topics: Gen1Topics, channel: _Channel, _suffixes: frozenset[str], _model: Gen1Model | None) -> BytesPart:
+    return build_sensor(topics, SENSORS[channel.kind], channel.index)
 
 
 _BUILDERS: Mapping[str, tuple[_Build, ...]] = {

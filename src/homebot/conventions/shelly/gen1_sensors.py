@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from homebot.conventions.decode import NO_READINGS, Readings, read_number, to_text
 from homebot.conventions.part_builder import BytesPart, PartBuilder
-from homebot.conventions.shelly.gen1_topics import Gen1Place
+from homebot.conventions.shelly.gen1_topics import Gen1Topics
 from homebot.conventions.table_codec import raw_bytes
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
@@ -109,10 +109,10 @@ _METERED: Mapping[str, tuple[str, float]] = MappingProxyType(
 """The capability of what a meter tells, and what makes its unit of Shelly's: watt-minutes, watt-hours."""
 
 
-def build_sensor(place: Gen1Place, sensor: Gen1Sensor, index: int | None = None) -> BytesPart:
+def build_sensor(topics: Gen1Topics, sensor: Gen1Sensor, index: int | None = None) -> BytesPart:
     """Describe a sensor; where it is a channel, channel *index*."""
     part_id = sensor.suffix.removeprefix("sensor/")
-    topic = place.at(sensor.suffix)
+    topic = topics.at(sensor.suffix)
     if index is not None:
         part_id, topic = f"{part_id}:{index}", f"{topic}/{index}"
     part = PartBuilder(raw_bytes, part_id, sensor.service_type, advertised=sensor.suffix, category=sensor.category)
@@ -121,19 +121,19 @@ def build_sensor(place: Gen1Place, sensor: Gen1Sensor, index: int | None = None)
     return part
 
 
-def build_meter(place: Gen1Place, part_id: str, topics: Mapping[str, str]) -> BytesPart:
+def build_meter(topics: Gen1Topics, part_id: str, suffixes: Mapping[str, str]) -> BytesPart:
     """Describe a meter.
 
     Args:
-        place: Of its device.
+        topics: Those of its device.
         part_id: Of the part.
-        topics: Topics below the device's, by what is told there: power, energy, total, total_returned, voltage,
+        suffixes: Topics below the device's, by what is told there: power, energy, total, total_returned, voltage,
             current.
     """
     part = PartBuilder(raw_bytes, part_id, "electrical_meter", advertised="meter")
-    for name, suffix in topics.items():
+    for name, suffix in suffixes.items():
         capability, factor = _METERED[name]
-        part.read_from(place.at(suffix), _measuring(capability, factor))
+        part.read_from(topics.at(suffix), _measuring(capability, factor))
         part.add_capability(capability)
     return part
 

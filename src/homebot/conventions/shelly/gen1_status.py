@@ -11,7 +11,7 @@ from homebot.conventions.command_values import require_number
 from homebot.conventions.decode import NO_READINGS, Readings, to_json
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import BytesPart, PartBuilder
-from homebot.conventions.shelly.gen1_topics import Gen1Place
+from homebot.conventions.shelly.gen1_topics import Gen1Topics
 from homebot.conventions.table_codec import raw_bytes
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
@@ -23,30 +23,30 @@ _VALVE_BOUNDS = (4.0, 31.0)
 _UNCLEAR = object()
 
 
-def build_motion(place: Gen1Place) -> tuple[BytesPart, ...]:
+def build_motion(topics: Gen1Topics) -> tuple[BytesPart, ...]:
     """Describe what a motion sensor tells in its one ``status``."""
     return tuple(
-        _status_part(place, part_id, service_type, capability, find, category)
+        _status_part(topics, part_id, service_type, capability, find, category)
         for part_id, service_type, capability, find, category in _MOTION
     )
 
 
-def build_valve(place: Gen1Place) -> tuple[BytesPart, ...]:
+def build_valve(topics: Gen1Topics) -> tuple[BytesPart, ...]:
     """Describe a radiator valve."""
-    topic = place.at("thermostat/0/command/target_t")
+    topic = topics.at("thermostat/0/command/target_t")
 
     def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         celsius = require_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C")
         return (Publication(topic, f"{round(celsius, 1):g}".encode()),)
 
     part = PartBuilder(raw_bytes, "thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
-    part.read_from(place.at("status"), _read_valve)
-    part.read_from(place.at("info"), _read_valve)
+    part.read_from(topics.at("status"), _read_valve)
+    part.read_from(topics.at("info"), _read_valve)
     part.add_command_topics(topic)
     part.add_capability("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
     part.add_capability("local_temperature")
     part.add_capability("position")
-    return part, _status_part(place, "battery", "x_battery", "battery", _battery, "diagnostic")
+    return part, _status_part(topics, "battery", "x_battery", "battery", _battery, "diagnostic")
 
 
 def _flag(status: Mapping[str, object], name: str) -> PlainValue | object:
@@ -82,7 +82,7 @@ _MOTION: tuple[tuple[str, str, str, _Find, Category], ...] = (
 
 
 def _status_part(
-    place: Gen1Place, part_id: str, service_type: str, capability: str, find: _Find, category: Category
+    topics: Gen1Topics, part_id: str, service_type: str, capability: str, find: _Find, category: Category
 ) -> BytesPart:
     def read(payload: bytes) -> Readings:
         status = to_json(payload)
@@ -91,7 +91,7 @@ def _status_part(
 
     part = PartBuilder(raw_bytes, part_id, service_type, advertised="status", category=category)
     for topic in ("status", "info") if part_id == "battery" else ("status",):
-        part.read_from(place.at(topic), read)
+        part.read_from(topics.at(topic), read)
     part.add_capability(capability)
     return part
 

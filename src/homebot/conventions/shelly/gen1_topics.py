@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Gen1Place"]
+__all__ = ["Gen1Topics"]
 
 
 @dataclass(frozen=True, slots=True)
-class Gen1Place:
-    """The topic of one device.
+class Gen1Topics:
+    """The topics of one device.
 
     Attributes:
         name: What the device is called there, for example ``shellyplug-s-122881``.

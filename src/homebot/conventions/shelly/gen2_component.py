@@ -22,7 +22,7 @@ from homebot.conventions.table_codec import json_object
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 
-__all__ = ["Fields", "Gen2Place", "ShellyComponent", "StatusDecoder", "flag", "measured"]
+__all__ = ["Fields", "Gen2Topics", "ShellyComponent", "StatusDecoder", "flag", "measured"]
 
 Fields: TypeAlias = Mapping[str, object]
 """A status or a configuration, or a part of one."""
@@ -34,7 +34,7 @@ _NO_FIELDS: Fields = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
-class Gen2Place:
+class Gen2Topics:
     """The topics of a device of the second generation.
 
     Attributes:
@@ -55,13 +55,13 @@ class ShellyComponent:
     """One component.
 
     Attributes:
-        place: Of its device.
+        topics: Those of its device.
         key: Its name, for example ``switch:0``.
         status: What it told when it was asked.
         config: How it is set up; empty where that is not known.
     """
 
-    place: Gen2Place
+    topics: Gen2Topics
     key: str
     status: Fields
     config: Fields = field(default_factory=dict)
@@ -99,24 +99,24 @@ class ShellyComponent:
     def read_status(self, part: JsonPart, decode: StatusDecoder, key: str = "") -> None:
         """Have *part* read the component, or the one called *key*, with *decode*."""
         key = key or self.key
-        prefix = self.place.prefix
+        prefix = self.topics.prefix
         part.read_from(f"{prefix}/events/rpc", lambda frame: _read(frame, "params", key, decode))
         part.read_from(f"{prefix}/status/{key}", decode)
-        part.read_from(self.place.answers, lambda frame: _read(frame, "result", key, decode))
+        part.read_from(self.topics.answers, lambda frame: _read(frame, "result", key, decode))
 
     def read_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
         """Have *part* read its events, named as in *presses*."""
         key = self.key
-        part.read_events_from(f"{self.place.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses))
+        part.read_events_from(f"{self.topics.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses))
         part.add_capability("press", options=tuple(presses.values()))
 
     def add_command_topic(self, part: JsonPart) -> None:
         """Name the topic that commands to *part* go to."""
-        part.add_command_topics(f"{self.place.prefix}/rpc")
+        part.add_command_topics(f"{self.topics.prefix}/rpc")
 
     def call(self, method: str, /, **params: object) -> tuple[Publication, ...]:
         """Return the call of *method* of this component."""
-        return (call(self.place.prefix, self.place.source, method, {"id": self.index, **params}),)
+        return (call(self.topics.prefix, self.topics.source, method, {"id": self.index, **params}),)
 
 
 def measured(field: str, capability: str, factor: float = 1.0) -> StatusDecoder:

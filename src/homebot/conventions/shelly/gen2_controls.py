@@ -37,7 +37,7 @@ def build_switch(component: ShellyComponent) -> tuple[JsonPart, ...]:
     def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
         return component.call("Switch.Set", on=require_bool("on_off", value))
 
-    part = component.part("", "plug" if component.place.is_plug else "switch")
+    part = component.part("", "plug" if component.topics.is_plug else "switch")
     component.read_status(part, flag("output", "on_off"))
     component.add_command_topic(part)
     part.add_capability("on_off", writer=write)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from homebot.conventions.description import Availability, DeviceAnnounced
 from homebot.conventions.payload import clean_text
 from homebot.conventions.shelly.gen2_answers import fields_in, mac_in, sleeps, text_of
-from homebot.conventions.shelly.gen2_component import Fields, Gen2Place
+from homebot.conventions.shelly.gen2_component import Fields, Gen2Topics
 from homebot.conventions.shelly.gen2_parts import MAX_COMPONENTS, build_parts
 from homebot.conventions.shelly.online import OnlineTopic
 from homebot.devices.identity import identifiers
@@ -88,7 +88,7 @@ class Gen2Device:
         """
         device_id = text_of(self.info.get("id")) or device_id
         models = f"{device_id} {text_of(self.info.get('app'))}".casefold()
-        place = Gen2Place(
+        topics = Gen2Topics(
             self.prefix,
             client,
             f"{client}/{self.prefix}/rpc",
@@ -101,7 +101,7 @@ class Gen2Device:
             whole_device=True,
             identifiers=identifiers((self.mac, device_id if device_id.casefold().startswith("shelly") else "")),
             name=self._name(),
-            parts=build_parts(place, self.status, self.config),
+            parts=build_parts(topics, self.status, self.config),
             topic=topic if self.described is None else self.described.topic,
             facts=self._facts(),
             availability=None if sleeps(self.status) else Availability((OnlineTopic(f"{self.prefix}/online"),)),

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.shelly.gen2_bluetooth import build_bluetooth_device, build_bluetooth_sensor
-from homebot.conventions.shelly.gen2_component import Fields, Gen2Place, ShellyComponent
+from homebot.conventions.shelly.gen2_component import Fields, Gen2Topics, ShellyComponent
 from homebot.conventions.shelly.gen2_controls import (
     build_cover,
     build_radiator_valve,
@@ -32,20 +32,20 @@ MAX_COMPONENTS = 300
 """Components of one device that are looked at; a gateway with all the sensors it takes has about 150."""
 
 
-def build_parts(place: Gen2Place, status: Fields, config: Fields) -> tuple[DescribedPart, ...]:
-    """Return the parts of the device at *place*; first what it is there for.
+def build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[DescribedPart, ...]:
+    """Return the parts of the device at *topics*; first what it is there for.
 
     Args:
-        place: Where it speaks.
+        topics: Its topics.
         status: By component, as it answers ``Shelly.GetStatus``.
         config: By component, as it answers ``Shelly.GetConfig``; empty where it did not.
     """
     parts: list[JsonPart] = []
-    for component in _components(place, status, config):
+    for component in _components(topics, status, config):
         for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
     for part in parts[:1]:
-        part.add_state_request(call(place.prefix, place.answers.removesuffix("/rpc"), "Shelly.GetStatus"))
+        part.add_state_request(call(topics.prefix, topics.answers.removesuffix("/rpc"), "Shelly.GetStatus"))
     return tuple(part.build() for part in parts)
 
 
@@ -67,15 +67,15 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     **dict.fromkeys(VIRTUAL, (build_virtual,)),
     "button": (build_virtual_button,),
 }
-_ORDER = {kind: place for place, kind in enumerate(_BUILDERS)}
+_ORDER = {kind: topics for topics, kind in enumerate(_BUILDERS)}
 
 
-def _components(place: Gen2Place, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
+def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
     found: list[ShellyComponent] = []
     for key, fields in status.items():
         if len(found) >= MAX_COMPONENTS:
             break
         if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _ORDER:
             settings = config.get(key)
-            found.append(ShellyComponent(place, key, fields, settings if isinstance(settings, dict) else {}))
+            found.append(ShellyComponent(topics, key, fields, settings if isinstance(settings, dict) else {}))
     return tuple(sorted(found, key=lambda one: (_ORDER[one.kind], one.index)))
