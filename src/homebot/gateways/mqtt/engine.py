@@ -31,7 +31,7 @@ from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader
-from homebot.gateways.mqtt.commands import CommandPublisher
+from homebot.gateways.mqtt.command_publisher import CommandPublisher
 from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.intake import AnnouncementHandler
 from homebot.gateways.mqtt.last_messages import CachedMessage, LastMessageCache
