@@ -17,7 +17,7 @@ class DeviceState:
     """The reported state of a device; what its kind does not have keeps its default.
 
     Attributes:
-        word: Its last word, for example ``on``, ``opening``, ``locked`` or ``21.5``.
+        text: Its last state as text, for example ``on``, ``opening``, ``locked`` or ``21.5``.
         is_on: Of a lamp: whether it shines.
         brightness: Of a lamp: how bright it is while on, 0 to 1.
         kelvin: Of a lamp: its colour temperature.

@@ -48,7 +48,7 @@ class Household:
         rooms: Where.
         queue: Gets their steps.
         clock: Returns the time that the queue is at.
-        witness: Is told what they do.
+        observer: Gets what they do.
 
     Raises:
         UsageError: A room is not there, or no doors lead to it.

@@ -40,10 +40,10 @@ class HouseCounters:
 
     Attributes:
         published: Messages that the broker took.
-        unsaid: Words and messages that found no link.
+        unsaid: States and messages that found no link.
         overflowed: Messages that waited too long for a slow broker.
         refused: Messages that the broker did not want.
-        told: Commands that came.
+        commands: Commands that came.
     """
 
     published: int = 0
@@ -58,10 +58,10 @@ class MqttDevice:
     """A device on the wire.
 
     Args:
-        device: Who it is.
-        dialect: How it speaks.
+        device: Its name and kind.
+        dialect: The convention that it speaks.
         connection: Its way to the broker.
-        tell: Gets each command for it.
+        on_command: Gets each command for it.
         counters: Shared by the house.
         lines: Paces log lines.
     """

@@ -111,7 +111,7 @@ class World:
 
     Attributes:
         now: Seconds since the midnight before the first day.
-        event log: What happened.
+        event_log: The events so far.
 
     Raises:
         UsageError: Two devices have one name, or a room or device is not there.
