@@ -32,3 +32,58 @@ def test_no_docstring_begins_with_a_question_word() -> None:
 
 def test_the_first_paragraph_of_every_docstring_is_a_sentence_or_ends_in_a_colon() -> None:
     assert [place for place, text in documented() if text.partition("\n\n")[0][-1] not in ".:?!"] == []
+
+
+def entries(text: str, section: str) -> list[str]:
+    """The names that a section of a docstring explains."""
+    lines = text.partition(f"\n{section}:\n")[2].partition("\n\n")[0].splitlines()
+    found = [re.match(r"    \*{0,2}(\w+(?:, \w+)*): ", line) for line in lines]
+    return [name for match in found if match for name in match[1].split(", ")]
+
+
+def arguments(function: ast.FunctionDef | ast.AsyncFunctionDef) -> set[str]:
+    every = function.args
+    more = [one for one in (every.vararg, every.kwarg) if one is not None]
+    return {one.arg for one in (*every.posonlyargs, *every.args, *every.kwonlyargs, *more)}
+
+
+def members(class_: ast.ClassDef) -> set[str]:
+    """The names that a class defines or sets."""
+    found = {node.attr for node in ast.walk(class_) if isinstance(node, ast.Attribute)}
+    for node in class_.body:
+        match node:
+            case ast.AnnAssign(target=ast.Name(id=name)) | ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name):
+                found.add(name)
+            case ast.Assign(targets=targets):
+                found |= {target.id for target in targets if isinstance(target, ast.Name)}
+            case _:
+                pass
+    return found
+
+
+def unknown_entries(node: ast.AST) -> list[str]:
+    """The names in the docstring of a class or function that it does not have."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+        return sorted({*entries(ast.get_docstring(node) or "", "Args")} - arguments(node))
+    if not isinstance(node, ast.ClassDef):
+        return []
+    text, known = ast.get_docstring(node) or "", members(node)
+    inits = [one for one in node.body if isinstance(one, ast.FunctionDef) and one.name == "__init__"]
+    taken = arguments(inits[0]) if inits else known
+    return sorted(({*entries(text, "Attributes")} - known) | ({*entries(text, "Args")} - taken))
+
+
+def test_the_arguments_and_attributes_that_a_docstring_explains_are_there() -> None:
+    found = [
+        (str(file.relative_to(SOURCE)), getattr(node, "name", ""), names)
+        for file in sorted(SOURCE.rglob("*.py"))
+        for node in ast.walk(ast.parse(file.read_text()))
+        if (names := unknown_entries(node))
+    ]
+    assert found == []
+
+
+def test_an_entry_that_nothing_bears_is_found() -> None:
+    text = "A lamp.\n\n    Attributes:\n        level: In percent.\n        word: No.\n    "
+    code = f'class Lamp:\n    """{text}"""\n    level = 0\n'
+    assert unknown_entries(ast.parse(code).body[0]) == ["word"]
