@@ -93,33 +93,33 @@ STEPS = st.lists(st.tuples(st.sampled_from("abcdef"), st.none() | LENGTHS), max_
 @given(STEPS)
 def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, int | None]]) -> None:
     """A newcomer over the limit is refused, what stands stays and may become shorter; what is gone counts no more."""
-    claims, standing = empty(), dict[str, int]()
+    registry, standing = empty(), dict[str, int]()
     for key, length in steps:
         if length is None:
-            claims.remove(f"test:{key}")
+            registry.remove(f"test:{key}")
             standing.pop(key, None)
         else:
             one = described(key)
             excess, before = excess_of(one, length), standing.get(key, 0)
             fits = excess <= MOST_EACH and sum(standing.values()) - before + excess <= MOST
             if fits or excess <= before:
-                claims.put(one, length)
+                registry.put(one, length)
                 standing[key] = excess
             else:
                 with pytest.raises(WireError, match="longer than its parts explain"):
-                    claims.put(one, length)
-        assert claims.excess == sum(standing.values()) <= MOST
-        assert {claim.described.key for claim in claims.all()} == set(standing)
+                    registry.put(one, length)
+        assert registry.excess == sum(standing.values()) <= MOST
+        assert {stored.described.key for stored in registry.all()} == set(standing)
 
 
 def test_an_honest_newcomer_is_taken_when_long_ones_have_taken_all_room() -> None:
-    claims = empty()
+    registry = empty()
     refused = 0
     for number in range(5):
         try:
-            claims.put(described(f"long {number}"), MOST_EACH)
+            registry.put(described(f"long {number}"), MOST_EACH)
         except WireError:
             refused += 1
     assert refused
-    claims.put(described("honest"), 2_000)
-    assert claims.get("test:honest") is not None
+    registry.put(described("honest"), 2_000)
+    assert registry.get("test:honest") is not None

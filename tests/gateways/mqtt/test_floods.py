@@ -120,7 +120,7 @@ async def test_a_house_that_is_announced_at_once_with_many_broken_devices_is_kno
         assert house.gateway.counters.announcements_rejected == 1500
         assert house.gateway.counters.announcements == 3000
         for number in range(1500):
-            assert house.gateway._described._claims.get(f"simple:{number}") is not None
+            assert house.gateway._described._registry.get(f"simple:{number}") is not None
 
 
 async def test_what_is_taken_back_in_a_flood_is_gone_and_does_not_come_back(make_house: MakeHouse) -> None:
@@ -160,7 +160,7 @@ async def test_in_any_interleaving_no_device_is_unheard_for_long_and_the_work_is
     async with make_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
         for number in range(4):
             await house.announce(f"d{number}", name="0")
-        started, offenders = anyio.current_time(), house.gateway._described.tribunal.offenders
+        started, offenders = anyio.current_time(), house.gateway._described.quarantine.offenders
         for _ in range(4):
             topic = random.choice(["hello/d{}", "hello/{}", "hello/d0", "hello/d1", "hello/d2"])
             topic = topic if topic != "hello/d{}" else f"hello/d{random.randrange(4)}"

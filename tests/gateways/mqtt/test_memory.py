@@ -46,7 +46,7 @@ def many_parts(number: int) -> tuple[str, dict[str, object]]:
 def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> float:
     """Return what each of *count* devices takes, in bytes."""
     convention = HomeAssistantDiscovery(HomeAssistantSettings())
-    claims, index = (
+    registry, index = (
         AnnouncementRegistry("mqtt", (convention,), StateTopics(())),
         DeviceIndex(forget_after=1e6),
     )
@@ -56,8 +56,8 @@ def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> f
         topic, config = make(number)
         for heard in convention.take(topic, json.dumps(config).encode(), retained=False):
             assert isinstance(heard, DeviceAnnounced)
-            change = claims.put(heard)
-            index.observe(change.claim.sighting("appeared", "", at=at, until=until, heard_at=1.0, confirmed=True), 1.0)
+            change = registry.put(heard)
+            index.observe(change.stored.sighting("appeared", "", at=at, until=until, heard_at=1.0, confirmed=True), 1.0)
         index.take_changes()
 
     for number in range(10):

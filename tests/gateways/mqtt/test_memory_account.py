@@ -61,25 +61,25 @@ STEPS = st.lists(st.tuples(st.sampled_from("abcdef"), st.none() | st.tuples(st.i
 @given(STEPS)
 def test_what_stands_has_room_and_gives_it_back(steps: list[tuple[str, tuple[int, tuple[str, ...]] | None]]) -> None:
     """What is one too many is refused and leaves all as it was; what is gone counts no more."""
-    claims = AnnouncementRegistry("mqtt", (), StateTopics(()), RegistryLimits(memory=MOST))
+    registry = AnnouncementRegistry("mqtt", (), StateTopics(()), RegistryLimits(memory=MOST))
     standing: dict[str, DeviceAnnounced] = {}
     for key, wanted in steps:
         if wanted is None:
-            claims.remove(f"test:{key}")
+            registry.remove(f"test:{key}")
             standing.pop(key, None)
         else:
             one = described(key, wanted[0], *wanted[1])
             try:
-                claims.put(one)
+                registry.put(one)
             except WireError:
                 assert taken({**standing, f"{key} as well": one}) > MOST
             else:
                 standing[key] = one
-        assert claims.memory == taken(standing) <= MOST
-        assert {claim.described.key for claim in claims.all()} == set(standing)
+        assert registry.memory == taken(standing) <= MOST
+        assert {stored.described.key for stored in registry.all()} == set(standing)
     for key in tuple(standing):
-        claims.remove(f"test:{key}")
-    assert claims.memory == 0
+        registry.remove(f"test:{key}")
+    assert registry.memory == 0
 
 
 def test_the_refusal_says_what_to_do() -> None:

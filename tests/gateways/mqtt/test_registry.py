@@ -68,20 +68,22 @@ DESCRIPTIONS = st.tuples(st.sampled_from(KEYS), st.lists(FILTER_SETS, max_size=3
 def test_each_topic_finds_who_reads_it_now(
     steps: list[tuple[str, list[tuple[str, ...]], tuple[str, ...]] | str],
 ) -> None:
-    claims, topics = empty()
+    registry, topics = empty()
     standing: dict[str, DeviceAnnounced] = {}
     for step in steps:
         if isinstance(step, str):
-            assert (claims.remove(f"test:{step}") is not None) == (step in standing)
+            assert (registry.remove(f"test:{step}") is not None) == (step in standing)
             standing.pop(step, None)
         else:
             key, filters, online = step
             standing[key] = described(key, *filters, online=online)
-            change = claims.put(standing[key])
-            assert change.claim.described is standing[key]
+            change = registry.put(standing[key])
+            assert change.stored.described is standing[key]
         for topic in TOPICS:
-            route = claims.route(topic)
-            found = {(one.claim.described.key, one.described.part.id) for one in route.voices} if route else set()
+            route = registry.route(topic)
+            found = (
+                {(one.stored.described.key, one.described.part.id) for one in route.announced_parts} if route else set()
+            )
             assert found == {
                 (key, part.part.id)
                 for key, one in standing.items()
@@ -89,10 +91,10 @@ def test_each_topic_finds_who_reads_it_now(
                 if any(good(each) and topic_matches(each, topic) for each in part.codec.topics())
             }
     for key in KEYS:
-        claims.remove(f"test:{key}")
-    assert (len(claims), len(topics), claims._parts) == (0, 0, 0)
-    assert claims._reader_counts == {}
-    assert all(claims.route(topic) is None for topic in TOPICS)
+        registry.remove(f"test:{key}")
+    assert (len(registry), len(topics), registry._parts) == (0, 0, 0)
+    assert registry._reader_counts == {}
+    assert all(registry.route(topic) is None for topic in TOPICS)
 
 
 def good(topic_filter: str) -> bool:
@@ -100,70 +102,70 @@ def good(topic_filter: str) -> bool:
 
 
 def test_who_reads_a_topic_that_is_read_already_is_told_once() -> None:
-    claims, _ = empty()
-    claims.put(described("one", ("s/a",), online=("s/b",)))
+    registry, _ = empty()
+    registry.put(described("one", ("s/a",), online=("s/b",)))
     second = described("two", ("s/a", "s/c"), online=("s/b",))
-    assert [topic for topic, _ in claims.put(second).readers] == ["s/a", "s/b"]
-    assert claims.put(second).readers == ()
+    assert [topic for topic, _ in registry.put(second).readers] == ["s/a", "s/b"]
+    assert registry.put(second).readers == ()
 
 
 def test_what_is_known_of_a_device_outlives_a_new_description() -> None:
-    claims, _ = empty()
-    first = claims.put(described("one", ("s/a",), online=("s/b",))).claim
+    registry, _ = empty()
+    first = registry.put(described("one", ("s/a",), online=("s/b",))).stored
     first.reachability[""].hear(0, True, retained=False)
     first.is_confirmed = True
-    second = claims.put(described("one", ("s/c",), online=("s/b",))).claim
+    second = registry.put(described("one", ("s/c",), online=("s/b",))).stored
     assert second.reachability[""] is first.reachability[""]
     assert second.is_confirmed
-    third = claims.put(described("one", ("s/c",), online=("s/d",))).claim
+    third = registry.put(described("one", ("s/c",), online=("s/d",))).stored
     assert third.reachability[""].value is None
 
 
 def test_too_many_parts_are_refused_and_what_stood_stays() -> None:
-    claims, topics = empty()
-    claims.put(described("one", ("s/a",)))
+    registry, topics = empty()
+    registry.put(described("one", ("s/a",)))
     with pytest.raises(WireError, match="more than 1,000"):
-        claims.put(described("one", *[("s/b",)] * 1001))
-    assert claims.get("test:one") is not None
+        registry.put(described("one", *[("s/b",)] * 1001))
+    assert registry.get("test:one") is not None
     assert len(topics) == 1
 
 
 @pytest.mark.parametrize(
     ("bounds", "words"),
-    [(RegistryLimits(claims=1), "announcements already"), (RegistryLimits(parts=1), "too many parts")],
+    [(RegistryLimits(announcements=1), "announcements already"), (RegistryLimits(parts=1), "too many parts")],
 )
 def test_one_too_many_is_refused_and_a_known_one_is_not(bounds: RegistryLimits, words: str) -> None:
-    claims, _ = empty(bounds)
-    claims.put(described("one", ("s/a",)))
-    claims.put(described("one", ("s/b",)))
+    registry, _ = empty(bounds)
+    registry.put(described("one", ("s/a",)))
+    registry.put(described("one", ("s/b",)))
     with pytest.raises(WireError, match=words):
-        claims.put(described("two", ("s/a",)))
-    claims.remove("test:one")
-    claims.put(described("two", ("s/a",)))
+        registry.put(described("two", ("s/a",)))
+    registry.remove("test:one")
+    registry.put(described("two", ("s/a",)))
 
 
 def test_a_topic_is_read_by_so_many_parts_only() -> None:
-    claims, _ = empty(RegistryLimits(readers=2))
-    change = claims.put(described("one", ("s/a",), ("s/a",), ("s/a",)))
+    registry, _ = empty(RegistryLimits(readers=2))
+    change = registry.put(described("one", ("s/a",), ("s/a",), ("s/a",)))
     assert [str(one) for one in change.refused] == ["topic 's/a' is read by 2 parts already"]
-    route = claims.route("s/a")
+    route = registry.route("s/a")
     assert route is not None
-    assert len(route.voices) == 2
+    assert len(route.announced_parts) == 2
 
 
 def test_a_description_that_fails_leaves_nothing_behind() -> None:
-    claims, topics = empty()
+    registry, topics = empty()
     with pytest.raises(TypeError):
-        claims.put(described("one", ("s/a",), 5))  # type: ignore[arg-type] # as a faulty plug-in might
-    assert (len(claims), len(topics), claims._parts) == (0, 0, 0)
-    assert claims.route("s/a") is None
+        registry.put(described("one", ("s/a",), 5))  # type: ignore[arg-type] # as a faulty plug-in might
+    assert (len(registry), len(topics), registry._parts) == (0, 0, 0)
+    assert registry.route("s/a") is None
 
 
 def test_the_streams_of_a_device_are_bounded() -> None:
-    claims, _ = empty()
-    claim = claims.put(described("one", ("s/+",))).claim
-    names = {claim.report_stream(f"s/{number}") for number in range(1000)}
-    assert len(names) == len(claim.report_streams) == 101
+    registry, _ = empty()
+    stored = registry.put(described("one", ("s/+",))).stored
+    names = {stored.report_stream(f"s/{number}") for number in range(1000)}
+    assert len(names) == len(stored.report_streams) == 101
 
 
 def text_device(key: str, topic: str, convention: str = "text") -> DeviceAnnounced:
@@ -175,20 +177,20 @@ def text_device(key: str, topic: str, convention: str = "text") -> DeviceAnnounc
 
 
 def test_a_device_that_says_text_is_found_by_both_of_its_topics_as_long_as_it_stands() -> None:
-    claims, topics = empty()
-    claim = claims.put(text_device("lights/lamp", "h/lights/lamp")).claim
-    route = claims.route("h/lights/lamp/out")
+    registry, topics = empty()
+    stored = registry.put(text_device("lights/lamp", "h/lights/lamp")).stored
+    route = registry.route("h/lights/lamp/out")
     assert route is not None
-    assert (route.text, route.voices, route.texts) == (claim.parts[""], (), ())
-    assert claims.codecs["h/lights/lamp/in"] is claim.parts[""].described.codec
+    assert (route.text, route.announced_parts, route.texts) == (stored.parts[""], (), ())
+    assert registry.codecs["h/lights/lamp/in"] is stored.parts[""].described.codec
     assert len(topics) == 0
-    claims.remove("lights/lamp")
-    assert (claims.route("h/lights/lamp/out"), claims.codecs) == (None, {})
+    registry.remove("lights/lamp")
+    assert (registry.route("h/lights/lamp/out"), registry.codecs) == (None, {})
 
 
 def test_the_key_of_a_device_that_says_text_cannot_be_taken_by_another_convention() -> None:
-    claims, _ = empty()
-    claims.put(described("lamp", ("s/a",)))
+    registry, _ = empty()
+    registry.put(described("lamp", ("s/a",)))
     with pytest.raises(WireError, match="'test:lamp' is what test calls a device already"):
-        claims.put(text_device("test:lamp", "test:lamp"))
-    assert claims.route("test:lamp/out") is None
+        registry.put(text_device("test:lamp", "test:lamp"))
+    assert registry.route("test:lamp/out") is None

@@ -106,9 +106,9 @@ class House:
         now, later = Time.from_seconds(1.0), Time.from_seconds(1e6)
         for one in announcements:
             described, _ = understood().without(one)
-            claim = StoredAnnouncement("mqtt", described.full_key, described)
-            house.parts.update({(claim.key, part.part.id): part for part in described.parts})
-            house.index.observe(claim.sighting("appeared", "", at=now, until=later, heard_at=1.0, confirmed=True))
+            stored = StoredAnnouncement("mqtt", described.full_key, described)
+            house.parts.update({(stored.key, part.part.id): part for part in described.parts})
+            house.index.observe(stored.sighting("appeared", "", at=now, until=later, heard_at=1.0, confirmed=True))
         return house
 
     def has(self, device: str, key: str) -> bool:

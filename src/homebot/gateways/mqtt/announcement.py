@@ -18,12 +18,12 @@ class AnnouncedPart(PartTexts):
     """One part of a described device, as it speaks.
 
     Attributes:
-        claim: Whose part it is.
+        stored: Whose part it is.
         described: The part.
         address: Where it is listened to: its words address, or the topic on which it says text by itself.
     """
 
-    claim: StoredAnnouncement
+    stored: StoredAnnouncement
     described: DescribedPart
     address: str
 
@@ -33,12 +33,12 @@ class AvailabilityReader:
     """One topic that tells whether a described device, or one of its parts, can be reached.
 
     Attributes:
-        claim: Whose availability.
+        stored: Whose availability.
         part: Which part; empty for the whole.
         index: Which of its sources.
     """
 
-    claim: StoredAnnouncement
+    stored: StoredAnnouncement
     part: str
     index: int
 
@@ -97,9 +97,9 @@ class StoredAnnouncement(ReportedDevice):
             old_one = before.reachability.get(part)
             if old_one is not None and old_one.availability == reachability.availability:
                 self.reachability[part] = old_one
-        for part_id, voice in self.parts.items():
+        for part_id, announced_part in self.parts.items():
             if (old := before.parts.get(part_id)) is not None:
-                voice.kept = old.kept
+                announced_part.kept = old.kept
 
     def let_go(self) -> None:
         """Forget its parts, which know it: what stands no more must not wait for the collector of circular garbage."""

@@ -22,24 +22,24 @@ class CommandPublisher:
     """The way from commands to publications.
 
     Args:
-        claims: Who can be told.
+        registry: Who can be told.
         connection: Where it is published.
-        tribunal: Judges conventions that fail.
+        quarantine: Judges conventions that fail.
         reserved: The topics on which no device is told anything.
         secrets: Knows what was sent with a code.
     """
 
     def __init__(
         self,
-        claims: AnnouncementRegistry,
+        registry: AnnouncementRegistry,
         connection: MqttConnection,
-        tribunal: PeerQuarantine,
+        quarantine: PeerQuarantine,
         reserved: ReservedTopics,
         secrets: SentSecrets,
     ) -> None:
-        self._claims = claims
+        self._registry = registry
         self._connection = connection
-        self._tribunal = tribunal
+        self._quarantine = quarantine
         self._reserved = reserved
         self._secrets = secrets
 
@@ -52,9 +52,9 @@ class CommandPublisher:
             LinkError: There is no link.
         """
         try:
-            voice = self._voice(command.key, command.part)
+            announced_part = self._announced_part(command.key, command.part)
             value = command.value.plain()
-            publications = self._written(voice, command.capability, value, command.transition, command.code)
+            publications = self._written(announced_part, command.capability, value, command.transition, command.code)
         except WrongCodeError:
             raise  # no other way to the part is tried with a wrong code: it might ask for none
         except HomebotError as exc:
@@ -71,27 +71,27 @@ class CommandPublisher:
             UnableError: Nobody is described by that key and part.
         """
         try:
-            return self._voice(key, part_id).described.part
+            return self._announced_part(key, part_id).described.part
         except RefusedError as exc:
             raise UnableError(str(exc)) from exc
 
-    def _voice(self, key: str, part_id: str) -> AnnouncedPart:
+    def _announced_part(self, key: str, part_id: str) -> AnnouncedPart:
         what = f"a command to {key[:100]}"
-        claim = self._claims.get(key)
-        if claim is None:
+        stored = self._registry.get(key)
+        if stored is None:
             raise RefusedError(what, "no device is announced by that key")
-        voice = claim.parts.get(part_id)
-        if voice is None:
-            known = ", ".join(repr(one) for one in sorted(claim.parts)[:10])
+        announced_part = stored.parts.get(part_id)
+        if announced_part is None:
+            known = ", ".join(repr(one) for one in sorted(stored.parts)[:10])
             raise RefusedError(what, f"it has no part {part_id[:100]!r}; it has {known}")
-        return voice
+        return announced_part
 
     def _written(
-        self, voice: AnnouncedPart, capability: str, value: PlainValue, transition: float, code: str = ""
+        self, announced_part: AnnouncedPart, capability: str, value: PlainValue, transition: float, code: str = ""
     ) -> tuple[Publication, ...]:
-        codec = voice.described.codec
+        codec = announced_part.described.codec
         if code and not isinstance(codec, TakesCode):
-            raise RefusedError(f"{capability} of {voice.claim.key[:100]}", "it takes no code")
+            raise RefusedError(f"{capability} of {announced_part.stored.key[:100]}", "it takes no code")
         try:
             if isinstance(codec, TakesCode) and code:
                 publications = tuple(codec.write_with_code(capability, value, code))
@@ -99,17 +99,21 @@ class CommandPublisher:
                 publications = tuple(codec.write(capability, value, transition=transition))
         except RefusedError:
             raise
-        except BaseException as exc:  # told by the tribunal; a plug-in's fault must not be everybody's
-            self._tribunal.record_plugin_failure(voice.claim.described.topic, voice.claim.described.convention, exc)
-            raise RefusedError(f"{capability} of {voice.claim.key[:100]}", "its convention failed") from exc
+        except BaseException as exc:  # recorded as its failure; a plug-in's fault must not be everybody's
+            self._quarantine.record_plugin_failure(
+                announced_part.stored.described.topic, announced_part.stored.described.convention, exc
+            )
+            raise RefusedError(f"{capability} of {announced_part.stored.key[:100]}", "its convention failed") from exc
         for one in publications:
-            self._check_topic(voice, one.topic)
+            self._check_topic(announced_part, one.topic)
         return publications
 
-    def _check_topic(self, voice: AnnouncedPart, topic: str) -> None:
+    def _check_topic(self, announced_part: AnnouncedPart, topic: str) -> None:
         """Refuse what the announcement did not name, because that alone was held against other devices."""
         validate_topic(topic)
-        if topic not in voice.described.part.writes:
-            raise RefusedError(f"a command to {voice.claim.key[:100]}", f"it was not announced to listen on {topic}")
-        if why := self._reserved.why(topic, voice.claim.described.convention):
-            raise RefusedError(f"a command to {voice.claim.key[:100]}", f"{topic} is not for devices: {why}")
+        if topic not in announced_part.described.part.writes:
+            raise RefusedError(
+                f"a command to {announced_part.stored.key[:100]}", f"it was not announced to listen on {topic}"
+            )
+        if why := self._reserved.why(topic, announced_part.stored.described.convention):
+            raise RefusedError(f"a command to {announced_part.stored.key[:100]}", f"{topic} is not for devices: {why}")

@@ -79,7 +79,7 @@ class AnnouncedDevices:
         route: Returns who reads a topic; None for nobody.
         secrets: Knows what was sent with a code.
         tick: Lets time have passed; once before each batch of messages.
-        tribunal: Judges those who break the rules.
+        quarantine: Judges those who break the rules.
     """
 
     def __init__(
@@ -99,40 +99,42 @@ class AnnouncedDevices:
         self._connection = connection
         self._counters = counters
         self._listeners = listeners
-        self._board = DeviceReporter(gateway, stale_after)
-        self._timekeeper = Scheduler(gateway.node.graph.clock)
-        self.tribunal = PeerQuarantine(gateway, self._board, self._timekeeper, counters, self.filters())
-        self._spare_memory = SpareMemory(self._timekeeper)
+        self._reporter = DeviceReporter(gateway, stale_after)
+        self._scheduler = Scheduler(gateway.node.graph.clock)
+        self.quarantine = PeerQuarantine(gateway, self._reporter, self._scheduler, counters, self.filters())
+        self._spare_memory = SpareMemory(self._scheduler)
         self._topics = StateTopics(self.filters(), self.text_filters())
-        self._claims = AnnouncementRegistry(
+        self._registry = AnnouncementRegistry(
             gateway.node.name, conventions, self._topics, RegistryLimits(memory=max_memory)
         )
-        self.tick = self._board.refresh_time
-        self.route = self._claims.route
-        self.codecs = self._claims.codecs
-        self._last_words = LastMessageCache()
+        self.tick = self._reporter.refresh_time
+        self.route = self._registry.route
+        self.codecs = self._registry.codecs
+        self._last_messages = LastMessageCache()
         self._taking = anyio.Lock(fast_acquire=True)  # else each announcement is subscribed to by itself
         self._deferred_some = anyio.Event()
         self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
-        self._states = StateReader(self._claims, self._board, listeners, self._timekeeper, self.tribunal, counters)
-        self._subscriber = Subscriber(self._topics, self._claims, conventions, self.tribunal, counters)
+        self._states = StateReader(
+            self._registry, self._reporter, listeners, self._scheduler, self.quarantine, counters
+        )
+        self._subscriber = Subscriber(self._topics, self._registry, conventions, self.quarantine, counters)
         reserved = ReservedTopics(conventions)
         self._announcements = AnnouncementHandler(
             gateway.node.graph.clock,
-            self._claims,
+            self._registry,
             reserved,
-            self._board,
-            self._timekeeper,
-            self.tribunal,
+            self._reporter,
+            self._scheduler,
+            self.quarantine,
             counters,
             on_change=self._changed,
             on_removal=self._removed,
             on_question=self._subscriber.question,
         )
         self.secrets = SentSecrets()
-        publisher = CommandPublisher(self._claims, connection, self.tribunal, reserved, self.secrets)
+        publisher = CommandPublisher(self._registry, connection, self.quarantine, reserved, self.secrets)
         self.commands = CommandServer(gateway, publisher.perform, publisher.find_part, counters)
-        self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.tribunal)
+        self.offers = Offers(gateway, _publishers(conventions, gateway.node.name, connection), self.quarantine)
         gateway.node.create_service(GetHealth, gateway.names.health, self._health)
 
     def filters(self) -> tuple[str, ...]:
@@ -149,7 +151,7 @@ class AnnouncedDevices:
         """Subscribe, ask and keep the time until cancelled."""
         async with anyio.create_task_group() as tasks:
             for work in (
-                self._timekeeper.run,
+                self._scheduler.run,
                 partial(self._subscriber.run, self._connection),
                 partial(self.offers.serve, self._connection),
                 self._take_deferred,
@@ -171,7 +173,7 @@ class AnnouncedDevices:
             route = self.route(message.topic) or route
         if route.conventions:
             await self.take(message, route)
-            if self._claims.is_read(message.topic):
+            if self._registry.is_read(message.topic):
                 route = self.route(message.topic) or route
         if route.text is not None:
             raw = False
@@ -179,22 +181,22 @@ class AnnouncedDevices:
                 self._counters.received += 1
                 await self._states.read_text(message, route.text)
             else:
-                self._announcements.clear(route.text.claim)
-        if not route.voices and not route.witnesses:
+                self._announcements.clear(route.text.stored)
+        if not route.announced_parts and not route.availability_readers:
             return
         if raw:
             self._counters.received += 1
-        word = CachedMessage(message.payload, message.retain, self._board.stamp, self._board.now)
-        self._last_words.keep(message.topic, word)
-        if route.witnesses:
-            await self._states.read_availability_message(message, route.witnesses)
-        if route.voices:
+        word = CachedMessage(message.payload, message.retain, self._reporter.stamp, self._reporter.now)
+        self._last_messages.keep(message.topic, word)
+        if route.availability_readers:
+            await self._states.read_availability_message(message, route.availability_readers)
+        if route.announced_parts:
             longest = MAX_LONG_STATE_BYTES if route.conventions else MAX_STATE_BYTES
-            await self._states.read(message, route.voices, longest)
+            await self._states.read(message, route.announced_parts, longest)
             if raw and (listeners := self._listeners.now(message.topic)):
-                raw_word = self._raw(route.voices[0], message.topic, message.payload, retained=message.retain)
+                raw_text = self._raw(route.announced_parts[0], message.topic, message.payload, retained=message.retain)
                 for listener in listeners:
-                    await self._listeners.deliver(listener, raw_word, wait_if_full=message.qos > 0)
+                    await self._listeners.deliver(listener, raw_text, wait_if_full=message.qos > 0)
 
     async def take(self, message: MqttMessage, route: TopicReaders) -> None:
         """Take a message as nothing but an announcement; what homebot itself offers is none."""
@@ -224,14 +226,14 @@ class AnnouncedDevices:
             InvalidNameError: It is none.
         """
         if (part := read_text_address(address)) is not None:
-            voice = self._claims.voice(*part)
-            return part[0], part[0] if voice is None else voice.claim.described.name
+            announced_part = self._registry.announced_part(*part)
+            return part[0], part[0] if announced_part is None else announced_part.stored.described.name
         validate_topic(address)
         route = self.route(address)
         if route is not None:
-            for voice in (route.text, *route.voices):
-                if voice is not None:
-                    return voice.claim.key, voice.claim.described.name
+            for announced_part in (route.text, *route.announced_parts):
+                if announced_part is not None:
+                    return announced_part.stored.key, announced_part.stored.described.name
             for convention in route.texts:
                 device = convention.announced(address) if isinstance(convention, TextConvention) else None
                 if device is not None:
@@ -241,14 +243,14 @@ class AnnouncedDevices:
     def missed_by(self, topic: str, since: float) -> tuple[RawMessage, ...]:
         """Return what a new listener wants of what was said on *topic* from *since* on, on the monotonic clock."""
         if (part := read_text_address(topic)) is not None:
-            voice = self._claims.voice(*part)
-            return voice.missed_by(since, self._board.now) if voice is not None else ()
-        route, word = self._claims.route(topic), self._last_words.get(topic)
+            announced_part = self._registry.announced_part(*part)
+            return announced_part.missed_by(since, self._reporter.now) if announced_part is not None else ()
+        route, word = self._registry.route(topic), self._last_messages.get(topic)
         if route is not None and route.text is not None:
-            return route.text.missed_by(since, self._board.now)
-        if route is None or not route.voices or word is None or (not word.retained and word.heard_at < since):
+            return route.text.missed_by(since, self._reporter.now)
+        if route is None or not route.announced_parts or word is None or (not word.retained and word.heard_at < since):
             return ()
-        message = self._raw(route.voices[0], topic, word.payload, retained=word.retained)
+        message = self._raw(route.announced_parts[0], topic, word.payload, retained=word.retained)
         return (message.model_copy(update={"received_at": word.at}),)
 
     async def _take_now(
@@ -263,13 +265,13 @@ class AnnouncedDevices:
 
     async def _take_deferred(self) -> None:
         """Take what waits, as far as the budgets reach, as often as they are filled up."""
-        deferred, offenders = self._announcements.deferred, self.tribunal.offenders
+        deferred, offenders = self._announcements.deferred, self.quarantine.offenders
         while True:
             await self._deferred_some.wait()
             self._deferred_some = anyio.Event()
             while deferred:
                 self.tick()
-                waiting = deferred.take(lambda payer: offenders.admits(payer, self._board.now))
+                waiting = deferred.take(lambda payer: offenders.admits(payer, self._reporter.now))
                 while await self._take_next(waiting):
                     await anyio.lowlevel.checkpoint()
                     self.tick()
@@ -291,17 +293,17 @@ class AnnouncedDevices:
         after = self.route(message.topic)
         if after is not None:  # whoever it made known reads it as one that was kept
             kept = MqttMessage(message.topic, message.payload, retain=True)
-            if witnesses := _new(after.witnesses, route.witnesses):
-                await self._states.read_availability_message(kept, witnesses)
-            if voices := _new(after.voices, route.voices):
-                await self._states.read(kept, voices, MAX_LONG_STATE_BYTES)
+            if availability_readers := _new(after.availability_readers, route.availability_readers):
+                await self._states.read_availability_message(kept, availability_readers)
+            if announced_parts := _new(after.announced_parts, route.announced_parts):
+                await self._states.read(kept, announced_parts, MAX_LONG_STATE_BYTES)
         return True
 
     def _changed(self, change: RegistryChange) -> None:
         self._missed += change.readers
         self._subscriber.wake()
-        if change.before is None or not change.claim.publishes_the_same(change.before):
-            self._subscriber.ask(change.claim)
+        if change.before is None or not change.stored.publishes_the_same(change.before):
+            self._subscriber.ask(change.stored)
 
     def _removed(self) -> None:
         self._subscriber.wake()
@@ -309,7 +311,7 @@ class AnnouncedDevices:
 
     async def _make_up_for(self, topic: str, reader: AnnouncedPart | AvailabilityReader) -> None:
         """A topic that is subscribed to already does not tell its kept message again."""
-        word = self._last_words.get(topic)
+        word = self._last_messages.get(topic)
         if word is None:
             return
         message = MqttMessage(topic, word.payload, retain=True)
@@ -318,14 +320,14 @@ class AnnouncedDevices:
         else:
             await self._states.read(message, (reader,))
 
-    def _raw(self, voice: AnnouncedPart, topic: str, payload: bytes, *, retained: bool) -> RawMessage:
+    def _raw(self, announced_part: AnnouncedPart, topic: str, payload: bytes, *, retained: bool) -> RawMessage:
         return RawMessage(
-            gateway=voice.claim.gateway,
-            key=voice.claim.key,
+            gateway=announced_part.stored.gateway,
+            key=announced_part.stored.key,
             address=topic,
             payload=payload,
             retained=retained,
-            received_at=self._board.stamp,
+            received_at=self._reporter.stamp,
         )
 
     def _health(self, request: HealthRequest) -> HealthResponse:
@@ -333,10 +335,10 @@ class AnnouncedDevices:
         lost = self._connection.counters
         counts = (
             *self._counters.counts(),
-            Count(name="announcements_excess_bytes", count=self._claims.excess),
-            Count(name="announcements_memory_bytes", count=self._claims.memory),
+            Count(name="announcements_excess_bytes", count=self._registry.excess),
+            Count(name="announcements_memory_bytes", count=self._registry.memory),
             Count(name="announcements_ignored", count=self._announcements.deferred.dropped),
-            Count(name="offenders_dropped", count=self.tribunal.offenders.forgotten),
+            Count(name="offenders_dropped", count=self.quarantine.offenders.forgotten),
             Count(name="dropped_oversize", count=lost.dropped_oversize),
             Count(name="dropped_overflow", count=lost.dropped_overflow),
             Count(name="dropped_malformed", count=lost.dropped_malformed),
@@ -346,7 +348,7 @@ class AnnouncedDevices:
         rivals = (self.lease.trouble,) if self.lease.trouble else ()
         return HealthResponse(
             counts=counts,
-            quarantined=self.tribunal.quarantined(),
+            quarantined=self.quarantine.quarantined(),
             troubles=(*rivals, *troubles),
             notes=self._connection.limits,
         )

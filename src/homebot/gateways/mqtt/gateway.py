@@ -110,7 +110,7 @@ class MqttGateway(Gateway):
             self._lease,
             settings.max_memory,
         )
-        self._warn = self._described.tribunal.log_limited
+        self._warn = self._described.quarantine.log_limited
         node.create_subscription(RawCommand, self.names.out, self._send, _OUT_DEPTH, concurrent=True)
         node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe)
         if node.name == "mqtt":
@@ -211,7 +211,7 @@ class MqttGateway(Gateway):
             elif route is None:
                 described.offers.take(message)
             else:
-                work += _ANNOUNCEMENT * len(route.conventions) + len(route.voices)
+                work += _ANNOUNCEMENT * len(route.conventions) + len(route.announced_parts)
                 await described.hear(message, route)
 
     async def _take_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
@@ -221,9 +221,9 @@ class MqttGateway(Gateway):
             work = _ANNOUNCEMENT * len(route.conventions)
             if len(message.payload) <= MAX_LONG_STATE_BYTES:
                 await self._described.hear(message, route, raw=False)
-                return work + len(route.voices)
+                return work + len(route.announced_parts)
             await self._described.take(message, route)
-            if not route.voices and not route.witnesses:
+            if not route.announced_parts and not route.availability_readers:
                 return work
         self.counters.oversize += 1
         self._warn(OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", topic=message.topic)

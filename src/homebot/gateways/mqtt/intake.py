@@ -57,11 +57,11 @@ class AnnouncementHandler:
 
     Args:
         clock: Says when others should have a turn.
-        claims: What stands.
+        registry: What stands.
         reserved: The topics on which no device is told anything.
-        board: Where it is told.
-        timekeeper: Ends the grace of what was taken back.
-        tribunal: Judges those who break the rules.
+        reporter: Where it is told.
+        scheduler: Ends the grace of what was taken back.
+        quarantine: Judges those who break the rules.
         counters: Of the gateway.
         on_change: Told of every description that was taken, after its sighting.
         on_removal: Told when one is gone.
@@ -74,11 +74,11 @@ class AnnouncementHandler:
     def __init__(
         self,
         clock: Clock,
-        claims: AnnouncementRegistry,
+        registry: AnnouncementRegistry,
         reserved: ReservedTopics,
-        board: DeviceReporter,
-        timekeeper: Scheduler,
-        tribunal: PeerQuarantine,
+        reporter: DeviceReporter,
+        scheduler: Scheduler,
+        quarantine: PeerQuarantine,
         counters: GatewayCounters,
         on_change: Callable[[RegistryChange], None],
         on_removal: Callable[[], None],
@@ -86,11 +86,11 @@ class AnnouncementHandler:
     ) -> None:
         self.deferred = DeferredMessages()
         self._clock = clock
-        self._claims = claims
+        self._registry = registry
         self._reserved = reserved
-        self._board = board
-        self._timekeeper = timekeeper
-        self._tribunal = tribunal
+        self._reporter = reporter
+        self._scheduler = scheduler
+        self._quarantine = quarantine
         self._counters = counters
         self._on_change = on_change
         self._on_removal = on_removal
@@ -102,13 +102,13 @@ class AnnouncementHandler:
         if not message.payload:
             self.deferred.drop(message.topic)
             return False
-        offenders = self._tribunal.offenders
+        offenders = self._quarantine.offenders
         payer = offenders.payer(message.topic)
-        if message.topic not in self.deferred and offenders.admits(payer, self._board.now):
+        if message.topic not in self.deferred and offenders.admits(payer, self._reporter.now):
             return False
         self._counters.announcements_deferred += 1
         self.deferred.add(message, payer, is_like=offenders.resembles(message.topic, message.payload))
-        self._tribunal.defer(payer)
+        self._quarantine.defer(payer)
         return True
 
     async def take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
@@ -123,7 +123,7 @@ class AnnouncementHandler:
         if repeated:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
-            self._tribunal.log_limited(
+            self._quarantine.log_limited(
                 AMBIGUOUS, f"{message.topic} has {keys} twice; the last one counts", topic=message.topic
             )
 
@@ -142,17 +142,17 @@ class AnnouncementHandler:
                         self._withdraw(convention, event)
             except WireError as exc:
                 self._counters.rejected += 1
-                self._tribunal.log_limited(TEXT_REJECTED, f"not a device's message: {exc}", topic=message.topic)
+                self._quarantine.log_limited(TEXT_REJECTED, f"not a device's message: {exc}", topic=message.topic)
                 return
-            except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-                self._tribunal.record_plugin_failure(message.topic, convention.name, exc)
+            except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
+                self._quarantine.record_plugin_failure(message.topic, convention.name, exc)
                 return
             if told:
                 return
 
-    def clear(self, claim: StoredAnnouncement) -> None:
+    def clear(self, stored: StoredAnnouncement) -> None:
         """Take the device out: an empty message clears what the broker keeps of it."""
-        self._remove(claim, "its retained message was deleted")
+        self._remove(stored, "its retained message was deleted")
 
     async def _take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         for convention in conventions:
@@ -165,10 +165,12 @@ class AnnouncementHandler:
                     await work.pause()
             if told > MOST_HEARD:
                 self._counters.announcements_rejected += 1
-                self._accuse(message, f"{convention.name} found more than {MOST_HEARD:,} announcements in one message")
+                self._record_offence(
+                    message, f"{convention.name} found more than {MOST_HEARD:,} announcements in one message"
+                )
         if self._accepted:
             is_valid = not self._offended
-            self._tribunal.offenders.accept(message.topic, message.payload, self._board.now, is_valid=is_valid)
+            self._quarantine.offenders.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
 
     def _step(self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage) -> bool:
         """Handle the next of what a message tells; return whether more may come."""
@@ -186,83 +188,83 @@ class AnnouncementHandler:
                     return end is not _END
         except WireError as exc:
             self._counters.announcements_rejected += 1
-            self._accuse(message, f"invalid announcement for {convention.name}: {exc}")
+            self._record_offence(message, f"invalid announcement for {convention.name}: {exc}")
             return False
-        except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-            self._tribunal.record_plugin_failure(message.topic, convention.name, exc)
-            self._accuse(message, f"the convention {convention.name} failed")
+        except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
+            self._quarantine.record_plugin_failure(message.topic, convention.name, exc)
+            self._record_offence(message, f"the convention {convention.name} failed")
             return False
         return True
 
-    def _accuse(self, message: MqttMessage, why: str) -> None:
+    def _record_offence(self, message: MqttMessage, why: str) -> None:
         self._offended = True
-        self._tribunal.record_offence(message, REJECTED, why)
+        self._quarantine.record_offence(message, REJECTED, why)
 
     def _describe(self, described: DeviceAnnounced, message: MqttMessage, length: int) -> None:
         described, reserved = self._reserved.without(described)
         for told in reserved:
             self._counters.topics_reserved += 1
-            self._tribunal.log_limited(RESERVED, f"{described.key} gets no commands on {told}", topic=message.topic)
+            self._quarantine.log_limited(RESERVED, f"{described.key} gets no commands on {told}", topic=message.topic)
         try:
-            change = self._claims.put(described, length)
+            change = self._registry.put(described, length)
         except WireError:
             self._counters.devices_refused += 1
             raise
         self._accepted = True
-        claim, before = change.claim, change.before
-        self._timekeeper.drop(("gone", claim.key))
+        stored, before = change.stored, change.before
+        self._scheduler.drop(("gone", stored.key))
         for problem in change.refused:
             self._counters.topics_refused += 1
-            self._tribunal.log_limited(NOT_READ, f"{claim.key} is only partly read: {problem}", topic=message.topic)
+            self._quarantine.log_limited(NOT_READ, f"{stored.key} is only partly read: {problem}", topic=message.topic)
         is_live = (described.implies_alive or described.text is not None) and not message.retain
         if described.text is not None and message.retain and before is None:
-            words = f"{claim.key} is known only from a retained message; it may be gone"
-            self._tribunal.log_limited(RETAINED_ONLY, words, topic=message.topic)
+            words = f"{stored.key} is known only from a retained message; it may be gone"
+            self._quarantine.log_limited(RETAINED_ONLY, words, topic=message.topic)
         if before is None:
-            self._board.publish_sighting(claim, "appeared", _why(claim, message), confirmed=is_live)
-        elif not claim.publishes_the_same(before):
-            self._board.publish_sighting(claim, "updated", "its description changed", confirmed=is_live)
-        elif not message.retain and self._board.now >= claim.refresh_at:
-            self._board.publish_sighting(claim, "updated", "it was announced again", confirmed=is_live)
+            self._reporter.publish_sighting(stored, "appeared", _why(stored, message), confirmed=is_live)
+        elif not stored.publishes_the_same(before):
+            self._reporter.publish_sighting(stored, "updated", "its description changed", confirmed=is_live)
+        elif not message.retain and self._reporter.now >= stored.refresh_at:
+            self._reporter.publish_sighting(stored, "updated", "it was announced again", confirmed=is_live)
         if before is not None:
-            for part in before.reachable.keys() - claim.reachability.keys():
-                self._board.report_reachable(claim, part, "", reachable=None, retained=False)
+            for part in before.reachable.keys() - stored.reachability.keys():
+                self._reporter.report_reachable(stored, part, "", reachable=None, retained=False)
         self._on_change(change)
         if before is not None:
             before.let_go()
 
     def _withdraw(self, convention: Convention, withdrawn: DeviceWithdrawn) -> None:
         device = withdrawn.device
-        claim = self._claims.get(f"{convention.name}:{withdrawn.key}" if device is None else device.full_key)
-        if claim is None:
+        stored = self._registry.get(f"{convention.name}:{withdrawn.key}" if device is None else device.full_key)
+        if stored is None:
             if device is not None:
-                unknown = StoredAnnouncement(self._claims.gateway, device.full_key, device)
-                self._board.publish_sighting(unknown, "removed", withdrawn.why, confirmed=True)
+                unknown = StoredAnnouncement(self._registry.gateway, device.full_key, device)
+                self._reporter.publish_sighting(unknown, "removed", withdrawn.why, confirmed=True)
             return
-        if withdrawn.is_final or not self._timekeeper.plan(
-            ("gone", claim.key), GRACE, partial(self._remove_in_time, claim.key, withdrawn.why)
+        if withdrawn.is_final or not self._scheduler.plan(
+            ("gone", stored.key), GRACE, partial(self._remove_in_time, stored.key, withdrawn.why)
         ):
-            self._remove(claim, withdrawn.why)
+            self._remove(stored, withdrawn.why)
 
     def _remove_in_time(self, key: str, why: str) -> None:
-        claim = self._claims.get(key)
-        if claim is not None:
-            self._board.refresh_time()
-            self._remove(claim, why)
+        stored = self._registry.get(key)
+        if stored is not None:
+            self._reporter.refresh_time()
+            self._remove(stored, why)
 
-    def _remove(self, claim: StoredAnnouncement, why: str) -> None:
-        self._timekeeper.drop(("gone", claim.key))
-        self._claims.remove(claim.key)
-        self._tribunal.offenders.leave(claim.described.topic)
-        self._board.publish_sighting(claim, "removed", why, confirmed=True)
-        self._board.dispose_all(claim)
-        claim.let_go()
+    def _remove(self, stored: StoredAnnouncement, why: str) -> None:
+        self._scheduler.drop(("gone", stored.key))
+        self._registry.remove(stored.key)
+        self._quarantine.offenders.leave(stored.described.topic)
+        self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
+        self._reporter.dispose_all(stored)
+        stored.let_go()
         self._on_removal()
 
 
-def _why(claim: StoredAnnouncement, message: MqttMessage) -> str:
+def _why(stored: StoredAnnouncement, message: MqttMessage) -> str:
     """Return why the device is there."""
-    if claim.described.text is not None:
+    if stored.described.text is not None:
         return f"retained message on {message.topic}" if message.retain else f"message on {message.topic}"
     return f"retained announcement on {message.topic}" if message.retain else "it was announced"
 

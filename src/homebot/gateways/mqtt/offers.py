@@ -47,14 +47,14 @@ class Offers:
     Args:
         gateway: The gateway.
         publishers: How it is published.
-        tribunal: Tells what went wrong.
+        quarantine: Tells what went wrong.
     """
 
-    def __init__(self, gateway: Gateway, publishers: tuple[OfferPublisher, ...], tribunal: PeerQuarantine) -> None:
+    def __init__(self, gateway: Gateway, publishers: tuple[OfferPublisher, ...], quarantine: PeerQuarantine) -> None:
         self._node = gateway.node
         self._names = gateway.names
         self._publishers = publishers if gateway.acts else ()
-        self._tribunal = tribunal
+        self._quarantine = quarantine
         self._offers: dict[str, ExposedDevice] = {}
         self._known: dict[str, dict[tuple[str, str], PlainValue]] = {}
         self._waiting: dict[str, Publication] = {}
@@ -78,8 +78,8 @@ class Offers:
                 continue
             try:
                 commands = publisher.take(message.topic, message.payload)
-            except BaseException as exc:  # noqa: BLE001 - told by the tribunal; a plug-in's fault must not be everybody's
-                self._tribunal.record_plugin_failure(message.topic, type(publisher).__name__, exc)
+            except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
+                self._quarantine.record_plugin_failure(message.topic, type(publisher).__name__, exc)
                 continue
             for command in commands:
                 self._commands.publish(command)
@@ -100,7 +100,7 @@ class Offers:
 
     def _offer(self, offer: ExposedDevice) -> None:
         if offer.id not in self._offers and len(self._offers) >= MAX_OFFERS:
-            self._tribunal.log_limited(NOT_TAKEN, f"{offer.id} is one offer too many", topic=offer.id)
+            self._quarantine.log_limited(NOT_TAKEN, f"{offer.id} is one offer too many", topic=offer.id)
             return
         before = self._offers.get(offer.id)
         if before is not None and before.parts != offer.parts:
@@ -119,7 +119,9 @@ class Offers:
     def _report(self, report: ExposedState) -> None:
         offer = self._offers.get(report.id)
         if offer is None:
-            self._tribunal.log_limited(NOT_TAKEN, f"{report.id} published a state but is not exposed", topic=report.id)
+            self._quarantine.log_limited(
+                NOT_TAKEN, f"{report.id} published a state but is not exposed", topic=report.id
+            )
             return
         offered = _offered(offer)
         changed = {key: one.value.plain() for one in report.readings if (key := (one.part, one.capability)) in offered}
@@ -142,7 +144,7 @@ class Offers:
         for publication in publications:
             if not publication.retain:
                 if len(self._events) == MAX_EVENTS:
-                    self._tribunal.log_limited(
+                    self._quarantine.log_limited(
                         NOT_PUBLISHED, "an event was dropped: too many are waiting", topic=publication.topic
                     )
                 self._events.append(publication)
@@ -166,7 +168,7 @@ class Offers:
                     self._waiting.setdefault(topic, publication)
                     break
                 except HomebotError as exc:
-                    self._tribunal.log_limited(NOT_PUBLISHED, f"not published on {topic}: {exc}", topic=topic)
+                    self._quarantine.log_limited(NOT_PUBLISHED, f"not published on {topic}: {exc}", topic=topic)
 
     def _next(self) -> Publication:
         """Return the next publication: what is there comes before what happens to it."""

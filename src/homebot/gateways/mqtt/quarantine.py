@@ -35,8 +35,8 @@ class PeerQuarantine:
 
     Args:
         gateway: In whose name.
-        board: Has the time.
-        timekeeper: Ends each quarantine.
+        reporter: Has the time.
+        scheduler: Ends each quarantine.
         counters: Of the gateway.
         filters: Where devices are announced.
 
@@ -47,14 +47,14 @@ class PeerQuarantine:
     def __init__(
         self,
         gateway: Gateway,
-        board: DeviceReporter,
-        timekeeper: Scheduler,
+        reporter: DeviceReporter,
+        scheduler: Scheduler,
         counters: GatewayCounters,
         filters: Iterable[str],
     ) -> None:
         self._node = gateway.node
-        self._board = board
-        self._timekeeper = timekeeper
+        self._reporter = reporter
+        self._scheduler = scheduler
         self._counters = counters
         self.offenders = WorkBudgets(filters)
         self._events = gateway.node.create_publisher(Quarantine, gateway.names.quarantine, _QOS)
@@ -65,22 +65,22 @@ class PeerQuarantine:
         """Tell of an announcement that broke a rule, and charge it to who pays for its topic."""
         topic, why = message.topic[:_LONGEST], why[:_LONGEST]
         self.log_limited(event, f"{topic}: {why}", topic=topic)
-        self.offenders.charge(message.topic, len(message.payload), f"{topic}: {why}"[:_LONGEST], self._board.now)
+        self.offenders.charge(message.topic, len(message.payload), f"{topic}: {why}"[:_LONGEST], self._reporter.now)
 
     def defer(self, payer: str) -> None:
         """Tell that what is charged to *payer* has to wait."""
-        offender = self.offenders.defer(payer, self._board.now)
-        if offender is None:
+        budget = self.offenders.defer(payer, self._reporter.now)
+        if budget is None:
             return
-        if not self._timekeeper.plan(("quarantine", payer), CALM, partial(self._release, payer)):
+        if not self._scheduler.plan(("quarantine", payer), CALM, partial(self._release, payer)):
             self.offenders.release(payer)  # it could not be told when that is over
             return
         self._counters.quarantines += 1
-        self._events.publish(self._message(offender))
+        self._events.publish(self._message(budget))
         self.log_limited(
             QUARANTINED,
             f"too much on {payer[:_LONGEST]} breaks the rules; it is quarantined, and read slowly, until that "
-            f"stops; the last offence: {offender.why}",
+            f"stops; the last offence: {budget.why}",
             topic=payer,
         )
 
@@ -113,27 +113,27 @@ class PeerQuarantine:
 
     def quarantined(self) -> tuple[Quarantine, ...]:
         """Return who is quarantined now."""
-        return tuple(self._message(offender) for offender in self.offenders.quarantined())
+        return tuple(self._message(budget) for budget in self.offenders.quarantined())
 
     def _release(self, payer: str) -> None:
-        self._board.refresh_time()
-        left = self.offenders.quiet_in(payer, self._board.now)
+        self._reporter.refresh_time()
+        left = self.offenders.quiet_in(payer, self._reporter.now)
         if left > 0:
-            self._timekeeper.plan(("quarantine", payer), left, partial(self._release, payer))
+            self._scheduler.plan(("quarantine", payer), left, partial(self._release, payer))
             return
-        offender = self.offenders.release(payer)
-        if offender is not None:
-            self._events.publish(self._message(offender).model_copy(update={"is_over": True}))
+        budget = self.offenders.release(payer)
+        if budget is not None:
+            self._events.publish(self._message(budget).model_copy(update={"is_over": True}))
             self._events.dispose(payer[:_LONGEST])
 
-    def _message(self, offender: WorkBudget) -> Quarantine:
-        passed = self._node.graph.clock.monotonic() - offender.since
+    def _message(self, budget: WorkBudget) -> Quarantine:
+        passed = self._node.graph.clock.monotonic() - budget.since
         since = self._node.graph.clock.now() - passed
         return Quarantine(
             gateway=self._node.name,
-            offender=offender.name[:_LONGEST],
-            why=offender.why,
-            offences=offender.offences,
+            offender=budget.name[:_LONGEST],
+            why=budget.why,
+            offences=budget.offences,
             since=Time.from_seconds(since),
-            until=Time.from_seconds(since + offender.quiet_at - offender.since),
+            until=Time.from_seconds(since + budget.quiet_at - budget.since),
         )

@@ -28,7 +28,7 @@ class RegistryLimits:
     """The limits on all announcements together.
 
     Attributes:
-        claims: Announcements.
+        announcements: Announcements.
         parts: Parts of all of them.
         parts_each: Parts of one.
         readers: Parts that read one topic: each of its messages is work for all of them.
@@ -37,7 +37,7 @@ class RegistryLimits:
         memory: Bytes that all take, about.
     """
 
-    claims: int = 50_000
+    announcements: int = 50_000
     parts: int = 200_000
     parts_each: int = 1000
     readers: int = 5000
@@ -57,15 +57,15 @@ class TopicReaders:
         conventions: Those that devices announce themselves to there.
         texts: Those that may know who says text there; none as long as one does.
         text: The part that says text there.
-        witnesses: Devices whose availability is told there.
-        voices: Parts that speak there, those of one device together, but for that one.
+        availability_readers: Devices whose availability is told there.
+        announced_parts: Parts that speak there, those of one device together, but for that one.
     """
 
     conventions: tuple[Convention, ...]
     texts: tuple[Convention, ...] = ()
     text: AnnouncedPart | None = None
-    witnesses: tuple[AvailabilityReader, ...] = ()
-    voices: tuple[AnnouncedPart, ...] = ()
+    availability_readers: tuple[AvailabilityReader, ...] = ()
+    announced_parts: tuple[AnnouncedPart, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,13 +73,13 @@ class RegistryChange:
     """The changes that a new description makes.
 
     Attributes:
-        claim: What stands now.
+        stored: What stands now.
         before: What it took the place of, or None.
         refused: State topics that cannot be read, with the reasons.
         readers: Who reads which topic now that is read by others already, and may have missed what was said there.
     """
 
-    claim: StoredAnnouncement
+    stored: StoredAnnouncement
     before: StoredAnnouncement | None
     refused: tuple[WireError, ...]
     readers: _Readers
@@ -138,10 +138,10 @@ class AnnouncementRegistry:
         """Return what stands under *key*."""
         return self._announcements_by_key.get(key)
 
-    def voice(self, key: str, part_id: str) -> AnnouncedPart | None:
+    def announced_part(self, key: str, part_id: str) -> AnnouncedPart | None:
         """Return the part *part_id* of what stands under *key*."""
-        claim = self._announcements_by_key.get(key)
-        return None if claim is None else claim.parts.get(part_id)
+        stored = self._announcements_by_key.get(key)
+        return None if stored is None else stored.parts.get(part_id)
 
     def all(self) -> tuple[StoredAnnouncement, ...]:
         """Return all that stand, in the order of their coming."""
@@ -174,25 +174,25 @@ class AnnouncementRegistry:
         self._check_room(described, before)
         excess = excess_of(described, length)
         self._excess.check(described.key, excess, 0 if before is None else before.excess)
-        claim = StoredAnnouncement(self.gateway, key, described, excess)
-        refused, readers = self._register_readers(claim)
-        self._register_text(claim)
+        stored = StoredAnnouncement(self.gateway, key, described, excess)
+        refused, readers = self._register_readers(stored)
+        self._register_text(stored)
         if before is not None:
-            claim.take_over_state(before)
+            stored.take_over_state(before)
             self._unregister_readers(before)
-            readers = _who_missed_something(claim, before, readers)
-        self._announcements_by_key[key] = claim
+            readers = _who_missed_something(stored, before, readers)
+        self._announcements_by_key[key] = stored
         self._parts += len(described.parts)
         self._excess.total += excess
         self._memory.put(described)
-        return RegistryChange(claim, before, refused, readers)
+        return RegistryChange(stored, before, refused, readers)
 
     def remove(self, key: str) -> StoredAnnouncement | None:
         """Let what stands under *key* stand no more, and return it."""
-        claim = self._announcements_by_key.pop(key, None)
-        if claim is not None:
-            self._unregister_readers(claim)
-        return claim
+        stored = self._announcements_by_key.pop(key, None)
+        if stored is not None:
+            self._unregister_readers(stored)
+        return stored
 
     def __len__(self) -> int:
         return len(self._announcements_by_key)
@@ -203,18 +203,18 @@ class AnnouncementRegistry:
         count = len(described.parts)
         if count > self._bounds.parts_each:
             raise WireError(f"{described.key!r} has {count} parts, more than {self._bounds.parts_each:,}")
-        if before is None and len(self._announcements_by_key) >= self._bounds.claims:
+        if before is None and len(self._announcements_by_key) >= self._bounds.announcements:
             raise WireError(
-                f"{described.key!r} is one too many: there are {self._bounds.claims:,} announcements already"
+                f"{described.key!r} is one too many: there are {self._bounds.announcements:,} announcements already"
             )
         if self._parts + count - (0 if before is None else len(before.described.parts)) > self._bounds.parts:
             raise WireError(f"{described.key!r} has too many parts: there are {self._bounds.parts:,} parts already")
         self._memory.check(described, None if before is None else before.described)
 
-    def _register_readers(self, claim: StoredAnnouncement) -> tuple[tuple[WireError, ...], _Readers]:
+    def _register_readers(self, stored: StoredAnnouncement) -> tuple[tuple[WireError, ...], _Readers]:
         refused: list[WireError] = []
         readers: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
-        for topic_filter, reader in tuple(_readings(claim)):  # first all, because a plug-in may fail on the way
+        for topic_filter, reader in tuple(_readings(stored)):  # first all, because a plug-in may fail on the way
             count = self._reader_counts.get(topic_filter, 0)
             if count >= self._bounds.readers and isinstance(reader, AnnouncedPart):
                 refused.append(WireError(f"topic {topic_filter!r} is read by {self._bounds.readers:,} parts already"))
@@ -225,35 +225,35 @@ class AnnouncementRegistry:
                 refused.append(exc)
                 continue
             self._reader_counts[topic_filter] = count + 1
-            claim.subscriptions.append((topic_filter, reader))
+            stored.subscriptions.append((topic_filter, reader))
             self._readers.add(topic_filter, reader)
             self._forget_routes(topic_filter)
             if count and not has_wildcard(topic_filter):
                 readers.append((topic_filter, reader))
         return tuple(refused), tuple(readers)
 
-    def _register_text(self, claim: StoredAnnouncement) -> None:
+    def _register_text(self, stored: StoredAnnouncement) -> None:
         """Register a text device; its convention's filters bring its messages, so it needs no subscription."""
-        if (text := claim.described.text) is not None:
-            for voice in claim.parts.values():
-                self._texts[text.address] = voice
-                if isinstance(voice.described.codec, TextCodec):
-                    self.codecs[text.command_address] = voice.described.codec
+        if (text := stored.described.text) is not None:
+            for announced_part in stored.parts.values():
+                self._texts[text.address] = announced_part
+                if isinstance(announced_part.described.codec, TextCodec):
+                    self.codecs[text.command_address] = announced_part.described.codec
             self._forget_routes(text.address)
 
-    def _unregister_text(self, claim: StoredAnnouncement) -> None:
-        text = claim.described.text
-        if text is not None and self._texts.get(text.address) in claim.parts.values():
+    def _unregister_text(self, stored: StoredAnnouncement) -> None:
+        text = stored.described.text
+        if text is not None and self._texts.get(text.address) in stored.parts.values():
             del self._texts[text.address]
             self.codecs.pop(text.command_address, None)
             self._forget_routes(text.address)
 
-    def _unregister_readers(self, claim: StoredAnnouncement) -> None:
-        self._unregister_text(claim)
-        self._parts -= len(claim.described.parts)
-        self._excess.total -= claim.excess
-        self._memory.drop(claim.described)
-        for topic_filter, reader in claim.subscriptions:
+    def _unregister_readers(self, stored: StoredAnnouncement) -> None:
+        self._unregister_text(stored)
+        self._parts -= len(stored.described.parts)
+        self._excess.total -= stored.excess
+        self._memory.drop(stored.described)
+        for topic_filter, reader in stored.subscriptions:
             self._topics.leave(topic_filter)
             self._readers.remove(topic_filter, reader)
             self._forget_routes(topic_filter)
@@ -282,17 +282,17 @@ class AnnouncementRegistry:
                 return TopicReaders(conventions, texts)
             route = None
         else:
-            witnesses = tuple(one for one in readers if isinstance(one, AvailabilityReader))
-            voices = tuple(one for one in readers if isinstance(one, AnnouncedPart))
-            route = TopicReaders(conventions, texts, text, witnesses, voices)
+            availability_readers = tuple(one for one in readers if isinstance(one, AvailabilityReader))
+            announced_parts = tuple(one for one in readers if isinstance(one, AnnouncedPart))
+            route = TopicReaders(conventions, texts, text, availability_readers, announced_parts)
         if len(self._routes) >= _MAX_ROUTES:
             self._routes.clear()
         self._routes[topic] = route
         return route
 
 
-def _who_missed_something(claim: StoredAnnouncement, before: StoredAnnouncement, readers: _Readers) -> _Readers:
-    if claim.publishes_the_same(before):
+def _who_missed_something(stored: StoredAnnouncement, before: StoredAnnouncement, readers: _Readers) -> _Readers:
+    if stored.publishes_the_same(before):
         return tuple(
             (topic, reader)
             for topic, reader in readers
@@ -303,15 +303,17 @@ def _who_missed_something(claim: StoredAnnouncement, before: StoredAnnouncement,
     )
 
 
-def _is_new(witness: AvailabilityReader, before: StoredAnnouncement) -> bool:
-    return witness.claim.reachability[witness.part] is not before.reachability.get(witness.part)
+def _is_new(availability_reader: AvailabilityReader, before: StoredAnnouncement) -> bool:
+    return availability_reader.stored.reachability[availability_reader.part] is not before.reachability.get(
+        availability_reader.part
+    )
 
 
-def _readings(claim: StoredAnnouncement) -> Iterator[tuple[str, AnnouncedPart | AvailabilityReader]]:
-    """Each filter that something of *claim* is read on, with what is."""
-    for voice in claim.parts.values() if claim.described.text is None else ():
-        for topic_filter in dict.fromkeys(voice.described.codec.topics()):
-            yield topic_filter, voice
-    for part, reachability in claim.reachability.items():
+def _readings(stored: StoredAnnouncement) -> Iterator[tuple[str, AnnouncedPart | AvailabilityReader]]:
+    """Each filter that something of *stored* is read on, with what is."""
+    for announced_part in stored.parts.values() if stored.described.text is None else ():
+        for topic_filter in dict.fromkeys(announced_part.described.codec.topics()):
+            yield topic_filter, announced_part
+    for part, reachability in stored.reachability.items():
         for index, source in enumerate(reachability.availability.sources):
-            yield source.topic, AvailabilityReader(claim, part, index)
+            yield source.topic, AvailabilityReader(stored, part, index)

@@ -18,11 +18,11 @@ class SpareMemory:
     """Looks ten seconds after something was freed whether there is something to give back.
 
     Args:
-        timekeeper: Keeps the time.
+        scheduler: Keeps the time.
     """
 
-    def __init__(self, timekeeper: Scheduler) -> None:
-        self._timekeeper = timekeeper
+    def __init__(self, scheduler: Scheduler) -> None:
+        self._scheduler = scheduler
         self._keeper = MemoryKeeper()
         self._looks = 0
         self._is_planned = False
@@ -30,7 +30,7 @@ class SpareMemory:
     def freed(self) -> None:
         """Something was freed; look later, once for all that is freed until then."""
         if not self._is_planned:
-            self._is_planned = self._timekeeper.plan(("memory",), _AFTER, self._look)
+            self._is_planned = self._scheduler.plan(("memory",), _AFTER, self._look)
 
     def _look(self) -> None:
         self._is_planned = False

@@ -40,24 +40,24 @@ class Subscriber:
 
     Args:
         topics: What is needed.
-        claims: What stands.
+        registry: What stands.
         conventions: Whose births are published on each new link.
-        tribunal: Tells what went wrong.
+        quarantine: Tells what went wrong.
         counters: Of the gateway.
     """
 
     def __init__(
         self,
         topics: StateTopics,
-        claims: AnnouncementRegistry,
+        registry: AnnouncementRegistry,
         conventions: tuple[Convention, ...],
-        tribunal: PeerQuarantine,
+        quarantine: PeerQuarantine,
         counters: GatewayCounters,
     ) -> None:
         self._topics = topics
-        self._claims = claims
+        self._registry = registry
         self._conventions = conventions
-        self._tribunal = tribunal
+        self._quarantine = quarantine
         self._counters = counters
         self._needed = anyio.Event()
         self._asked = anyio.Event()
@@ -69,9 +69,9 @@ class Subscriber:
         """Look again at what is needed."""
         self._needed.set()
 
-    def ask(self, claim: StoredAnnouncement) -> None:
+    def ask(self, stored: StoredAnnouncement) -> None:
         """Ask the device for its state once all that is needed now is subscribed to."""
-        asks = _asks_of(claim)
+        asks = _asks_of(stored)
         for ask in asks:
             if len(self._asks_later) + len(self._asks) >= MAX_ASKS:
                 self._counters.asks_dropped += 1
@@ -112,7 +112,7 @@ class Subscriber:
             await connection.subscribe(*(MqttSubscription(one, no_local=True) for one in filters), every_link=True)
         except RefusedError as exc:
             self._counters.topics_refused += sum(one in connection.refused for one in filters)
-            self._tribunal.log_limited(NOT_HEARD, f"some devices are not read: {exc}", topic=filters[0])
+            self._quarantine.log_limited(NOT_HEARD, f"some devices are not read: {exc}", topic=filters[0])
         if covered := tuple(one for one in filters if self._topics.is_covered(one)):
             await connection.unsubscribe(*covered)
 
@@ -141,8 +141,8 @@ class Subscriber:
                 for birth in convention.birth_messages():
                     await self._publish(connection, birth)
             if not is_first:
-                for claim in self._claims.all():
-                    self.ask(claim)
+                for stored in self._registry.all():
+                    self.ask(stored)
             is_first = False
 
     async def _publish(self, connection: MqttConnection, message: Publication) -> bool:
@@ -153,16 +153,16 @@ class Subscriber:
         except LinkError:
             return False
         except HomebotError as exc:
-            self._tribunal.log_limited(NOT_ASKED, f"not asked on {message.topic}: {exc}", topic=message.topic)
+            self._quarantine.log_limited(NOT_ASKED, f"not asked on {message.topic}: {exc}", topic=message.topic)
         return True
 
 
 _Asks: TypeAlias = tuple[Publication, ...]
 
 
-def _asks_of(claim: StoredAnnouncement) -> _Asks:
+def _asks_of(stored: StoredAnnouncement) -> _Asks:
     asks: dict[Publication, None] = {}
-    for voice in claim.parts.values():
-        if voice.described.state_requests:
-            asks.update(dict.fromkeys(voice.described.state_requests))
+    for announced_part in stored.parts.values():
+        if announced_part.described.state_requests:
+            asks.update(dict.fromkeys(announced_part.described.state_requests))
     return tuple(asks)[:MAX_ASKS_EACH]

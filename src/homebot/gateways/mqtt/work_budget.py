@@ -132,12 +132,12 @@ class WorkBudgets:
         if now >= self._all_clean_at:
             return True
         if payer not in self._accepted:
-            offender = self._shared.get(payer)
-            return offender is None or offender.left(now) > 0
-        if (offender := self._own.get(payer)) is None:
+            budget = self._shared.get(payer)
+            return budget is None or budget.left(now) > 0
+        if (budget := self._own.get(payer)) is None:
             # Who never broke a rule is not made to wait for the others, as long as it would be noticed.
             return len(self._own) < self._max_offenders or self._total.left(now) > 0
-        return offender.left(now) > 0 and self._total.left(now) > 0
+        return budget.left(now) > 0 and self._total.left(now) > 0
 
     def charge(self, topic: str, length: int, why: str, now: float) -> None:
         """Book that a message of *length* bytes on *topic* broke a rule."""
@@ -151,12 +151,12 @@ class WorkBudgets:
             if payer not in self._own and not self._has_room(now):
                 self.forgotten += 1
                 return
-        offender = self._budget(payer, now, is_own=is_own)
-        if now - offender.offended_at > CALM and not offender.is_quarantined:
-            offender.offences = 0
-        offender.why, offender.offended_at = why, now
-        offender.offences += 1
-        offender.charge(work, now)
+        budget = self._budget(payer, now, is_own=is_own)
+        if now - budget.offended_at > CALM and not budget.is_quarantined:
+            budget.offences = 0
+        budget.why, budget.offended_at = why, now
+        budget.offences += 1
+        budget.charge(work, now)
 
     def accept(self, topic: str, payload: bytes, now: float, *, is_valid: bool) -> None:
         """Book that a device stands announced on *topic* by *payload*; all of that clears the charge if *is_valid*."""
@@ -164,9 +164,9 @@ class WorkBudgets:
         self._accepted.move_to_end(topic)
         if len(self._accepted) > MAX_ACCEPTED:
             self.leave(next(iter(self._accepted)))
-        offender = self._own.get(topic)
-        if is_valid and offender is not None and now - offender.cleared_at >= CLEAR_EVERY:
-            offender.level, offender.at, offender.cleared_at = offender.burst, now, now
+        budget = self._own.get(topic)
+        if is_valid and budget is not None and now - budget.cleared_at >= CLEAR_EVERY:
+            budget.level, budget.at, budget.cleared_at = budget.burst, now, now
 
     def leave(self, topic: str) -> None:
         """Book that no device stands announced on *topic* any more."""
@@ -179,27 +179,27 @@ class WorkBudgets:
 
     def defer(self, payer: str, now: float) -> WorkBudget | None:
         """Book that something waits for the budget of *payer*; return it if nothing did before."""
-        offender = self._own.get(payer) or self._shared.get(payer)
-        if offender is None:
+        budget = self._own.get(payer) or self._shared.get(payer)
+        if budget is None:
             return None
-        offender.deferred_at = now
-        if offender.is_quarantined:
+        budget.deferred_at = now
+        if budget.is_quarantined:
             return None
-        offender.is_quarantined, offender.since = True, now
-        return offender
+        budget.is_quarantined, budget.since = True, now
+        return budget
 
     def quiet_in(self, payer: str, now: float) -> float:
         """Return the seconds until all is quiet again with *payer* if nothing more comes."""
-        offender = self._own.get(payer) or self._shared.get(payer)
-        return 0.0 if offender is None else offender.quiet_at - now
+        budget = self._own.get(payer) or self._shared.get(payer)
+        return 0.0 if budget is None else budget.quiet_at - now
 
     def release(self, payer: str) -> WorkBudget | None:
         """Book that nothing waits for the budget of *payer* any more; return it if something did."""
-        offender = self._own.get(payer) or self._shared.get(payer)
-        if offender is None or not offender.is_quarantined:
+        budget = self._own.get(payer) or self._shared.get(payer)
+        if budget is None or not budget.is_quarantined:
             return None
-        offender.is_quarantined = False
-        return offender
+        budget.is_quarantined = False
+        return budget
 
     def quarantined(self) -> tuple[WorkBudget, ...]:
         """Return whose messages wait."""
