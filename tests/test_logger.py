@@ -93,7 +93,7 @@ def test_a_configuration_of_the_programs_own_counts(code: str) -> None:
 def test_configure_logging_counts_as_well() -> None:
     out, err = program('configure_logging(level="info"); asyncio.run(house())')
     assert out == ""
-    assert "light_service runs" in err
+    assert "running the app light_service" in err
 
 
 def test_observers_see_lines_only_during_their_block() -> None:

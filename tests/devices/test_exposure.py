@@ -34,7 +34,7 @@ NAMES = GatewayNames("mqtt")
 
 async def test_the_app_of_the_guide_is_a_switch_for_a_home_assistant(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a real broker: announced, switched on, and told to be on."""
-    section = GUIDE.read_text(encoding="utf-8").split("## Offer something yourself")[1]
+    section = GUIDE.read_text(encoding="utf-8").split("## Expose a device yourself")[1]
     module = ModuleType("patrol_app")
     exec(section.split("```python\n")[1].split("```")[0], module.__dict__)  # noqa: S102 - our own guide
     monkeypatch.setitem(sys.modules, "patrol_app", module)

@@ -36,6 +36,12 @@ KINDS = sorted(
 )
 
 
+HANDLES = (
+    "| kind | device type | conditions, beside `area`, `name`, `reachable`, `fresh`, `category` "
+    "| properties | commands |"
+)
+
+
 def type_rows() -> Iterator[str]:
     for one in DEVICE_TYPES.values():
         matter = ", ".join(f"0x{number:04X}" for number in one.matter)
@@ -84,23 +90,21 @@ def test_the_tables_are_the_vocabulary(head: str, rows: list[str]) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_table_of_handles_is_what_they_can_do(kind: type[Handle]) -> None:
-    """What they can be asked, what they tell, and what they are told."""
+    """Their device types, conditions, properties and commands."""
     asked = [one for one in inspect.signature(kind.wanted).parameters if one != "place"]
     own = {name: one for name, one in inspect.getmembers(kind) if not name.startswith("_") and name not in vars(Handle)}
-    tells = {name for name, one in own.items() if isinstance(one, property)}
-    told = {name for name, one in own.items() if inspect.iscoroutinefunction(one)}
-    head = "| kind | found by | asked for, beside `area`, `name`, `reachable`, `fresh`, `category` | tells | is told |"
-    (row,) = [row for row in table(FILE.read_text(), head) if row.startswith(f"| `{kind.__name__}` |")]
+    properties = {name for name, one in own.items() if isinstance(one, property)}
+    commands = {name for name, one in own.items() if inspect.iscoroutinefunction(one)}
+    (row,) = [row for row in table(FILE.read_text(), HANDLES) if row.startswith(f"| `{kind.__name__}` |")]
     _, _, found_by, *rest, _ = (re.findall(r"`(\w+)`", cell) for cell in row.split("|"))
     assert set(found_by) == kind.service_types
     assert rest[0] == asked
-    assert [set(cell) for cell in rest[1:]] == [tells, told]
+    assert [set(cell) for cell in rest[1:]] == [properties, commands]
     assert list(CommonFilters.__annotations__) == ["area", "name", "reachable", "fresh", "category"]
 
 
 def test_every_kind_has_a_row() -> None:
-    head = "| kind | found by | asked for, beside `area`, `name`, `reachable`, `fresh`, `category` | tells | is told |"
-    assert len(table(FILE.read_text(), head)) == len(KINDS)
+    assert len(table(FILE.read_text(), HANDLES)) == len(KINDS)
 
 
 HOUSE = """

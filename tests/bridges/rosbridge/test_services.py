@@ -89,7 +89,7 @@ async def test_too_many_calls_at_a_time_fail_at_once(open_house: Any) -> None:
             await peer.send("call_service", id=number, service="/slow", timeout=60)
         answer = await peer.receive()
         assert answer["id"] == 2
-        assert "2 calls of this client are under way" in answer["values"]
+        assert "2 calls of this client are waiting already" in answer["values"]
 
 
 async def test_a_client_provides_a_service(open_house: Any) -> None:
