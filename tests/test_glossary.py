@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections import Counter
 from pathlib import Path
 
 import homebot
@@ -90,3 +91,17 @@ def test_the_names_of_classes_are_made_of_its_words_or_plain_ones() -> None:
         if not file.startswith(FAMILIES) and not name.endswith("Error") and words(name) - known
     }
     assert unknown == {}
+
+
+TWICE = {"Parameter"}
+"""A parameter of a node, and ROS's message of one."""
+
+
+def test_no_two_classes_have_one_name() -> None:
+    names = Counter(
+        node.name
+        for file in SOURCE.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.ClassDef)
+    )
+    assert {name for name, number in names.items() if number > 1} == TWICE

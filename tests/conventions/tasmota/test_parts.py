@@ -7,7 +7,7 @@ import pytest
 
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
 from homebot.conventions.tasmota.config import read_config
-from homebot.conventions.tasmota.fade_speed import LampState, Target, speed_for
+from homebot.conventions.tasmota.fade_speed import FadeTarget, LampState, speed_for
 from homebot.conventions.tasmota.parts import build_parts
 from homebot.conventions.tasmota.sensors import MOST_SENSORS, read_leaves
 from homebot.conventions.tasmota.shutter import count_shutters
@@ -138,13 +138,13 @@ def test_how_fast_it_fades_depends_on_what_it_shows() -> None:
 @pytest.mark.parametrize(
     ("color", "change", "share"),
     [
-        ("FF0000", Target(color=(0.0, 100.0)), 0.0),
-        ("255,0,0", Target(color=(120.0, 100.0)), 1.0),
-        ("FF000", Target(color=(120.0, 100.0)), 0.0),
-        ("GG0000", Target(level=40), 0.6),
+        ("FF0000", FadeTarget(color=(0.0, 100.0)), 0.0),
+        ("255,0,0", FadeTarget(color=(120.0, 100.0)), 1.0),
+        ("FF000", FadeTarget(color=(120.0, 100.0)), 0.0),
+        ("GG0000", FadeTarget(level=40), 0.6),
     ],
 )
-def test_the_channel_that_changes_most_counts(color: str, change: Target, share: float) -> None:
+def test_the_channel_that_changes_most_counts(color: str, change: FadeTarget, share: float) -> None:
     shown = LampState()
     shown.update(is_on=True, level=100, color=color, mired=None)
     assert shown.distance(change, 3, (153, 500)) == pytest.approx(share)

@@ -18,7 +18,7 @@ from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.replay import Owed, Replay
 from homebot.mqtt.broker.retained import RetainedMessages
 from homebot.mqtt.broker.subscription import SessionSubscription
-from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.broker.work import SliceBudget
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
     Connack,
@@ -48,7 +48,7 @@ PATIENCE = 30.0
 def owed(retained: RetainedMessages, *filters: str) -> list[Owed]:
     """What new subscriptions to *filters* get, with pauses wherever the broker makes one."""
     clock = ManualClock()
-    work = WorkBudget(clock, BrokerTimers())
+    work = SliceBudget(clock, BrokerTimers())
     replay = Replay(retained, lambda _: True)
     for name in filters:
         replay.add(SessionSubscription(name, name, 0))

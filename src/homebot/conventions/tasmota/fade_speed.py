@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 from homebot.numbers import finite_number
 
-__all__ = ["LampState", "Target", "speed_for"]
+__all__ = ["FadeTarget", "LampState", "speed_for"]
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class FadeTarget:
     """The state that a command leads to.
 
     Attributes:
@@ -56,7 +56,7 @@ class LampState:
         if white is not None and white > 0:
             self._mired = white
 
-    def distance(self, target: Target, kind: int, mireds: tuple[int, int]) -> float:
+    def distance(self, target: FadeTarget, kind: int, mireds: tuple[int, int]) -> float:
         """Return which part of the whole way *target* is away, 0 to 1: that of the channel that changes most.
 
         Args:

@@ -15,7 +15,7 @@ from homebot.conventions.light_color import kelvin_mired, mired_bounds
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.tasmota.config import LIGHT, TasmotaConfig
 from homebot.conventions.tasmota.device_topics import TasmotaTopics
-from homebot.conventions.tasmota.fade_speed import LampState, Target, speed_for
+from homebot.conventions.tasmota.fade_speed import FadeTarget, LampState, speed_for
 from homebot.devices.value import PlainValue
 from homebot.numbers import finite_number
 
@@ -103,36 +103,36 @@ class _TasmotaLamp:
 
     def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         on = require_bool("on_off", value)
-        return self._publish([self._power(on)], transition, Target(on=on))
+        return self._publish([self._power(on)], transition, FadeTarget(on=on))
 
     def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         """Rounded twice, by way of 0 to 255, as Home Assistant does."""
         percent = require_number("level", value, 0, 100, "%")
         if not percent:
-            return self._publish([self._power(on=False)], transition, Target(on=False))
+            return self._publish([self._power(on=False)], transition, FadeTarget(on=False))
         steps = max(1, round(round(255 * percent / 100) / 255 * 100))
         apart = [self._power(on=True)] if self.topics.config.option(_POWER_APART_OPTION) else []
-        return self._publish([(self.dimmer, steps), *apart], transition, Target(level=steps))
+        return self._publish([(self.dimmer, steps), *apart], transition, FadeTarget(level=steps))
 
     def set_white(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         kelvin = require_number("color_temperature", value, 1_000, 40_000, "K")
         mired = kelvin_mired(int(kelvin))
-        return self._publish([self._power(on=True), ("CT", mired)], transition, Target(mired=mired))
+        return self._publish([self._power(on=True), ("CT", mired)], transition, FadeTarget(mired=mired))
 
     def set_color(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         hue, saturation = require_color(value)
         color_commands: list[tuple[str, str | int]] = [("HsbColor1", round(hue)), ("HsbColor2", round(saturation))]
-        return self._publish([self._power(on=True), *color_commands], transition, Target(color=(hue, saturation)))
+        return self._publish([self._power(on=True), *color_commands], transition, FadeTarget(color=(hue, saturation)))
 
     def play(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
         scheme = _EFFECTS.index(require_option("effect", value, _EFFECTS))
-        return self._publish([self._power(on=True), ("Scheme", scheme)], transition, Target())
+        return self._publish([self._power(on=True), ("Scheme", scheme)], transition, FadeTarget())
 
     def _power(self, on: bool) -> tuple[str, str | int]:  # noqa: FBT001 - it is what the command says
         return f"Power{self.index + 1}", self.topics.state_text(on)
 
     def _publish(
-        self, commands: list[tuple[str, str | int]], transition: float, target: Target
+        self, commands: list[tuple[str, str | int]], transition: float, target: FadeTarget
     ) -> tuple[Publication, ...]:
         """Tell it to fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
         if not transition or self.kind == _ON_OFF or self.topics.config.is_tuya:

@@ -12,7 +12,7 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.part_texts import PartTexts
 from homebot.gateways.announced.reported_device import ReportedDevice, sighting_template
 
-__all__ = ["DeviceTable", "PublishedDevice"]
+__all__ = ["PublishedDevice", "PublishedDeviceTable"]
 
 _KEPT = 10
 _MAX_KEPT_PAYLOAD = 4096
@@ -63,7 +63,7 @@ class PublishedDevice(ReportedDevice):
         self.texts |= {part: texts for part, texts in before.texts.items() if part in self.texts}
 
 
-class DeviceTable:
+class PublishedDeviceTable:
     """The published devices, in the order in which they came."""
 
     def __init__(self) -> None:

@@ -19,7 +19,7 @@ from homebot.devices.text.encode import encode_state, text_address
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, UnableError
 from homebot.gateways.announced.command_server import CommandServer, Perform
-from homebot.gateways.announced.device_table import DeviceTable, PublishedDevice
+from homebot.gateways.announced.device_table import PublishedDevice, PublishedDeviceTable
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.reported_device import SightingKind
 from homebot.gateways.announced.reporter import DeviceReporter
@@ -97,7 +97,7 @@ class PublishedDevices:
         self._gateway = gateway
         self._perform = perform
         self._max_devices = max_devices
-        self._devices = DeviceTable()
+        self._devices = PublishedDeviceTable()
         self._reporter = DeviceReporter(gateway, stale_after)
         self._limit = LogLimit(gateway.node.graph.clock)
         commands = CommandServer(gateway, self._checked, self._find_part, self.counters)

@@ -10,7 +10,7 @@ from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicRe
 from homebot.devices.text.encode import read_text_address
 from homebot.errors import HomebotError, LinkError, RefusedError
 from homebot.gateways.announced.command_server import CommandCounters, CommandServer
-from homebot.gateways.announced.device_table import DeviceTable
+from homebot.gateways.announced.device_table import PublishedDeviceTable
 from homebot.gateways.announced.part_texts import PartTexts, missed
 from homebot.gateways.base import Gateway
 from homebot.gateways.raw_delivery import RawDelivery, begin_of
@@ -49,7 +49,7 @@ class TextService:
     def __init__(
         self,
         gateway: Gateway,
-        devices: DeviceTable,
+        devices: PublishedDeviceTable,
         commands: CommandServer,
         counters: CommandCounters,
         send_raw: SendRaw | None,

@@ -18,7 +18,7 @@ from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscription import SessionSubscription
 from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
-from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.broker.work import SliceBudget
 from homebot.mqtt.packets import FilterRequest, ReasonCode
 
 __all__ = ["COST", "MessageRouter", "Receipt"]
@@ -69,15 +69,15 @@ class MessageRouter:
         limits: BrokerLimits,
         counters: Counters,
         on_message: Callable[[BrokerMessage], None] | None = None,
-        turn: WorkBudget | None = None,
-        work: WorkBudget | None = None,
+        turn: SliceBudget | None = None,
+        work: SliceBudget | None = None,
     ) -> None:
         self._clock = clock
         self._limits = limits
         self._counters = counters
         self._on_message = on_message
         self._turn = turn
-        self._work = WorkBudget(clock, BrokerTimers()) if work is None else work
+        self._work = SliceBudget(clock, BrokerTimers()) if work is None else work
         self._ended: deque[BrokerSession] = deque()
         self.subscriptions = SubscriptionTree(turn)
         self.crowded: dict[BrokerSession, None] = {}

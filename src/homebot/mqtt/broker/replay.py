@@ -10,7 +10,7 @@ from typing import Final, final
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import RetainedMessages
 from homebot.mqtt.broker.subscription import SessionSubscription
-from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.broker.work import SliceBudget
 from homebot.mqtt.filter_tree import FilterTree
 
 __all__ = ["Owed", "Replay"]
@@ -66,7 +66,7 @@ class Replay:
         self._only_kept = True
         self.complete = True
 
-    def first(self, work: WorkBudget, now: float) -> Owed | None:
+    def first(self, work: SliceBudget, now: float) -> Owed | None:
         """The next message; None where there is none, or nothing may be done now: see :attr:`is_over`."""
         while not self._found:
             if not self.complete or self.is_over or not work.left:
@@ -85,7 +85,7 @@ class Replay:
             return False
         return not self._wild or self._place >= self._until
 
-    def _look(self, work: WorkBudget, now: float) -> None:
+    def _look(self, work: SliceBudget, now: float) -> None:
         if self._exact:
             subscription = self._exact.popleft()
             message = self._retained.get(subscription.filter)
@@ -113,7 +113,7 @@ class Replay:
 
 
 def _matcher(
-    wild: list[SessionSubscription], topics: int, work: WorkBudget
+    wild: list[SessionSubscription], topics: int, work: SliceBudget
 ) -> Callable[[str], tuple[list[SessionSubscription], int]]:
     if len(wild) > _FEW or topics < _MANY:
         tree: FilterTree[int, SessionSubscription] = FilterTree()

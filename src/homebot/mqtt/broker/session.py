@@ -21,7 +21,7 @@ from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.broker.replay import Replay
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscription import SessionSubscription
-from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.broker.work import SliceBudget
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["BrokerSession", "HeldPublisher"]
@@ -73,7 +73,7 @@ class BrokerSession:
         limits: BrokerLimits,
         counters: Counters,
         crowded: dict[BrokerSession, None] | None = None,
-        work: WorkBudget | None = None,
+        work: SliceBudget | None = None,
         pool: QueuePool | None = None,
         host: str = "",
     ) -> None:
@@ -86,7 +86,7 @@ class BrokerSession:
         self.overrun = False
         self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
         self._crowded = {} if crowded is None else crowded
-        self._work = WorkBudget(clock, BrokerTimers()) if work is None else work
+        self._work = SliceBudget(clock, BrokerTimers()) if work is None else work
         self._clock = clock
         self._limits = limits
         self._counters = counters

@@ -16,7 +16,7 @@ from homebot.mqtt.broker.message import BrokerMessage, size_of
 from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.broker.work import SliceBudget
 from homebot.mqtt.packets import Will
 
 __all__ = ["Sessions", "will_size"]
@@ -43,7 +43,7 @@ class Sessions:
         deadlines: BrokerTimers,
         limits: BrokerLimits,
         counters: Counters,
-        work: WorkBudget,
+        work: SliceBudget,
         pool: QueuePool,
     ) -> None:
         self._exchange = exchange

@@ -26,7 +26,7 @@ from homebot.mqtt.broker.stats import BrokerStats, Counters
 from homebot.mqtt.broker.unread import UnreadPackets
 from homebot.mqtt.broker.unsent import UnsentBytes
 from homebot.mqtt.broker.waiting_logins import WaitingLogins
-from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.broker.work import SliceBudget
 from homebot.mqtt.packets import ReasonCode
 
 if TYPE_CHECKING:
@@ -84,8 +84,8 @@ class BrokerState:
         self.random = random or SystemRandom()
         self.counters = Counters()
         self.deadlines = BrokerTimers()
-        self.work = WorkBudget(clock, self.deadlines)
-        self.turn = WorkBudget(clock, self.deadlines, _IN_A_TURN, 0.0)
+        self.work = SliceBudget(clock, self.deadlines)
+        self.turn = SliceBudget(clock, self.deadlines, _IN_A_TURN, 0.0)
         self._on_message = on_message
         self.peers: dict[str, Peer] = {}
         self.waiting_logins = WaitingLogins(limits.max_waiting_logins)

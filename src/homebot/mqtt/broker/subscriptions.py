@@ -6,7 +6,7 @@ from typing import NamedTuple, final
 
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.subscription import SessionSubscription
-from homebot.mqtt.broker.work import WorkBudget
+from homebot.mqtt.broker.work import SliceBudget
 from homebot.mqtt.filter_tree import FilterTree
 
 __all__ = ["Recipients", "ShareGroup", "SubscriptionTree", "Target"]
@@ -100,7 +100,7 @@ class SubscriptionTree:
         text: The length of all filters.
     """
 
-    def __init__(self, turn: WorkBudget | None = None) -> None:
+    def __init__(self, turn: SliceBudget | None = None) -> None:
         self._turn = turn
         self._members: FilterTree[BrokerSession, SessionSubscription] = FilterTree()
         self._groups: FilterTree[str, ShareGroup] = FilterTree()

@@ -8,14 +8,14 @@ from typing import Final, final
 from homebot.clock import Clock
 from homebot.mqtt.broker.deadlines import BrokerTimers
 
-__all__ = ["WorkBudget"]
+__all__ = ["SliceBudget"]
 
 SLICE: Final = 5_000
 PERIOD: Final = 0.01  # half of the time is for the others
 
 
 @final
-class WorkBudget:
+class SliceBudget:
     """The budget of work that can take long, for all clients of a broker together.
 
     Who finds nothing left asks for a later call; those who wait get their slices in turn.
