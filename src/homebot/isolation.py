@@ -16,7 +16,7 @@ import anyio
 
 from homebot.errors import AbortError, ExitError
 
-__all__ = ["crash_of", "error_text", "is_cancelled", "is_end_of", "run_as", "uncancel"]
+__all__ = ["crash_of", "error_text", "first_cause", "is_cancelled", "is_end_of", "only_cause", "run_as", "uncancel"]
 
 
 async def run_as(owner: str, function: Callable[[], Awaitable[None]]) -> None:
@@ -92,9 +92,25 @@ def crash_of(owner: str, error: BaseException) -> Exception:
     return crash
 
 
-def error_text(error: BaseException) -> str:
-    """Return the first real error inside what task groups wrapped around *error*, in words."""
+def first_cause(error: BaseException) -> BaseException:
+    """Return the first real error inside what task groups wrapped around *error*."""
     while isinstance(error, BaseExceptionGroup):
         error = error.exceptions[0]
-    text = str(error)
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+    return error
+
+
+def only_cause(group: BaseExceptionGroup[BaseException]) -> BaseException | None:
+    """Return the one exception in *group*, also where it lies in a group of its own, or None when there are several."""
+    while len(group.exceptions) == 1:
+        only = group.exceptions[0]
+        if not isinstance(only, BaseExceptionGroup):
+            return only
+        group = only
+    return None
+
+
+def error_text(error: BaseException) -> str:
+    """Return the first real error inside what task groups wrapped around *error*, in words."""
+    cause = first_cause(error)
+    text = str(cause)
+    return f"{type(cause).__name__}: {text}" if text else type(cause).__name__

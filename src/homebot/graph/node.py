@@ -40,7 +40,7 @@ from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_prof
 from homebot.graph.service import Handler, Service
 from homebot.graph.subscription import Callback, Expiring, Subscription
 from homebot.graph.timer import Timer
-from homebot.isolation import crash_of, is_cancelled, run_as, uncancel
+from homebot.isolation import crash_of, is_cancelled, only_cause, run_as, uncancel
 from homebot.logger import get_logger
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
@@ -327,7 +327,7 @@ class Node:
         try:
             return await tasks.__aexit__(exc_type, exc, traceback)
         except BaseExceptionGroup as group:
-            only = _only_one(group)
+            only = only_cause(group)
             if only is None:
                 raise
         finally:
@@ -393,13 +393,3 @@ class Node:
     def _check_open(self) -> None:
         if self._closed:
             raise ClosedError(f"the node {self.full_name} is closed")
-
-
-def _only_one(group: BaseExceptionGroup[BaseException]) -> BaseException | None:
-    """Return the one exception in *group*, also where it lies in a group of its own, or None when there are several."""
-    while len(group.exceptions) == 1:
-        only = group.exceptions[0]
-        if not isinstance(only, BaseExceptionGroup):
-            return only
-        group = only
-    return None

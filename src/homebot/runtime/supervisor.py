@@ -19,7 +19,7 @@ from anyio.abc import TaskStatus
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.isolation import error_text, is_cancelled, run_as
+from homebot.isolation import error_text, first_cause, is_cancelled, run_as
 from homebot.logger import get_logger
 
 __all__ = ["ComponentCrashes", "Supervisor", "Work"]
@@ -130,7 +130,7 @@ class Supervisor:
                 self._note(name, "ended")
                 start.started()
                 return
-            cause = _first_cause(crash)
+            cause = first_cause(crash)
             if isinstance(cause, UsageError) and not start.over.is_set():
                 start.mistake = cause
                 start.started()
@@ -155,7 +155,7 @@ class Supervisor:
             except Exception as exc:  # noqa: BLE001 - a supervisor is there for whatever comes
                 crash = exc
                 if is_cancelled():  # nobody comes back from here to take it
-                    self._report(name, _first_cause(exc), None, is_stopping=True)
+                    self._report(name, first_cause(exc), None, is_stopping=True)
 
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(run, name=name)
@@ -204,10 +204,3 @@ class _Start(TaskStatus[None]):
 
     def started(self, value: None = None) -> None:  # noqa: ARG002  # anyio's signature
         self.over.set()
-
-
-def _first_cause(error: BaseException) -> BaseException:
-    """The first real error inside what task groups wrapped around it."""
-    while isinstance(error, BaseExceptionGroup):
-        error = error.exceptions[0]
-    return error
