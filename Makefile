@@ -30,7 +30,7 @@ help:
 run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
 
-## All tests, with coverage: about four minutes.
+## All tests, with coverage: about seven minutes on two cores.
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 3 --dist worksteal --cov --cov-report=term $(ARGS)
 
