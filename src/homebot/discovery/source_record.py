@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from operator import attrgetter
+from operator import itemgetter
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -132,7 +132,7 @@ def preference(source: SourceRecord) -> tuple[int, int]:
     return (0 if source.sighting.native else 1, source.number)
 
 
-_DESCRIPTION = attrgetter(
+_DESCRIPTION = itemgetter(
     "name",
     "service_type",
     "address",
@@ -150,7 +150,7 @@ _DESCRIPTION = attrgetter(
 
 def is_described_anew(before: Sighting, now: Sighting) -> bool:
     """Return whether *now* says anything else than *before*, but for when and why."""
-    return _DESCRIPTION(before) != _DESCRIPTION(now)
+    return bool(_DESCRIPTION(vars(before)) != _DESCRIPTION(vars(now)))
 
 
 def note_description(source: SourceRecord, before: Sighting) -> None:

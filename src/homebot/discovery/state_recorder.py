@@ -36,19 +36,24 @@ class StateRecorder:
         live, now, stamp = not report.retained, self._liveness.now, report.received_at
         shows_life = live and report.address != ""
         before = self._reach(entry) if entry.is_denied else None
+        new: list[tuple[Reading, StoredValue]] = []
         for reading in report.readings:
             stored = source.values.get((reading.part, reading.capability))
             if stored is None:
                 if reading.capability == REACHABLE:
                     before = before or self._reach(entry)
                     shows_life = shows_life and reading.value.flag
-                self._record_new(entry, source, reading, report)
+                stored = self._record_new(entry, source, reading, report)
+                if stored is not None:
+                    new.append((reading, stored))
             elif live or not stored.live:  # what the broker had kept never overwrites what came live
                 stored.told_at, stored.live, stored.heard_at = stamp, live, now
                 value, known = reading.value.plain(), stored.value
                 if known != value or type(known) is not type(value):
                     stored.value, stored.since = value, stamp
-                    self._publish_value(entry, source, reading, stored)
+                    new.append((reading, stored))
+        if new:
+            self._publish(entry, source, new)
         if shows_life:
             self._liveness.mark_seen(entry, source, report.received_at, "it reported live")
         else:
@@ -56,8 +61,8 @@ class StateRecorder:
         if before is not None and self._reach(entry) != before:
             self._table.note("changed", entry, entry.reachability().why)
 
-    def _record_new(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> None:
-        """Take in what is no newer value of a known one: a first value, an event, or reachability."""
+    def _record_new(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> StoredValue | None:
+        """Take in what is no newer value of a known one: an event, reachability, or a first value, which it returns."""
         capability, stamp, live = reading.capability, report.received_at, not report.retained
         if capability == REACHABLE:
             if report.address:
@@ -70,31 +75,34 @@ class StateRecorder:
         elif has_capability(source, reading.part, capability):
             stored = StoredValue(reading.value.plain(), stamp, stamp, live, self._liveness.now)
             source.values[reading.part, capability] = stored
-            self._publish_value(entry, source, reading, stored)
+            return stored
         else:
             self._table.counters.unknown_parts += 1
+        return None
 
     def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...]]:
         """Return whether *entry* can be reached, and which of its parts cannot."""
         return entry.reachability().state, entry.offline_parts(entry.parts(self._table.topics))
 
-    def _publish_value(self, entry: Entry, source: SourceRecord, reading: Reading, stored: StoredValue) -> None:
-        """Make a new value findable, and publish it."""
+    def _publish(self, entry: Entry, source: SourceRecord, new: list[tuple[Reading, StoredValue]]) -> None:
+        """Make new values findable, and publish them."""
         table = self._table
         is_sorted = entry.id not in table.outdated
         if not (is_sorted or table.collects_states):
             return
         merged = entry.parts(table.topics)
-        number = merged.places.get((*source.key, reading.part))
-        if number is None:
-            return
-        part = merged.parts[number]
-        if is_sorted and len(part.routes) > 1:
-            table.outdated[entry.id] = None
-        elif is_sorted:
-            table.postings.put_value(entry.id, part.id, part.part.service_type, reading.capability, stored.value)
-        if table.collects_states:
-            table.changes.note_state(entry, merged, state_of(part.id, reading, stored))
+        for reading, stored in new:
+            number = merged.places.get((*source.key, reading.part))
+            if number is None:
+                continue
+            part = merged.parts[number]
+            if is_sorted and len(part.routes) > 1:
+                is_sorted = False
+                table.outdated[entry.id] = None
+            elif is_sorted:
+                table.postings.put_value(entry.id, part.id, part.part.service_type, reading.capability, stored.value)
+            if table.collects_states:
+                table.changes.note_state(entry, merged, state_of(part.id, reading, stored))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
         """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import attrgetter
 
 from homebot.devices import State
 from homebot.devices.report import Reading
@@ -12,12 +13,14 @@ from homebot.messages import Time
 
 __all__ = ["has_capability", "is_denied", "state_of", "store_reachability"]
 
+_NAME = attrgetter("name")
+
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:
     """Return whether a part with that capability was announced."""
     for part in source.sighting.parts:
         if part.id == part_id:
-            return capability in [offered.name for offered in part.capabilities]
+            return capability in map(_NAME, part.capabilities)
     return False
 
 

@@ -37,7 +37,7 @@ _ALL_FIELDS: dict[type[BaseModel], set[str]] = {}
 """The names of the fields of each message type; kept here because pydantic 2.9 takes no private class variable."""
 
 
-class Message(BaseModel):
+class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is frozen
     """A frozen value with exact ROS field types, checked once where it is made and then passed by reference.
 
     Attributes:
@@ -73,6 +73,12 @@ class Message(BaseModel):
         _set_fields(message, "__pydantic_extra__", None)
         _set_fields(message, "__pydantic_private__", None)
         return message
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether *other* is of the same type and has equal fields; there is nothing else in a message."""
+        if type(self) is not type(other):
+            return NotImplemented
+        return self.__dict__ == other.__dict__
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
