@@ -8,19 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from random import Random, SystemRandom
-from types import TracebackType
-from typing import Final, Self, final
+from typing import Final, final
 
 import anyio
 
-from homebot.clock import Clock, LoopClock
+from homebot.clock import Clock
 from homebot.errors import LinkError, UsageError
-from homebot.logger import get_logger
-from homebot.mqtt.broker import BrokerLimits, BrokerPolicy, BrokerState, BrokerStats
-from homebot.mqtt.broker.authentication import Authentication
-from homebot.mqtt.broker.limits import checked_keep_alive
-from homebot.mqtt.broker.policy import policy_of
-from homebot.mqtt.broker.state_timer import HubTimer
+from homebot.mqtt.broker import BrokerLimits, BrokerPolicy, BrokerState
+from homebot.mqtt.broker.base import EmbeddedBroker
 from homebot.mqtt.client.memory_transport import MemoryLink, MemorySocket
 from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.client.transport import TransportUser
@@ -32,19 +27,18 @@ __all__ = ["MemoryBroker"]
 _HOST: Final = "memory"
 _PORT: Final = 1883
 _LINKS_PER_CLIENT = 2  # as many as the broker on TCP has sockets
-_log = get_logger()
 
 
 @final
-class MemoryBroker:
+class MemoryBroker(EmbeddedBroker):
     """A broker for 3.1, 3.1.1 and 5 that is reached by :meth:`dial` alone; used like ``Broker``.
 
     Args:
-        clock: The time to go by; the loop's by default.
+        clock: As for :class:`EmbeddedBroker`, and so are all that are not named here.
         limits: All bounds.
         credentials: Passwords by user name; None lets everybody in.
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds.
-        refuse_filters: Filters whose subscription is answered with 0x80; only without *policy*.
+        refuse_filters: Filters whose subscription is answered with 0x80.
         policy: Who may publish and subscribe what.
         random: Where assigned client ids and its clients' first packet identifiers come from; a seeded one makes every
             run the same.
@@ -71,39 +65,16 @@ class MemoryBroker:
         policy: BrokerPolicy | None = None,
         random: Random | None = None,
     ) -> None:
-        self._clock = clock
-        self._limits = limits or BrokerLimits()
-        self._authentication = Authentication(credentials)
-        self._keep_alive = checked_keep_alive(keep_alive)
-        self._policy = policy_of(policy, refuse_filters)
-        self._random = random or SystemRandom()
-        self._hub: BrokerState | None = None
-        self._running = False
+        self._client_random = random or SystemRandom()
+        super().__init__(clock, limits, credentials, keep_alive, refuse_filters, policy, random=self._client_random)
         self._links: dict[MemoryLink, None] = {}
         self._dialled = 0
         self._empty = anyio.Event()
-        self._timer: HubTimer | None = None
 
     @property
     def url(self) -> str:
         """Address for the options: ``mqtt://memory:1883``."""
         return f"mqtt://{self.host}:{self.port}"
-
-    @property
-    def running(self) -> bool:
-        """True if it can be dialled."""
-        return self._running
-
-    @property
-    def stats(self) -> BrokerStats:
-        """A snapshot of all counts; they go on over restarts.
-
-        Raises:
-            UsageError: The broker was never started.
-        """
-        if self._hub is None:
-            raise UsageError("the broker was never started")
-        return self._hub.stats
 
     @property
     def links(self) -> tuple[MemoryLink, ...]:
@@ -129,7 +100,7 @@ class MemoryBroker:
         """
         if options.tls:
             raise UsageError("a link in memory has no TLS: write mqtt:// instead of mqtts://")
-        return NativeClient(options, self._dial_for, clock=self._clock, random=self._random)
+        return NativeClient(options, self._dial_for, clock=self._clock, random=self._client_random)
 
     def dial(self, host: str, port: int, user: TransportUser) -> MemorySocket:
         """Open a link; nothing is said on it yet.
@@ -139,56 +110,25 @@ class MemoryBroker:
         """
         if (host, port) != (self.host, self.port):
             raise LinkError(f"nothing answers at {host} port {port}: only {self.url} can be reached in memory")
-        hub = self._hub
-        if hub is None or not self._running:
+        state = self._state
+        if state is None or not self.running:
             raise LinkError("the connection was refused: the broker in memory is not running")
         if len(self._links) >= _LINKS_PER_CLIENT * self._limits.max_connections:
-            hub.counters.connections_refused += 1
+            state.counters.connections_refused += 1
             raise LinkError("the broker in memory has too many links")
-        hub.counters.connections_accepted += 1
+        state.counters.connections_accepted += 1
         self._dialled += 1
-        link = MemoryLink(hub, user, f"memory:{self._dialled}", self._closed)
+        link = MemoryLink(state, user, f"memory:{self._dialled}", self._closed)
         self._links[link] = None
         return link.socket
 
     async def _dial_for(self, options: MqttOptions, user: TransportUser) -> MemorySocket:
         return self.dial(options.host, options.port, user)
 
-    async def __aenter__(self) -> Self:
-        await self.start()
-        return self
+    async def _open(self, state: BrokerState) -> None:
+        """Nothing: links are made by :meth:`dial`."""
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        await self.stop()
-
-    async def start(self) -> None:
-        """Take links, with the sessions and retained messages that :meth:`stop` left."""
-        if self._running:
-            return
-        if self._hub is None:
-            clock = self._clock or LoopClock()
-            self._hub = BrokerState(
-                clock, self._limits, self._authentication, self._policy, self._keep_alive, random=self._random
-            )
-        self._running = True
-        self._timer = HubTimer(self._hub)
-        self._timer.start()
-        _log.debug("broker.listening", url=self.url)
-
-    async def stop(self, *, abrupt: bool = False) -> None:
-        """Close all links; sessions and retained messages stay for the next start.
-
-        Wills of the clients cut off are not published: there is nobody to hear them.
-
-        Args:
-            abrupt: As if the process were killed: no DISCONNECT, what is under way is lost.
-        """
-        hub = self._hub
-        if hub is None or not self._running:
-            return
-        self._running = False
+    async def _close(self, *, abrupt: bool) -> None:
         for link in self.links:
             if abrupt:
                 link.abort()
@@ -197,22 +137,6 @@ class MemoryBroker:
             while self._links:
                 self._empty = anyio.Event()
                 await self._empty.wait()
-        if self._timer is not None:
-            self._timer.stop()
-            self._timer = None
-        _log.debug("broker.stopped", url=self.url)
-
-    async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
-        """Stop, and start again.
-
-        Args:
-            keep_sessions: Whether sessions, their queues and the retained messages live on.
-            abrupt: As in :meth:`stop`.
-        """
-        await self.stop(abrupt=abrupt)
-        if not keep_sessions and self._hub is not None:
-            self._hub.forget()
-        await self.start()
 
     def _closed(self, link: MemoryLink) -> None:
         self._links.pop(link, None)

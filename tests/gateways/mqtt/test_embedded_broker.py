@@ -33,7 +33,7 @@ async def test_what_it_counts_and_lost_is_told_on_the_graph() -> None:
         well = await client.call(HealthRequest())
         assert well.troubles == ()
         assert {one.name: one.count for one in well.counts}["dropped_offline"] == 0
-        broker.hub.counters.dropped_offline += 5
+        broker.state.counters.dropped_offline += 5
         ill = await client.call(HealthRequest())
     assert ill.troubles == ("in the last ten minutes it dropped 5 messages (5 for clients that were away too long)",)
     assert {one.name: one.count for one in ill.counts}["dropped_offline"] == 5

@@ -14,11 +14,9 @@ import pytest
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import Broker, BrokerLimits, BrokerPolicy, BrokerState, Peer
 from homebot.mqtt.broker.authentication import Authentication
-from homebot.mqtt.broker.deadlines import BrokerTimers
-from homebot.mqtt.broker.replay import Owed, Replay
-from homebot.mqtt.broker.retained import RetainedMessages
-from homebot.mqtt.broker.subscription import SessionSubscription
-from homebot.mqtt.broker.work import SliceBudget
+from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
+from homebot.mqtt.broker.retained import Owed, Replay, RetainedMessages
+from homebot.mqtt.broker.subscriptions import SessionSubscription
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
     Connack,
@@ -93,22 +91,22 @@ class MemoryLink:
 
 
 class MemoryClient:
-    """One client on a hub: packets in, packets out."""
+    """One client of a broker: packets in, packets out."""
 
-    def __init__(self, hub: BrokerState, version: ProtocolVersion = ProtocolVersion.V5) -> None:
-        self.hub = hub
+    def __init__(self, state: BrokerState, version: ProtocolVersion = ProtocolVersion.V5) -> None:
+        self.state = state
         self.link = MemoryLink()
-        self.peer = Peer(hub, self.link)
+        self.peer = Peer(state, self.link)
         self.version = version
         self._reader = PacketReader(version)
 
     def send(self, *packets: Packet) -> None:
-        """Send all in one piece, then let the hub do what is due."""
+        """Send all in one piece, then let the broker do what is due."""
         self.send_bytes(b"".join(encode(packet, self.version) for packet in packets))
 
     def send_bytes(self, data: bytes) -> None:
         self.peer.receive(data)
-        self.hub.deadlines.run(self.hub.clock.monotonic())
+        self.state.deadlines.run(self.state.clock.monotonic())
 
     def take(self) -> list[Packet]:
         """All packets received since the last call."""
@@ -163,7 +161,7 @@ class MemoryClient:
             self.send(Puback(message.packet_id) if message.qos == 1 else Pubrec(message.packet_id))
 
 
-NewHub = Callable[..., BrokerState]
+NewState = Callable[..., BrokerState]
 Join = Callable[..., MemoryClient]
 Stranger = Callable[..., MemoryClient]
 
@@ -174,8 +172,8 @@ def clock() -> ManualClock:
 
 
 @pytest.fixture
-def new_hub(clock: ManualClock) -> NewHub:
-    """Make a hub with other limits, passwords or policies."""
+def new_state(clock: ManualClock) -> NewState:
+    """Make a broker with other limits, passwords or policies."""
 
     def make(
         *,
@@ -190,22 +188,22 @@ def new_hub(clock: ManualClock) -> NewHub:
 
 
 @pytest.fixture
-def hub(new_hub: NewHub) -> BrokerState:
-    return new_hub()
+def state(new_state: NewState) -> BrokerState:
+    return new_state()
 
 
 @pytest.fixture
-def stranger(hub: BrokerState) -> Stranger:
+def stranger(state: BrokerState) -> Stranger:
     """A connection that has not sent CONNECT."""
 
     def make(version: ProtocolVersion = ProtocolVersion.V5, at: BrokerState | None = None) -> MemoryClient:
-        return MemoryClient(at or hub, version)
+        return MemoryClient(at or state, version)
 
     return make
 
 
 @pytest.fixture
-def join(hub: BrokerState) -> Join:
+def join(state: BrokerState) -> Join:
     """Log a client in; its ``connack`` is checked and taken."""
 
     def make(
@@ -219,7 +217,7 @@ def join(hub: BrokerState) -> Join:
         present: bool = False,
         **properties: object,
     ) -> MemoryClient:
-        client = MemoryClient(at or hub, version)
+        client = MemoryClient(at or state, version)
         wanted = Properties(**properties) if properties else NO_PROPERTIES  # type: ignore[arg-type] # names of properties
         client.send(Connect(client_id, version, clean, keep_alive, will=will, properties=wanted))
         first, *rest = client.take()
@@ -232,12 +230,12 @@ def join(hub: BrokerState) -> Join:
 
 
 @pytest.fixture
-def pass_time(clock: ManualClock, hub: BrokerState) -> Callable[[float], None]:
-    """Move the clock and let the hub do what is due."""
+def pass_time(clock: ManualClock, state: BrokerState) -> Callable[[float], None]:
+    """Move the clock and let the broker do what is due."""
 
     def move(seconds: float) -> None:
         clock.advance(seconds)
-        hub.deadlines.run(clock.monotonic())
+        state.deadlines.run(clock.monotonic())
 
     return move
 

@@ -24,15 +24,15 @@ from homebot.mqtt.packets import (
 )
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub
+    from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
 V311 = ProtocolVersion.V311
 
 
 @pytest.fixture
-def small(new_hub: NewHub) -> BrokerState:
+def small(new_state: NewState) -> BrokerState:
     """Eight messages may wait for a client: publishers are held back from the sixth on."""
-    return new_hub(max_inflight=1, max_queued_messages=8, max_held_packets=20)
+    return new_state(max_inflight=1, max_queued_messages=8, max_held_packets=20)
 
 
 @pytest.fixture

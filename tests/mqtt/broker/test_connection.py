@@ -9,8 +9,7 @@ import pytest
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import BrokerLimits, BrokerState
-from homebot.mqtt.broker.connection import BrokerConnection
-from homebot.mqtt.broker.sockets import Sockets
+from homebot.mqtt.broker.connection import BrokerConnection, Sockets
 from homebot.mqtt.packets import Connect, Packet, Pingreq, ProtocolVersion, Publish, encode
 
 

@@ -21,7 +21,7 @@ from homebot.mqtt.packets import (
 )
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, NewHub
+    from tests.mqtt.broker.conftest import Join, NewState
 
 FOREVER = 0xFFFF_FFFF
 QUOTA = ReasonCode.QUOTA_EXCEEDED
@@ -41,7 +41,7 @@ def test_an_empty_payload_removes_the_retained_message(join: Join) -> None:
     client.publish("a", b"", retain=True)
     client.subscribe("a")
     assert client.messages() == []
-    assert client.hub.stats.retained_messages == client.hub.stats.retained_bytes == 0
+    assert client.state.stats.retained_messages == client.state.stats.retained_bytes == 0
 
 
 def test_a_retained_message_comes_without_the_flag_to_those_who_were_there(join: Join) -> None:
@@ -67,9 +67,9 @@ def test_retain_handling_decides_when_retained_messages_are_sent(join: Join) -> 
     assert len(client.messages()) == 1
 
 
-def test_a_retained_message_is_not_kept_beyond_the_bounds(new_hub: NewHub, join: Join) -> None:
-    hub = new_hub(max_retained_messages=2, max_retained_bytes=100)
-    client = join(at=hub)
+def test_a_retained_message_is_not_kept_beyond_the_bounds(new_state: NewState, join: Join) -> None:
+    state = new_state(max_retained_messages=2, max_retained_bytes=100)
+    client = join(at=state)
     client.publish("a", b"1", 1, packet_id=1, retain=True)
     client.publish("b", b"2", 1, packet_id=2, retain=True)
     client.publish("c", b"3", 1, packet_id=3, retain=True)
@@ -79,20 +79,20 @@ def test_a_retained_message_is_not_kept_beyond_the_bounds(new_hub: NewHub, join:
     assert reasons == [ReasonCode.NO_MATCHING_SUBSCRIBERS] * 2 + [QUOTA, QUOTA, QUOTA]
     client.publish("b", bytes(97), 1, packet_id=6, retain=True)
     assert client.take_only(Puback)[0].reason is ReasonCode.NO_MATCHING_SUBSCRIBERS
-    assert (hub.stats.retained_messages, hub.stats.retained_bytes) == (2, 100)
-    assert hub.stats.retained_refused == 3
+    assert (state.stats.retained_messages, state.stats.retained_bytes) == (2, 100)
+    assert state.stats.retained_refused == 3
 
 
-def test_an_expired_retained_message_is_not_sent_and_makes_room(new_hub: NewHub, join: Join) -> None:
-    hub = new_hub(max_retained_messages=1)
-    client = join(at=hub)
+def test_an_expired_retained_message_is_not_sent_and_makes_room(new_state: NewState, join: Join) -> None:
+    state = new_state(max_retained_messages=1)
+    client = join(at=state)
     client.publish("a", retain=True, properties=Properties(message_expiry_interval=5))
-    hub.clock.advance(5)  # type: ignore[attr-defined] # a ManualClock
+    state.clock.advance(5)  # type: ignore[attr-defined] # a ManualClock
     client.subscribe("#")
     assert client.messages() == []
     client.publish("b", retain=True)
-    assert hub.stats.retained_messages == 1
-    assert hub.stats.retained_refused == 0
+    assert state.stats.retained_messages == 1
+    assert state.stats.retained_refused == 0
 
 
 def test_overlapping_subscriptions_get_one_copy_at_the_highest_qos_with_all_identifiers(join: Join) -> None:
@@ -136,7 +136,7 @@ def test_unsubscribing_says_what_was_not_there(join: Join) -> None:
     client.publish("a")
     client.publish("b/c")
     assert client.messages() == []
-    assert client.hub.stats.subscriptions == 0
+    assert client.state.stats.subscriptions == 0
 
 
 def test_a_message_with_no_reader_is_acknowledged_as_such(join: Join) -> None:
@@ -161,7 +161,7 @@ def test_a_message_expires_while_it_waits_and_is_sent_with_what_is_left(
     client = join("s", clean=False, present=True)
     left = [(message.payload, message.properties.message_expiry_interval) for message in client.messages()]
     assert left == [(b"6", 3), (b"None", None)]
-    assert client.hub.stats.dropped_expired == 1
+    assert client.state.stats.dropped_expired == 1
 
 
 def test_everything_a_publisher_adds_reaches_an_mqtt_5_client_and_nothing_of_it_an_older(join: Join) -> None:
@@ -230,16 +230,16 @@ def test_a_shared_subscription_gets_no_retained_messages(join: Join) -> None:
     assert client.messages() == []
 
 
-def test_subscriptions_are_bounded(new_hub: NewHub, join: Join) -> None:
-    hub = new_hub(max_subscriptions=2, max_topic_levels=3)
-    client = join(at=hub)
+def test_subscriptions_are_bounded(new_state: NewState, join: Join) -> None:
+    state = new_state(max_subscriptions=2, max_topic_levels=3)
+    client = join(at=state)
     granted, invalid = ReasonCode.GRANTED_QOS_2, ReasonCode.TOPIC_FILTER_INVALID
     assert client.subscribe("a", "a/b/c/d", "b", "c", "a") == (granted, invalid, granted, QUOTA, granted)
 
 
-def test_properties_count_towards_the_bounds(new_hub: NewHub, join: Join) -> None:
-    hub = new_hub(max_retained_bytes=1000)
-    client = join(at=hub)
+def test_properties_count_towards_the_bounds(new_state: NewState, join: Join) -> None:
+    state = new_state(max_retained_bytes=1000)
+    client = join(at=state)
     big = Properties(user_properties=(("k" * 500, "v" * 500),))
     client.publish("t", b"x", 1, 1, retain=True, properties=big)
     assert client.take_only(Puback)[0].reason is QUOTA

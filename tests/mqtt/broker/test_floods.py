@@ -5,11 +5,11 @@ from __future__ import annotations
 from random import Random
 
 import pytest
-from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub, Stranger
+from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import BrokerState
-from homebot.mqtt.broker.unsent import UnsentBytes
+from homebot.mqtt.broker.byte_limits import UnsentBytes
 from homebot.mqtt.packets import (
     Connack,
     Connect,
@@ -29,16 +29,16 @@ MIB = 1024 * 1024
 
 
 @pytest.fixture
-def small(new_hub: NewHub) -> BrokerState:
-    return new_hub(max_all_queued_bytes=MIB, max_queued_bytes=600_000, max_sessions=20)
+def small(new_state: NewState) -> BrokerState:
+    return new_state(max_all_queued_bytes=MIB, max_queued_bytes=600_000, max_sessions=20)
 
 
-def relieve(hub: BrokerState) -> None:
-    hub.deadlines.run(hub.clock.monotonic())
+def relieve(state: BrokerState) -> None:
+    state.deadlines.run(state.clock.monotonic())
 
 
-def absent(join: Join, hub: BrokerState, name: str) -> None:
-    client = join(name, at=hub, session_expiry_interval=FOREVER)
+def absent(join: Join, state: BrokerState, name: str) -> None:
+    client = join(name, at=state, session_expiry_interval=FOREVER)
     client.subscribe(f"to/{name}")
     client.lose()
 
@@ -96,17 +96,17 @@ def test_the_connected_client_for_which_most_waits_is_cut_off(
     assert any(packet.reason is ReasonCode.QUOTA_EXCEEDED for packet in stuck.take_only(Disconnect))
 
 
-def test_what_is_counted_is_gone_when_the_sessions_are(new_hub: NewHub, join: Join, clock: ManualClock) -> None:
+def test_what_is_counted_is_gone_when_the_sessions_are(new_state: NewState, join: Join, clock: ManualClock) -> None:
     """Whatever clients do in between."""
     random = Random(7)  # noqa: S311 - a test that is the same each time
-    hub = new_hub(max_queued_messages=20, max_inflight=5)
+    state = new_state(max_queued_messages=20, max_inflight=5)
     clients: dict[str, MemoryClient] = {}
     for _ in range(3000):
         name = random.choice("abcdef")
         client = clients.get(name)
         act = random.randrange(9)
         if client is None or client.link.closed:
-            client = clients[name] = MemoryClient(hub)
+            client = clients[name] = MemoryClient(state)
             client.send(
                 Connect(name, clean_start=random.random() < 0.3, properties=Properties(session_expiry_interval=99))
             )
@@ -127,34 +127,34 @@ def test_what_is_counted_is_gone_when_the_sessions_are(new_hub: NewHub, join: Jo
             packet_id = random.randrange(1, 9) if qos else None
             client.send(Publish(topic, bytes(size), qos, random.random() < 0.2, packet_id=packet_id))
         clock.advance(0.05)
-        hub.deadlines.run(clock.monotonic())
+        state.deadlines.run(clock.monotonic())
     for client in clients.values():
         if not client.link.closed:
             client.lose()
     clock.advance(100)
-    hub.deadlines.run(clock.monotonic())
-    assert hub.stats.sessions == 0
-    assert hub.pool.used == 0
+    state.deadlines.run(clock.monotonic())
+    assert state.stats.sessions == 0
+    assert state.pool.used == 0
 
 
-def test_wills_are_bounded(new_hub: NewHub, stranger: Stranger) -> None:
-    hub = new_hub(max_will_bytes=200_000)
+def test_wills_are_bounded(new_state: NewState, stranger: Stranger) -> None:
+    state = new_state(max_will_bytes=200_000)
     reasons = []
     for number in range(6):
-        client = stranger(at=hub)
+        client = stranger(at=state)
         client.send(Connect(f"c{number}", will=Will("w", bytes(60_000))))
         reasons += [connack.reason for connack in client.take_only(Connack)]
     assert reasons == [ReasonCode.SUCCESS] * 3 + [ReasonCode.QUOTA_EXCEEDED] * 3
-    modest = stranger(at=hub)
+    modest = stranger(at=state)
     modest.send(Connect("modest", will=Will("w", b"offline")))
     assert modest.take_only(Connack)[0].reason is ReasonCode.SUCCESS
 
 
-def test_wills_that_wait_for_their_time_count_as_well(new_hub: NewHub, join: Join, stranger: Stranger) -> None:
-    hub = new_hub(max_will_bytes=100_000)
+def test_wills_that_wait_for_their_time_count_as_well(new_state: NewState, join: Join, stranger: Stranger) -> None:
+    state = new_state(max_will_bytes=100_000)
     late = Will("w", bytes(60_000), properties=Properties(will_delay_interval=1000))
-    join("first", at=hub, will=late, session_expiry_interval=2000).lose()
-    second = stranger(at=hub)
+    join("first", at=state, will=late, session_expiry_interval=2000).lose()
+    second = stranger(at=state)
     second.send(Connect("second", will=Will("w", bytes(60_000))))
     assert second.take_only(Connack)[0].reason is ReasonCode.QUOTA_EXCEEDED
 
@@ -201,20 +201,20 @@ def test_long_topics_are_not_remembered_for_a_receiver(join: Join) -> None:
     assert aliases == [None, None, 1, 1]
 
 
-def test_a_shared_subscription_is_one_of_few(new_hub: NewHub, join: Join) -> None:
+def test_a_shared_subscription_is_one_of_few(new_state: NewState, join: Join) -> None:
     """Each group gets a copy of its own: a thousand groups of one client are a thousand messages."""
-    hub = new_hub(max_shared_subscriptions=3)
-    client = join("a", at=hub)
+    state = new_state(max_shared_subscriptions=3)
+    client = join("a", at=state)
     reasons = client.subscribe(*(f"$share/g{number}/t" for number in range(5)), "t")
     assert [reason.failed for reason in reasons] == [False, False, False, True, True, False]
-    assert hub.stats.subscriptions_refused == 2
+    assert state.stats.subscriptions_refused == 2
 
 
-def test_nothing_is_kept_of_clients_that_take_over_each_other(hub: BrokerState, join: Join) -> None:
+def test_nothing_is_kept_of_clients_that_take_over_each_other(state: BrokerState, join: Join) -> None:
     for _ in range(500):
         join("same", session_expiry_interval=0)
-    assert (hub.stats.clients, hub.stats.sessions, len(hub.waiting_logins)) == (1, 1, 0)
-    assert hub.stats.connections_closed == 499
+    assert (state.stats.clients, state.stats.sessions, len(state.waiting_logins)) == (1, 1, 0)
+    assert state.stats.connections_closed == 499
 
 
 class Slow:
@@ -248,10 +248,10 @@ def test_sockets_that_have_caught_up_meanwhile_are_not_cut() -> None:
     assert unsent.size == 0
 
 
-def test_acknowledgements_free_what_they_acknowledge(hub: BrokerState, join: Join) -> None:
+def test_acknowledgements_free_what_they_acknowledge(state: BrokerState, join: Join) -> None:
     client, publisher = join("a"), join("p")
     client.subscribe("t", qos=1)
     publisher.publish("t", bytes(50_000), 1, 1)
-    assert hub.pool.used > 50_000
+    assert state.pool.used > 50_000
     client.send(Puback(client.messages()[0].packet_id or 0))
-    assert hub.pool.used == 0
+    assert state.pool.used == 0

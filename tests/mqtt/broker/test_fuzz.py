@@ -28,9 +28,9 @@ from homebot.mqtt.packets import (
 )
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub, Stranger
+    from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
 
-# Each example makes its own hub, so that what a fixture keeps between them does no harm.
+# Each example makes its own broker, so that what a fixture keeps between them does no harm.
 FUZZ = settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 PACKETS: list[Packet] = [
@@ -73,12 +73,12 @@ def feed(client: MemoryClient, pieces: list[bytes]) -> None:
 @FUZZ
 @given(data=st.data(), version=st.sampled_from(ProtocolVersion))
 def test_a_client_that_has_logged_in_may_send_anything(
-    new_hub: NewHub, join: Join, data: st.DataObject, version: ProtocolVersion
+    new_state: NewState, join: Join, data: st.DataObject, version: ProtocolVersion
 ) -> None:
-    hub = new_hub()
-    witness = join("witness", at=hub)
+    state = new_state()
+    witness = join("witness", at=state)
     witness.subscribe("$witness")
-    client = join("wild", at=hub, version=version, will=Will("w"))
+    client = join("wild", at=state, version=version, will=Will("w"))
     feed(client, data.draw(streams(version)))
     if client.link.closed and client.link.lingers and version is ProtocolVersion.V5:
         (goodbye,) = client.take_only(Disconnect)
@@ -86,19 +86,19 @@ def test_a_client_that_has_logged_in_may_send_anything(
     client.lose()
     witness.publish("$witness")
     assert [message.topic for message in witness.messages()] == ["$witness"]
-    assert hub.stats.clients == 1
+    assert state.stats.clients == 1
 
 
 @FUZZ
 @given(data=st.data(), version=st.sampled_from(ProtocolVersion))
 def test_a_stranger_may_send_anything(
-    new_hub: NewHub, stranger: Stranger, join: Join, data: st.DataObject, version: ProtocolVersion
+    new_state: NewState, stranger: Stranger, join: Join, data: st.DataObject, version: ProtocolVersion
 ) -> None:
-    hub = new_hub()
-    client = stranger(version, at=hub)
+    state = new_state()
+    client = stranger(version, at=state)
     feed(client, data.draw(streams(version) | st.lists(st.binary(min_size=1, max_size=30), min_size=1, max_size=3)))
     client.lose()
-    witness = join("witness", at=hub)
+    witness = join("witness", at=state)
     witness.subscribe("$witness")
     witness.publish("$witness")
     assert len(witness.messages()) == 1

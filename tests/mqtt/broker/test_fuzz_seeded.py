@@ -34,7 +34,7 @@ from homebot.mqtt.packets import (
 )
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub, Stranger
+    from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
 
 SEED = int(os.environ.get("FUZZ_SEED", "1"))
 CASES = int(os.environ.get("FUZZ_CASES", "1000"))
@@ -50,7 +50,7 @@ FILTERS = ("#", "+/b", "t", "$share/g/t", "$share/g/+/+", "a/#", "$share/g")
 
 @pytest.mark.parametrize("part", range(PARTS))
 def test_a_damaged_stream_costs_its_own_connection_only(
-    new_hub: NewHub, join: Join, stranger: Stranger, part: int
+    new_state: NewState, join: Join, stranger: Stranger, part: int
 ) -> None:
     for number in range(part, CASES, PARTS):
         rng = random.Random(f"{SEED}/{number}")  # noqa: S311 - nobody guesses at it
@@ -60,12 +60,12 @@ def test_a_damaged_stream_costs_its_own_connection_only(
         what = f"seed {SEED}, case {number}: {stream.hex()}"
         outcomes = []
         for pieces in ([stream], cut(rng, stream)):
-            hub = new_hub(max_queued_messages=20, max_retained_messages=5, max_inflight=4, max_held_packets=8)
-            witness = join("witness", at=hub)
+            state = new_state(max_queued_messages=20, max_retained_messages=5, max_inflight=4, max_held_packets=8)
+            witness = join("witness", at=state)
             witness.subscribe("$witness")
-            client = stranger(version, at=hub)
+            client = stranger(version, at=state)
             if logged_in:
-                client = join("wild", at=hub, version=version, will=Will("w"))
+                client = join("wild", at=state, version=version, will=Will("w"))
             try:
                 outcomes.append(feed(client, pieces, logged_in=logged_in))
             except Exception as error:
@@ -73,8 +73,8 @@ def test_a_damaged_stream_costs_its_own_connection_only(
             client.lose()
             witness.publish("$witness")
             assert [message.topic for message in witness.messages()] == ["$witness"], what
-            assert hub.stats.clients == 1, what
-            assert hub.stats.queued_messages <= 20, what
+            assert state.stats.clients == 1, what
+            assert state.stats.queued_messages <= 20, what
         assert outcomes[0] == outcomes[1], what
 
 

@@ -18,7 +18,7 @@ from homebot.mqtt.packets import (
 )
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, NewHub
+    from tests.mqtt.broker.conftest import Join, NewState
 
 
 def alias(number: int) -> Properties:
@@ -76,8 +76,8 @@ def test_aliases_end_with_the_connection(join: Join) -> None:
     assert client.link.closed
 
 
-def test_more_messages_than_receive_maximum_end_the_connection(new_hub: NewHub, join: Join) -> None:
-    client = join(at=new_hub(receive_maximum=3))
+def test_more_messages_than_receive_maximum_end_the_connection(new_state: NewState, join: Join) -> None:
+    client = join(at=new_state(receive_maximum=3))
     for packet_id in (1, 2, 3):
         client.publish("t", qos=2, packet_id=packet_id)
     client.publish("t", qos=2, packet_id=3, dup=True)
@@ -90,8 +90,8 @@ def test_more_messages_than_receive_maximum_end_the_connection(new_hub: NewHub, 
     assert client.take_only(Disconnect)[0].reason is ReasonCode.RECEIVE_MAXIMUM_EXCEEDED
 
 
-def test_an_older_client_knows_no_receive_maximum(new_hub: NewHub, join: Join) -> None:
-    client = join(at=new_hub(receive_maximum=1), version=ProtocolVersion.V311)
+def test_an_older_client_knows_no_receive_maximum(new_state: NewState, join: Join) -> None:
+    client = join(at=new_state(receive_maximum=1), version=ProtocolVersion.V311)
     for packet_id in range(1, 50):
         client.publish("t", qos=2, packet_id=packet_id)
     assert not client.link.closed

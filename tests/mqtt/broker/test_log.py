@@ -11,7 +11,7 @@ from homebot.mqtt.broker import Broker, BrokerLimits
 from homebot.mqtt.packets import Connect, Pingreq
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Dial, Join, NewHub, Stranger
+    from tests.mqtt.broker.conftest import Dial, Join, NewState, Stranger
 
 
 def test_a_client_that_is_cut_off_is_named_with_its_mistake(stranger: Stranger, join: Join) -> None:
@@ -27,10 +27,12 @@ def test_a_client_that_is_cut_off_is_named_with_its_mistake(stranger: Stranger, 
     ]
 
 
-def test_a_refused_login_is_told_with_its_reason_and_without_the_password(new_hub: NewHub, stranger: Stranger) -> None:
-    hub = new_hub(credentials={"ann": "right"})
+def test_a_refused_login_is_told_with_its_reason_and_without_the_password(
+    new_state: NewState, stranger: Stranger
+) -> None:
+    state = new_state(credentials={"ann": "right"})
     with capture_logs() as lines:
-        stranger(at=hub).send(Connect("x" * 5000, username="ann", password=b"hunter2"))
+        stranger(at=state).send(Connect("x" * 5000, username="ann", password=b"hunter2"))
     (line,) = lines
     assert line["message"] == (f"the broker did not let client '{'x' * 99}…' (memory) in: bad user name or password")
     assert "hunter2" not in repr(line)

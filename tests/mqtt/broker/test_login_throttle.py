@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import pytest
-from tests.mqtt.broker.conftest import MemoryClient, NewHub
+from tests.mqtt.broker.conftest import MemoryClient, NewState
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import BrokerState
-from homebot.mqtt.broker.login_throttle import Applicant, LoginThrottle
+from homebot.mqtt.broker.login_limits import Applicant, LoginThrottle
 from homebot.mqtt.packets import Connack, Connect, Pingreq, Pingresp, ProtocolVersion, ReasonCode
 
 BAD = ReasonCode.BAD_USER_NAME_OR_PASSWORD
 
 
 @pytest.fixture
-def hub(new_hub: NewHub) -> BrokerState:
-    return new_hub(credentials={"u": "right"})
+def state(new_state: NewState) -> BrokerState:
+    return new_state(credentials={"u": "right"})
 
 
 def attempt(
-    hub: BrokerState, password: bytes = b"wrong", host: str = "10.0.0.66", client_id: str = "c"
+    state: BrokerState, password: bytes = b"wrong", host: str = "10.0.0.66", client_id: str = "c"
 ) -> MemoryClient:
-    client = MemoryClient(hub)
+    client = MemoryClient(state)
     client.link.address = f"{host}:5000"
     client.send(Connect(client_id, username="u", password=password))
     return client
@@ -32,92 +32,92 @@ def answer(client: MemoryClient) -> ReasonCode | None:
     return answers[0] if answers else None
 
 
-def pass_time(hub: BrokerState, clock: ManualClock, seconds: float) -> None:
+def pass_time(state: BrokerState, clock: ManualClock, seconds: float) -> None:
     for _ in range(round(seconds * 10)):
         clock.advance(0.1)
-        hub.deadlines.run(clock.monotonic())
+        state.deadlines.run(clock.monotonic())
 
 
-def test_who_mistypes_thrice_is_answered_at_once_and_let_in(hub: BrokerState) -> None:
-    assert [answer(attempt(hub)) for _ in range(3)] == [BAD] * 3
-    assert answer(attempt(hub, b"right")) is ReasonCode.SUCCESS
+def test_who_mistypes_thrice_is_answered_at_once_and_let_in(state: BrokerState) -> None:
+    assert [answer(attempt(state)) for _ in range(3)] == [BAD] * 3
+    assert answer(attempt(state, b"right")) is ReasonCode.SUCCESS
 
 
-def test_passwords_are_tried_ever_more_slowly(hub: BrokerState, clock: ManualClock) -> None:
+def test_passwords_are_tried_ever_more_slowly(state: BrokerState, clock: ManualClock) -> None:
     """An hour of attempts, ten a second: some five hundred are looked at."""
     began = clock.monotonic()
     while clock.monotonic() < began + 3600:
-        attempt(hub)
-        pass_time(hub, clock, 0.1)
-    assert 400 < hub.stats.logins_failed < 520
-    assert hub.stats.logins_slowed > 30_000
-    assert len(hub.waiting_logins) <= 110
+        attempt(state)
+        pass_time(state, clock, 0.1)
+    assert 400 < state.stats.logins_failed < 520
+    assert state.stats.logins_slowed > 30_000
+    assert len(state.waiting_logins) <= 110
 
 
-def test_many_connections_at_once_are_no_faster(hub: BrokerState, clock: ManualClock) -> None:
+def test_many_connections_at_once_are_no_faster(state: BrokerState, clock: ManualClock) -> None:
     for _ in range(200):
-        attempt(hub)
-    pass_time(hub, clock, 60)
-    assert hub.stats.logins_failed < 12
-    assert len(hub.waiting_logins) == 0
+        attempt(state)
+    pass_time(state, clock, 60)
+    assert state.stats.logins_failed < 12
+    assert len(state.waiting_logins) == 0
 
 
 def test_an_attempt_that_had_to_wait_is_answered_and_what_came_with_it_is_done(
-    hub: BrokerState, clock: ManualClock
+    state: BrokerState, clock: ManualClock
 ) -> None:
     for _ in range(5):
-        attempt(hub)
-        pass_time(hub, clock, 0.6)
-    honest = attempt(hub, b"right")
+        attempt(state)
+        pass_time(state, clock, 0.6)
+    honest = attempt(state, b"right")
     assert answer(honest) is None
     assert not honest.link.reading
     honest.peer.receive(b"\xc0\0")
-    pass_time(hub, clock, 1)
+    pass_time(state, clock, 1)
     assert [type(packet) for packet in honest.take()] == [Connack, Pingresp]
     assert honest.link.reading
     honest.send(Pingreq())
     assert honest.take() == [Pingresp()]
 
 
-def test_an_attempt_that_waited_too_long_is_told_so(hub: BrokerState, clock: ManualClock) -> None:
+def test_an_attempt_that_waited_too_long_is_told_so(state: BrokerState, clock: ManualClock) -> None:
     for _ in range(30):
-        attempt(hub)
-    last = attempt(hub)
-    pass_time(hub, clock, 11)
+        attempt(state)
+    last = attempt(state)
+    pass_time(state, clock, 11)
     assert answer(last) is ReasonCode.QUOTA_EXCEEDED
     assert last.link.closed
 
 
-def test_other_hosts_do_not_wait(hub: BrokerState) -> None:
+def test_other_hosts_do_not_wait(state: BrokerState) -> None:
     for _ in range(30):
-        attempt(hub)
-    assert answer(attempt(hub, b"right", "10.0.0.7")) is ReasonCode.SUCCESS
+        attempt(state)
+    assert answer(attempt(state, b"right", "10.0.0.7")) is ReasonCode.SUCCESS
 
 
 def test_a_client_that_was_in_before_does_not_wait_until_it_is_wrong_itself(
-    hub: BrokerState, clock: ManualClock
+    state: BrokerState, clock: ManualClock
 ) -> None:
-    assert answer(attempt(hub, b"right", client_id="lamp")) is ReasonCode.SUCCESS
+    assert answer(attempt(state, b"right", client_id="lamp")) is ReasonCode.SUCCESS
     for _ in range(30):
-        attempt(hub)
-    assert answer(attempt(hub, b"right", client_id="lamp")) is ReasonCode.SUCCESS
-    assert answer(attempt(hub, b"wrong", client_id="lamp")) is BAD
-    assert answer(attempt(hub, b"right", client_id="lamp")) is None
+        attempt(state)
+    assert answer(attempt(state, b"right", client_id="lamp")) is ReasonCode.SUCCESS
+    assert answer(attempt(state, b"wrong", client_id="lamp")) is BAD
+    assert answer(attempt(state, b"right", client_id="lamp")) is None
 
 
-def test_a_waiting_attempt_whose_client_goes_is_forgotten(hub: BrokerState, clock: ManualClock) -> None:
+def test_a_waiting_attempt_whose_client_goes_is_forgotten(state: BrokerState, clock: ManualClock) -> None:
     for _ in range(5):
-        attempt(hub)
-    client = attempt(hub, b"right")
+        attempt(state)
+    client = attempt(state, b"right")
     client.lose()
-    pass_time(hub, clock, 20)
-    assert hub.stats.clients == 0
+    pass_time(state, clock, 20)
+    assert state.stats.clients == 0
 
 
-def test_nobody_waits_where_no_password_is_asked_for(new_hub: NewHub) -> None:
-    hub = new_hub()
-    assert [answer(attempt(hub)) for _ in range(30)] == [ReasonCode.SUCCESS] * 30
-    assert len(hub.throttle) == 0
+def test_nobody_waits_where_no_password_is_asked_for(new_state: NewState) -> None:
+    state = new_state()
+    assert [answer(attempt(state)) for _ in range(30)] == [ReasonCode.SUCCESS] * 30
+    assert len(state.throttle) == 0
 
 
 def test_wrong_passwords_are_forgotten_in_time_and_the_memory_for_them_is_bounded(clock: ManualClock) -> None:
@@ -135,13 +135,13 @@ def test_wrong_passwords_are_forgotten_in_time_and_the_memory_for_them_is_bounde
 
 
 @pytest.mark.parametrize("version", [ProtocolVersion.V31, ProtocolVersion.V311])
-def test_older_clients_wait_as_well(hub: BrokerState, clock: ManualClock, version: ProtocolVersion) -> None:
+def test_older_clients_wait_as_well(state: BrokerState, clock: ManualClock, version: ProtocolVersion) -> None:
     for _ in range(6):
-        attempt(hub)
-        pass_time(hub, clock, 1.1)
-    client = MemoryClient(hub, version)
+        attempt(state)
+        pass_time(state, clock, 1.1)
+    client = MemoryClient(state, version)
     client.link.address = "10.0.0.66:1"
     client.send(Connect("old", version, username="u", password=b"right"))
     assert client.take() == []
-    pass_time(hub, clock, 8)
+    pass_time(state, clock, 8)
     assert answer(client) is ReasonCode.SUCCESS

@@ -11,7 +11,7 @@ from itertools import product
 from types import FrameType
 
 import pytest
-from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub
+from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import BrokerState
@@ -52,8 +52,8 @@ def calls_of(act: Callable[[], None]) -> int:
     return count
 
 
-def retain(hub: BrokerState, join: Join, topics: list[str]) -> None:
-    keeper = join("keeper", at=hub)
+def retain(state: BrokerState, join: Join, topics: list[str]) -> None:
+    keeper = join("keeper", at=state)
     for topic in topics:
         keeper.publish(topic, b"x", retain=True)
 
@@ -64,8 +64,8 @@ def served(client: MemoryClient, clock: ManualClock) -> list[int]:
     while True:
         before = len(client.link.written)
         clock.advance(0.01)
-        costs.append(calls_of(lambda: client.hub.deadlines.run(clock.monotonic())))
-        if len(client.link.written) == before and not client.hub.work.waiting:
+        costs.append(calls_of(lambda: client.state.deadlines.run(clock.monotonic())))
+        if len(client.link.written) == before and not client.state.work.waiting:
             return costs
 
 
@@ -91,9 +91,9 @@ WILD = [f"{'+/' * depth}{level}/#" for depth in range(20) for level in ("a", "b"
     ],
 )
 def test_no_subscribe_takes_long_at_once_and_all_retained_messages_come(
-    hub: BrokerState, join: Join, clock: ManualClock, topics: list[str], filters: list[str]
+    state: BrokerState, join: Join, clock: ManualClock, topics: list[str], filters: list[str]
 ) -> None:
-    retain(hub, join, topics)
+    retain(state, join, topics)
     client = join("client")
     clock.advance(1)
     packet = Subscribe(7, tuple(FilterRequest(each) for each in filters))
@@ -121,9 +121,9 @@ def matches(name: str, topic: str) -> bool:
 
 
 def test_others_are_served_between_the_slices_and_the_client_itself_in_its_order(
-    hub: BrokerState, join: Join, clock: ManualClock
+    state: BrokerState, join: Join, clock: ManualClock
 ) -> None:
-    retain(hub, join, [f"a/{number}" for number in range(5000)])
+    retain(state, join, [f"a/{number}" for number in range(5000)])
     client, other = join("client"), join("other")
     client.send(Subscribe(1, tuple(FilterRequest(f"x/{number}") for number in range(2000))), Pingreq(), Publish("x/1"))
     assert client.take() == [Pingresp()]
@@ -135,9 +135,9 @@ def test_others_are_served_between_the_slices_and_the_client_itself_in_its_order
     assert isinstance(message, Publish)
 
 
-def test_what_comes_during_a_replay_comes_behind_it(hub: BrokerState, join: Join, clock: ManualClock) -> None:
+def test_what_comes_during_a_replay_comes_behind_it(state: BrokerState, join: Join, clock: ManualClock) -> None:
     """Also what is not retained: an old state must not come after a new one."""
-    retain(hub, join, [f"a/{number}" for number in range(5000)])
+    retain(state, join, [f"a/{number}" for number in range(5000)])
     client, other = join("client"), join("other")
     client.subscribe("#", qos=1)
     other.publish("a/4999", b"new", 0)
@@ -148,8 +148,8 @@ def test_what_comes_during_a_replay_comes_behind_it(hub: BrokerState, join: Join
     assert payloads[:-2] == [b"x"] * 5000
 
 
-def test_a_message_that_replaces_a_retained_one_comes_once(hub: BrokerState, join: Join, clock: ManualClock) -> None:
-    retain(hub, join, [f"a/{number}" for number in range(5000)])
+def test_a_message_that_replaces_a_retained_one_comes_once(state: BrokerState, join: Join, clock: ManualClock) -> None:
+    retain(state, join, [f"a/{number}" for number in range(5000)])
     client, other = join("client"), join("other")
     client.subscribe("#", qos=1)
     other.publish("a/4999", b"new", 0, retain=True)
@@ -159,18 +159,18 @@ def test_a_message_that_replaces_a_retained_one_comes_once(hub: BrokerState, joi
     assert last == [("a/4996", b"x"), ("a/4997", b"x"), ("a/4999", b"new"), ("a/4998", b"")]
 
 
-def test_a_subscription_that_was_taken_back_is_owed_nothing(hub: BrokerState, join: Join, clock: ManualClock) -> None:
-    retain(hub, join, [f"a/{number}" for number in range(5000)])
+def test_a_subscription_that_was_taken_back_is_owed_nothing(state: BrokerState, join: Join, clock: ManualClock) -> None:
+    retain(state, join, [f"a/{number}" for number in range(5000)])
     client = join("client")
     client.subscribe("#")
     got = len(client.messages())
     client.send(Unsubscribe(2, ("#",)))
     served(client, clock)
     assert 0 < got + len(client.messages()) < 5000
-    assert hub.stats.queued_messages == 0
+    assert state.stats.queued_messages == 0
 
 
-def test_a_replay_goes_on_when_its_client_comes_back(hub: BrokerState, join: Join, clock: ManualClock) -> None:
+def test_a_replay_goes_on_when_its_client_comes_back(state: BrokerState, join: Join, clock: ManualClock) -> None:
     """At QoS 1, as all that waits for an absent client."""
     keeper = join("keeper")
     for number in range(3000):
@@ -187,29 +187,29 @@ def test_a_replay_goes_on_when_its_client_comes_back(hub: BrokerState, join: Joi
 
 
 def test_a_client_that_goes_in_the_middle_of_its_subscribe_leaves_nothing(
-    hub: BrokerState, join: Join, clock: ManualClock
+    state: BrokerState, join: Join, clock: ManualClock
 ) -> None:
     client = join("client")
     client.send(Subscribe(1, tuple(FilterRequest(f"x/{number}") for number in range(5000))), Publish("t"))
-    assert 0 < hub.stats.subscriptions < 5000
+    assert 0 < state.stats.subscriptions < 5000
     client.lose()
     clock.advance(1)
-    hub.deadlines.run(clock.monotonic())
-    assert (hub.stats.subscriptions, hub.stats.sessions, hub.exchange.subscriptions.levels) == (0, 0, 0)
+    state.deadlines.run(clock.monotonic())
+    assert (state.stats.subscriptions, state.stats.sessions, state.exchange.subscriptions.levels) == (0, 0, 0)
 
 
 def test_a_slow_reader_of_many_retained_messages_costs_no_memory_for_them(
-    new_hub: NewHub, join: Join, clock: ManualClock
+    new_state: NewState, join: Join, clock: ManualClock
 ) -> None:
-    hub = new_hub()
-    retain(hub, join, [f"a/{number}" for number in range(5000)])
-    client = join("client", at=hub)
+    state = new_state()
+    retain(state, join, [f"a/{number}" for number in range(5000)])
+    client = join("client", at=state)
     client.link.write_blocked = True
     for number in range(100):
         client.send(Subscribe(number + 1, tuple(FilterRequest(f"{'+/' * deep}#") for deep in range(20))))
     served(client, clock)
-    assert hub.stats.queued_messages == 100
-    assert len(hub.sessions._sessions["client"]._queue.parcels) == 100
+    assert state.stats.queued_messages == 100
+    assert len(state.sessions._sessions["client"]._queue.parcels) == 100
 
 
 @pytest.mark.parametrize("kind", [Subscribe, Unsubscribe])
@@ -236,7 +236,7 @@ def test_a_packet_with_too_many_properties_ends_its_connection_soon(join: Join, 
     assert client.link.closed
 
 
-def test_five_thousand_filters_are_unsubscribed_in_slices(hub: BrokerState, join: Join, clock: ManualClock) -> None:
+def test_five_thousand_filters_are_unsubscribed_in_slices(state: BrokerState, join: Join, clock: ManualClock) -> None:
     client = join("client")
     names = tuple("/".join(str(number).zfill(4)) + "/x" * 15 for number in range(5000))
     client.send(Subscribe(1, tuple(FilterRequest(name) for name in names)))
@@ -249,10 +249,12 @@ def test_five_thousand_filters_are_unsubscribed_in_slices(hub: BrokerState, join
     (unsuback,) = client.take()
     assert isinstance(unsuback, Unsuback)
     assert set(unsuback.reasons) == {ReasonCode.SUCCESS}
-    assert hub.exchange.subscriptions.levels == 0
+    assert state.exchange.subscriptions.levels == 0
 
 
-def test_a_topic_that_meets_every_wildcard_is_published_soon(hub: BrokerState, join: Join, clock: ManualClock) -> None:
+def test_a_topic_that_meets_every_wildcard_is_published_soon(
+    state: BrokerState, join: Join, clock: ManualClock
+) -> None:
     """Every way to put a plus into 12 levels, and as many levels as the tree may have."""
     clients = [join(f"c{number}") for number in range(10)]
     for number, client in enumerate(clients):
@@ -260,7 +262,7 @@ def test_a_topic_that_meets_every_wildcard_is_published_soon(hub: BrokerState, j
         names = [f"{start}/{'/'.join(levels)}" for levels in product("a+", repeat=12)]
         client.send(Subscribe(1, tuple(FilterRequest(name) for name in names)))
         served(client, clock)
-    assert hub.stats.subscriptions > 30_000
+    assert state.stats.subscriptions > 30_000
     publisher = join("publisher")
     publisher.publish("/".join("a" * 16))
     assert calls_of(lambda: publisher.publish("/".join("a" * 16))) < CALLS
@@ -270,16 +272,16 @@ def test_a_topic_that_meets_every_wildcard_is_published_soon(hub: BrokerState, j
 
 @pytest.mark.parametrize("version", [ProtocolVersion.V311, ProtocolVersion.V5])
 def test_a_store_that_is_full_of_retained_messages_refuses_one_more_at_once(
-    new_hub: NewHub, join: Join, version: ProtocolVersion
+    new_state: NewState, join: Join, version: ProtocolVersion
 ) -> None:
-    hub = new_hub(max_retained_messages=5000)
-    retain(hub, join, [f"a/{number}" for number in range(5000)])
-    publisher = join("p", at=hub, version=version)
+    state = new_state(max_retained_messages=5000)
+    retain(state, join, [f"a/{number}" for number in range(5000)])
+    publisher = join("p", at=state, version=version)
     assert calls_of(lambda: publisher.publish("one/more", b"x", 1, 1, retain=True)) < 500
-    assert hub.stats.retained_refused == 1
+    assert state.stats.retained_refused == 1
 
 
-def test_a_publisher_to_many_lets_others_have_their_turn(hub: BrokerState, join: Join, clock: ManualClock) -> None:
+def test_a_publisher_to_many_lets_others_have_their_turn(state: BrokerState, join: Join, clock: ManualClock) -> None:
     """Some thousand small messages fit into one read; each goes to a hundred."""
     subscribers = [join(f"s{number}") for number in range(100)]
     for subscriber in subscribers:
@@ -288,15 +290,15 @@ def test_a_publisher_to_many_lets_others_have_their_turn(hub: BrokerState, join:
     data = encode(Publish("t", b"")) * 2000
     costs = [calls_of(lambda: publisher.peer.receive(data))]
     assert len(subscribers[0].messages()) < 200
-    while hub.turn.waiting:
+    while state.turn.waiting:
         clock.advance(0.001)
-        costs.append(calls_of(lambda: hub.deadlines.run(clock.monotonic())))
+        costs.append(calls_of(lambda: state.deadlines.run(clock.monotonic())))
     assert max(costs) < CALLS
     assert len(subscribers[99].messages()) == 2000
 
 
 def test_copies_of_a_large_message_are_made_one_after_the_other(
-    hub: BrokerState, join: Join, clock: ManualClock
+    state: BrokerState, join: Join, clock: ManualClock
 ) -> None:
     subscribers = [join(f"s{number}", receive_maximum=10) for number in range(40)]
     for number, subscriber in enumerate(subscribers):
@@ -311,28 +313,28 @@ def test_copies_of_a_large_message_are_made_one_after_the_other(
 
 
 def test_the_subscriptions_of_sessions_that_end_are_removed_a_few_at_a_time(
-    hub: BrokerState, join: Join, clock: ManualClock
+    state: BrokerState, join: Join, clock: ManualClock
 ) -> None:
     """As many as one session may have, and all that there may be; from the first on they get nothing."""
     session = join("many")
     rest = join("more")
-    for client, count in ((session, hub.limits.max_subscriptions), (rest, 10_000)):
+    for client, count in ((session, state.limits.max_subscriptions), (rest, 10_000)):
         for first in range(0, count, 1000):
             client.send(Subscribe(1, tuple(FilterRequest(f"s/{number}", 0) for number in range(first, first + 1000))))
             served(client, clock)
     keeper = join("keeper")
     keeper.publish("s/7", b"seen")
     assert [message.payload for message in session.messages()] == [b"seen"]
-    assert hub.stats.subscriptions == hub.limits.max_all_subscriptions
+    assert state.stats.subscriptions == state.limits.max_all_subscriptions
     costs = [calls_of(session.lose), calls_of(rest.lose)]
-    assert hub.stats.subscriptions > 40_000
+    assert state.stats.subscriptions > 40_000
     keeper.publish("s/7", b"not seen", 1, 1)
     assert keeper.take_only(Puback)[0].reason is ReasonCode.NO_MATCHING_SUBSCRIBERS
     back = join("many", clean=True)
     back.publish("s/7", b"not seen either")
     costs += served(back, clock)
     assert back.messages() == []
-    assert hub.stats.subscriptions == 0
+    assert state.stats.subscriptions == 0
     assert max(costs) < CALLS // 4
     assert back.subscribe("s/7", qos=0) == (ReasonCode.SUCCESS,)
     keeper.publish("s/7", b"again")

@@ -6,8 +6,7 @@ from structlog.testing import capture_logs
 from tests.mqtt.broker.conftest import Dial
 
 from homebot.mqtt.broker import Broker, BrokerLimits
-from homebot.mqtt.broker.losses import LossReport, loss_text
-from homebot.mqtt.broker.stats import Counters
+from homebot.mqtt.broker.stats import Counters, LossReport, loss_text
 from homebot.mqtt.packets import FilterRequest, Publish, Subscribe
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from homebot.clock import ManualClock
-from homebot.mqtt.broker.policy import RefusedFilters
+from homebot.mqtt.broker.ports import RefusedFilters
 from homebot.mqtt.packets import (
     Auth,
     Connack,
@@ -30,7 +30,7 @@ from homebot.mqtt.packets import (
 )
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, NewHub, Stranger
+    from tests.mqtt.broker.conftest import Join, NewState, Stranger
 
 V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
 PassTime = Callable[[float], None]
@@ -46,8 +46,8 @@ class Gatekeeper:
         return ReasonCode.NOT_AUTHORIZED if "secret" in topic else ReasonCode.SUCCESS
 
 
-def test_the_client_is_told_what_the_broker_can_do(new_hub: NewHub, stranger: Stranger) -> None:
-    client = stranger(at=new_hub(receive_maximum=30, max_packet_size=5000, topic_alias_maximum=7))
+def test_the_client_is_told_what_the_broker_can_do(new_state: NewState, stranger: Stranger) -> None:
+    client = stranger(at=new_state(receive_maximum=30, max_packet_size=5000, topic_alias_maximum=7))
     client.send(Connect("a"))
     (connack,) = client.take()
     assert connack == Connack(
@@ -84,25 +84,27 @@ def test_an_older_client_without_an_id_must_start_clean(
 
 
 @pytest.mark.parametrize("version", [V31, V311, V5])
-def test_the_password_is_checked(new_hub: NewHub, stranger: Stranger, version: ProtocolVersion) -> None:
-    hub = new_hub(credentials={"ann": "right", "bob": "other"})
+def test_the_password_is_checked(new_state: NewState, stranger: Stranger, version: ProtocolVersion) -> None:
+    state = new_state(credentials={"ann": "right", "bob": "other"})
     reasons = []
     for username, password in (("ann", b"right"), ("ann", b"other"), ("eve", b"right"), ("ann", None), (None, None)):
-        client = stranger(version, at=hub)
+        client = stranger(version, at=state)
         client.send(Connect("a", version, username=username, password=password))
         reasons.append(client.take_only(Connack)[0].reason)
     bad = ReasonCode.BAD_USER_NAME_OR_PASSWORD
     assert reasons == [ReasonCode.SUCCESS, bad, bad, bad, ReasonCode.NOT_AUTHORIZED]
-    assert hub.stats.connections_refused == 4
+    assert state.stats.connections_refused == 4
 
 
-def test_one_client_too_many_is_refused_but_a_take_over_is_not(new_hub: NewHub, join: Join, stranger: Stranger) -> None:
-    hub = new_hub(max_connections=1)
-    join("a", at=hub)
-    client = stranger(at=hub)
+def test_one_client_too_many_is_refused_but_a_take_over_is_not(
+    new_state: NewState, join: Join, stranger: Stranger
+) -> None:
+    state = new_state(max_connections=1)
+    join("a", at=state)
+    client = stranger(at=state)
     client.send(Connect("b"))
     assert client.take_only(Connack)[0].reason is ReasonCode.QUOTA_EXCEEDED
-    join("a", at=hub)
+    join("a", at=state)
 
 
 def test_extended_authentication_is_refused(stranger: Stranger, join: Join) -> None:
@@ -156,7 +158,7 @@ def test_a_packet_that_must_not_come_ends_the_connection_with_a_reason(
     assert goodbye.properties.reason_string
     assert client.link.closed
     assert client.link.lingers
-    assert client.hub.stats.clients == 0
+    assert client.state.stats.clients == 0
 
 
 def test_an_older_client_is_just_closed(join: Join) -> None:
@@ -176,7 +178,7 @@ def test_reasons_in_words_are_left_out_on_request_or_for_want_of_room(join: Join
 def test_nothing_is_read_behind_a_disconnect(join: Join) -> None:
     client = join(will=Will("t"))
     client.send(Disconnect(), Publish("t", retain=True))
-    assert client.hub.stats.retained_messages == 0
+    assert client.state.stats.retained_messages == 0
     assert client.link.closed
     assert not client.link.lingers
 
@@ -196,7 +198,7 @@ def test_a_silent_client_is_closed_after_one_and_a_half_keep_alives(join: Join, 
     assert not client.link.closed
     pass_time(0.1)
     assert client.take_only(Disconnect)[0].reason is ReasonCode.KEEP_ALIVE_TIMEOUT
-    assert client.hub.stats.retained_messages == 1
+    assert client.state.stats.retained_messages == 1
 
 
 def test_a_client_without_keep_alive_may_be_silent_for_ever(join: Join, pass_time: PassTime) -> None:
@@ -214,27 +216,29 @@ def test_a_socket_without_connect_is_closed(stranger: Stranger, pass_time: PassT
 
 @pytest.mark.parametrize(("asked", "told", "limit"), [(120, 60, 90.0), (0, 60, 90.0), (5, None, 7.5)])
 def test_the_broker_may_shorten_the_keep_alive(
-    new_hub: NewHub, stranger: Stranger, clock: ManualClock, asked: int, told: int | None, limit: float
+    new_state: NewState, stranger: Stranger, clock: ManualClock, asked: int, told: int | None, limit: float
 ) -> None:
-    hub = new_hub(keep_alive=60)
-    client = stranger(at=hub)
+    state = new_state(keep_alive=60)
+    client = stranger(at=state)
     client.send(Connect("a", keep_alive=asked))
     assert client.take_only(Connack)[0].properties.server_keep_alive == told
     clock.advance(limit)
-    hub.deadlines.run(clock.monotonic())
+    state.deadlines.run(clock.monotonic())
     assert client.link.closed
 
 
-def test_refused_filters_are_answered_with_0x80(new_hub: NewHub, join: Join) -> None:
-    hub = new_hub(policy=RefusedFilters({"test/nosubscribe"}))
+def test_refused_filters_are_answered_with_0x80(new_state: NewState, join: Join) -> None:
+    state = new_state(policy=RefusedFilters({"test/nosubscribe"}))
     for version in (V311, V5):
-        client = join(at=hub, version=version)
+        client = join(at=state, version=version)
         assert client.subscribe("test/nosubscribe", "ok") == (ReasonCode.UNSPECIFIED_ERROR, ReasonCode.GRANTED_QOS_2)
 
 
-def test_a_policy_refuses_publishes_subscriptions_and_wills(new_hub: NewHub, join: Join, stranger: Stranger) -> None:
-    hub = new_hub(policy=Gatekeeper())
-    client, older = join("a", at=hub), join("b", at=hub, version=V311)
+def test_a_policy_refuses_publishes_subscriptions_and_wills(
+    new_state: NewState, join: Join, stranger: Stranger
+) -> None:
+    state = new_state(policy=Gatekeeper())
+    client, older = join("a", at=state), join("b", at=state, version=V311)
     assert client.subscribe(FilterRequest("secret/#"), "#") == (
         ReasonCode.NOT_AUTHORIZED,
         ReasonCode.GRANTED_QOS_2,
@@ -245,8 +249,8 @@ def test_a_policy_refuses_publishes_subscriptions_and_wills(new_hub: NewHub, joi
     denied = ReasonCode.NOT_AUTHORIZED
     assert client.take() == [Puback(1, denied), Pubrec(2, denied)]
     assert older.take() == [Puback(1), Pubrec(2)]
-    assert hub.stats.dropped_refused == 6
-    client = stranger(at=hub)
+    assert state.stats.dropped_refused == 6
+    client = stranger(at=state)
     client.send(Connect("c", will=Will("secret/x")))
     assert client.take_only(Connack)[0].reason is denied
 

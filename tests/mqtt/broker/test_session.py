@@ -20,7 +20,7 @@ from homebot.mqtt.packets import (
 )
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, MemoryClient, NewHub
+    from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
 V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
 FOREVER = 0xFFFF_FFFF
@@ -160,31 +160,31 @@ def test_an_acknowledgement_nobody_waits_for_is_ignored(join: Join) -> None:
     assert not client.link.closed
 
 
-def test_the_queue_of_an_absent_client_drops_its_oldest_and_counts(new_hub: NewHub, join: Join) -> None:
-    hub = new_hub(max_queued_messages=3)
-    client = join("s", at=hub, session_expiry_interval=FOREVER)
+def test_the_queue_of_an_absent_client_drops_its_oldest_and_counts(new_state: NewState, join: Join) -> None:
+    state = new_state(max_queued_messages=3)
+    client = join("s", at=state, session_expiry_interval=FOREVER)
     client.subscribe("t")
     client.lose()
-    other = join("p", at=hub)
+    other = join("p", at=state)
     for number in range(5):
         other.publish("t", str(number).encode(), 1, packet_id=number + 1)
     other.publish("t", b"qos 0", 0)
     assert [each.reason for each in other.take_only(Puback)] == [ReasonCode.SUCCESS] * 5
-    assert hub.stats.queued_messages == 3
-    client = join("s", at=hub, clean=False, present=True)
+    assert state.stats.queued_messages == 3
+    client = join("s", at=state, clean=False, present=True)
     assert payloads(client) == [b"2", b"3", b"4"]
-    assert hub.stats.dropped_offline == 2
+    assert state.stats.dropped_offline == 2
 
 
-def test_the_queue_of_an_absent_client_is_bounded_in_bytes(new_hub: NewHub, join: Join) -> None:
-    hub = new_hub(max_queued_bytes=1000)
-    client = join("s", at=hub, session_expiry_interval=FOREVER)
+def test_the_queue_of_an_absent_client_is_bounded_in_bytes(new_state: NewState, join: Join) -> None:
+    state = new_state(max_queued_bytes=1000)
+    client = join("s", at=state, session_expiry_interval=FOREVER)
     client.subscribe("t")
     client.lose()
-    other = join("p", at=hub)
+    other = join("p", at=state)
     for number in range(4):
         other.publish("t", str(number).encode() * 600, 1, packet_id=number + 1)
-    client = join("s", at=hub, clean=False, present=True)
+    client = join("s", at=state, clean=False, present=True)
     assert payloads(client) == [b"2" * 600, b"3" * 600]
 
 
@@ -198,7 +198,7 @@ def test_qos_0_for_a_full_socket_is_dropped_and_counted_and_qos_1_waits(join: Jo
     client.link.write_blocked = False
     client.peer.writable()
     assert payloads(client) == [b"kept"]
-    assert client.hub.stats.dropped_qos0 == 1
+    assert client.state.stats.dropped_qos0 == 1
 
 
 def test_retained_messages_wait_for_a_full_socket_even_at_qos_0(join: Join) -> None:
@@ -217,7 +217,7 @@ def test_packet_ids_start_anew_after_the_last_and_pass_over_those_in_use(join: J
     client = join("s")
     client.subscribe("t")
     client.publish("t", b"open", 1, packet_id=1)
-    client.hub.sessions._sessions["s"].in_flight._last_id = 65_534
+    client.state.sessions._sessions["s"].in_flight._last_id = 65_534
     client.publish("t", b"last", 1, packet_id=1)
     client.publish("t", b"next", 1, packet_id=1)
     assert [message.packet_id for message in client.messages()] == [1, 65_535, 2]

@@ -10,7 +10,7 @@ import pytest
 from homebot.mqtt.packets import Disconnect, Properties, ProtocolVersion, Publish, ReasonCode, Will
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, NewHub
+    from tests.mqtt.broker.conftest import Join, NewState
 
 V311 = ProtocolVersion.V311
 FOREVER = 0xFFFF_FFFF
@@ -84,17 +84,17 @@ def test_a_second_connection_takes_the_session_over(join: Join) -> None:
     first.peer.lost()
     second.publish("t")
     assert len(second.messages()) == 1
-    assert second.hub.stats.clients == 1
+    assert second.state.stats.clients == 1
 
 
-def test_the_session_left_longest_ago_makes_room(new_hub: NewHub, join: Join) -> None:
-    hub = new_hub(max_sessions=2)
-    join("old", at=hub, session_expiry_interval=FOREVER).lose()
-    join("new", at=hub, session_expiry_interval=FOREVER).lose()
-    join("third", at=hub)
-    assert hub.stats.sessions == 2
-    assert hub.stats.sessions_evicted == 1
-    join("new", at=hub, clean=False, present=True)
+def test_the_session_left_longest_ago_makes_room(new_state: NewState, join: Join) -> None:
+    state = new_state(max_sessions=2)
+    join("old", at=state, session_expiry_interval=FOREVER).lose()
+    join("new", at=state, session_expiry_interval=FOREVER).lose()
+    join("third", at=state)
+    assert state.stats.sessions == 2
+    assert state.stats.sessions_evicted == 1
+    join("new", at=state, clean=False, present=True)
 
 
 @pytest.mark.parametrize("leave", [True, False])
@@ -176,8 +176,8 @@ def test_a_will_expires_like_any_message(join: Join, pass_time: PassTime) -> Non
 def test_to_forget_publishes_no_will(join: Join) -> None:
     client = join("c", will=will(9), session_expiry_interval=99)
     client.lose()
-    client.hub.forget()
-    assert client.hub.stats.sessions == 0
+    client.state.forget()
+    assert client.state.stats.sessions == 0
     watcher = join("w")
     watcher.subscribe("#")
     assert watcher.messages() == []

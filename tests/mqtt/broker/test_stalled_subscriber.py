@@ -12,7 +12,7 @@ from homebot.mqtt.broker import Broker, BrokerLimits, BrokerState
 from homebot.mqtt.packets import FilterRequest, ProtocolVersion, Puback, Publish, ReasonCode, Subscribe
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Dial, Join, MemoryClient, NewHub
+    from tests.mqtt.broker.conftest import Dial, Join, MemoryClient, NewState
 
 COUNT = 2000
 FOREVER = 2**32 - 1
@@ -39,45 +39,45 @@ def drain(client: MemoryClient) -> list[int]:
 
 
 @pytest.mark.parametrize("version", [V5, V311])
-def test_all_are_taken_at_once_and_wait(hub: BrokerState, join: Join, version: ProtocolVersion) -> None:
+def test_all_are_taken_at_once_and_wait(state: BrokerState, join: Join, version: ProtocolVersion) -> None:
     stalled, publisher = join("s", version=version), join("p", version=V311)
     stalled.subscribe("t")
     pour(publisher)
     assert taken(publisher) == list(range(1, COUNT + 1))
-    assert hub.stats.queued_messages == COUNT - hub.limits.max_inflight
+    assert state.stats.queued_messages == COUNT - state.limits.max_inflight
     assert drain(stalled) == list(range(1, COUNT + 1))
 
 
 @pytest.mark.parametrize("returns", [False, True], ids=["stays", "is lost and returns"])
 def test_with_less_room_those_that_were_taken_arrive_and_the_others_are_refused(
-    new_hub: NewHub, join: Join, clock: ManualClock, *, returns: bool
+    new_state: NewState, join: Join, clock: ManualClock, *, returns: bool
 ) -> None:
     """The publisher is held back, and told no once the stall has lasted too long."""
-    hub = new_hub(max_queued_messages=500, receive_maximum=COUNT)
-    stalled, publisher = join("s", at=hub, session_expiry_interval=FOREVER), join("p", at=hub)
+    state = new_state(max_queued_messages=500, receive_maximum=COUNT)
+    stalled, publisher = join("s", at=state, session_expiry_interval=FOREVER), join("p", at=state)
     stalled.subscribe("t")
     pour(publisher)
     acknowledged = taken(publisher)
     assert len(acknowledged) == 64 + 375
-    clock.advance(hub.limits.hold_time)
-    hub.deadlines.run(clock.monotonic())
+    clock.advance(state.limits.hold_time)
+    state.deadlines.run(clock.monotonic())
     answers = publisher.take_only(Puback)
     acknowledged += [each.packet_id for each in answers if each.reason is ReasonCode.SUCCESS]
-    assert hub.stats.queued_messages == 500
+    assert state.stats.queued_messages == 500
     assert len(acknowledged) == 64 + 500
-    assert hub.stats.dropped_overrun == COUNT - len(acknowledged)
+    assert state.stats.dropped_overrun == COUNT - len(acknowledged)
     if returns:
         stalled.take()
         stalled.lose()
-        stalled = join("s", at=hub, clean=False, present=True, session_expiry_interval=FOREVER)
+        stalled = join("s", at=state, clean=False, present=True, session_expiry_interval=FOREVER)
     assert drain(stalled) == acknowledged
 
 
-def test_memory_stays_within_the_bounds_in_bytes(new_hub: NewHub, join: Join) -> None:
+def test_memory_stays_within_the_bounds_in_bytes(new_state: NewState, join: Join) -> None:
     """40 MB are sent; one MiB may wait in the queue and one at the publisher, whose socket is then left alone."""
     mib = 1024 * 1024
-    hub = new_hub(max_inflight=4, max_queued_bytes=mib, max_held_bytes=mib)
-    stalled, publisher = join("s", at=hub), join("p", at=hub, version=V311)
+    state = new_state(max_inflight=4, max_queued_bytes=mib, max_held_bytes=mib)
+    stalled, publisher = join("s", at=state), join("p", at=state, version=V311)
     stalled.subscribe("t")
     tracemalloc.start()
     try:

@@ -12,8 +12,7 @@ from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import RetainedMessages
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscription import SessionSubscription
-from homebot.mqtt.broker.subscriptions import SubscriptionTree
+from homebot.mqtt.broker.subscriptions import SessionSubscription, SubscriptionTree
 from homebot.mqtt.topics import topic_matches
 
 LEVEL = st.sampled_from(["a", "b", "", "$s", "*.x"])

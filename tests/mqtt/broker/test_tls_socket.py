@@ -45,7 +45,7 @@ async def test_hand_shakes_that_do_not_end_make_room_for_others(
     """They count as connections that have not logged in, and take no more memory."""
     silent = [await asyncio.open_connection(broker.host, broker.port) for _ in range(100)]
     await until(broker, 100)
-    assert len(broker.hub.waiting_logins) <= 20
+    assert len(broker.state.waiting_logins) <= 20
     client = await dial(broker, "honest", context=trusting)
     assert await client.call(Pingreq()) == Pingresp()
     assert broker.stats.logins_pushed_out >= 80
@@ -151,4 +151,4 @@ async def test_a_client_that_goes_in_the_middle_leaves_nothing(
     with anyio.fail_after(PATIENCE):
         while broker.stats.clients or len(broker._sockets):  # noqa: ASYNC110 - no event tells
             await anyio.sleep(0.01)
-    assert len(broker.hub.waiting_logins) == 0
+    assert len(broker.state.waiting_logins) == 0

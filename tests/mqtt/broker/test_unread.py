@@ -5,7 +5,7 @@ from __future__ import annotations
 import tracemalloc
 
 import pytest
-from tests.mqtt.broker.conftest import Join, NewHub, Stranger
+from tests.mqtt.broker.conftest import Join, NewState, Stranger
 
 from homebot.mqtt.broker import BrokerState
 from homebot.mqtt.broker.client_text import host_of
@@ -66,14 +66,14 @@ def test_a_reader_does_not_keep_what_was_taken() -> None:
     assert reader.held == 0
 
 
-def test_the_packet_that_is_incomplete_longest_gives_way_to_others(new_hub: NewHub, join: Join) -> None:
+def test_the_packet_that_is_incomplete_longest_gives_way_to_others(new_state: NewState, join: Join) -> None:
     """Honest packets are complete sooner than those that are only begun."""
-    hub = new_hub(max_packet_size=100 * KIB, max_unread_bytes=250 * KIB)
-    slow, second, third = (join(name, at=hub) for name in "abc")
+    state = new_state(max_packet_size=100 * KIB, max_unread_bytes=250 * KIB)
+    slow, second, third = (join(name, at=state) for name in "abc")
     for client in (slow, second, third):
         client.send_bytes(begun(90 * KIB, 80 * KIB))
     assert not slow.link.closed
-    honest = join("honest", at=hub)
+    honest = join("honest", at=state)
     honest.subscribe("t", qos=0)
     honest.send_bytes(begun(90 * KIB, 80 * KIB))
     (goodbye,) = slow.take_only(Disconnect)
@@ -81,30 +81,30 @@ def test_the_packet_that_is_incomplete_longest_gives_way_to_others(new_hub: NewH
     honest.send_bytes(encode(Publish("t", bytes(90 * KIB)))[80 * KIB :])
     assert [len(message.payload) for message in honest.messages()] == [90 * KIB]
     assert [client.link.closed for client in (slow, second, third)] == [True, False, False]
-    assert hub.stats.unread_given_up == 1
+    assert state.stats.unread_given_up == 1
 
 
-def test_packets_that_come_to_their_end_or_whose_client_goes_count_no_longer(new_hub: NewHub, join: Join) -> None:
-    hub = new_hub(max_packet_size=100 * KIB, max_unread_bytes=100 * KIB)
-    clients = [join(str(number), at=hub) for number in range(20)]
+def test_packets_that_come_to_their_end_or_whose_client_goes_count_no_longer(new_state: NewState, join: Join) -> None:
+    state = new_state(max_packet_size=100 * KIB, max_unread_bytes=100 * KIB)
+    clients = [join(str(number), at=state) for number in range(20)]
     for number, client in enumerate(clients):
         client.send_bytes(begun(90 * KIB, 80 * KIB))
         if number % 2:
             client.lose()
         else:
             client.send_bytes(encode(Publish("t", bytes(90 * KIB)))[80 * KIB :])
-    assert hub.unread.size == 0
-    assert hub.stats.unread_given_up == 0
+    assert state.unread.size == 0
+    assert state.stats.unread_given_up == 0
 
 
-def test_before_the_login_all_incomplete_packets_together_have_a_bound(new_hub: NewHub, stranger: Stranger) -> None:
-    hub = new_hub(max_connect_size=64 * KIB, max_unread_login_bytes=256 * KIB)
-    flood = [stranger(at=hub) for _ in range(200)]
+def test_before_the_login_all_incomplete_packets_together_have_a_bound(new_state: NewState, stranger: Stranger) -> None:
+    state = new_state(max_connect_size=64 * KIB, max_unread_login_bytes=256 * KIB)
+    flood = [stranger(at=state) for _ in range(200)]
     for each in flood:
         each.send_bytes(encode(Connect("x" * 60_000))[: 50 * KIB])
-    assert hub.unread_logins.size <= 256 * KIB
+    assert state.unread_logins.size <= 256 * KIB
     assert [each.link.closed for each in flood].count(False) == 5
-    honest = stranger(at=hub)
+    honest = stranger(at=state)
     honest.send(Connect("honest"))
     assert honest.take_only(Connack)[0].reason is ReasonCode.SUCCESS
 
@@ -115,36 +115,36 @@ def test_a_connect_is_small(stranger: Stranger) -> None:
     assert client.link.closed
 
 
-def test_connections_that_do_not_log_in_make_room_for_later_ones(new_hub: NewHub, stranger: Stranger) -> None:
-    hub = new_hub(max_waiting_logins=50)
-    silent = [stranger(at=hub) for _ in range(500)]
+def test_connections_that_do_not_log_in_make_room_for_later_ones(new_state: NewState, stranger: Stranger) -> None:
+    state = new_state(max_waiting_logins=50)
+    silent = [stranger(at=state) for _ in range(500)]
     assert [each.link.closed for each in silent] == [True] * 450 + [False] * 50
-    assert len(hub.waiting_logins) == 50
-    assert hub.stats.logins_pushed_out == 450
+    assert len(state.waiting_logins) == 50
+    assert state.stats.logins_pushed_out == 450
 
 
-def test_a_flood_from_one_host_keeps_nobody_else_out(new_hub: NewHub, stranger: Stranger) -> None:
-    hub = new_hub(max_waiting_logins=50)
-    honest = stranger(ProtocolVersion.V311, at=hub)
+def test_a_flood_from_one_host_keeps_nobody_else_out(new_state: NewState, stranger: Stranger) -> None:
+    state = new_state(max_waiting_logins=50)
+    honest = stranger(ProtocolVersion.V311, at=state)
     honest.link.address = "192.168.1.7:50000"
     silent = []
     for number in range(500):
-        silent.append(stranger(at=hub))
+        silent.append(stranger(at=state))
         silent[-1].link.address = f"192.168.1.66:{number}"
     assert not honest.link.closed
     honest.send(Connect("honest", ProtocolVersion.V311), Pingreq())
     assert honest.take_only(Pingresp) == [Pingresp()]
-    assert len(hub.waiting_logins) == 49
+    assert len(state.waiting_logins) == 49
 
 
 def test_those_who_logged_in_or_went_take_no_place_of_the_waiting(
-    hub: BrokerState, join: Join, stranger: Stranger
+    state: BrokerState, join: Join, stranger: Stranger
 ) -> None:
     join("a")
     stranger().lose()
     wrong = stranger()
     wrong.send_bytes(b"GET / HTTP/1.1\r\n")
-    assert len(hub.waiting_logins) == 0
+    assert len(state.waiting_logins) == 0
 
 
 @pytest.mark.parametrize(

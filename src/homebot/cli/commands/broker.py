@@ -14,7 +14,7 @@ from homebot.log import configure_logging
 from homebot.logger import get_logger
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.broker.authentication import is_loopback
-from homebot.mqtt.broker.losses import loss_text
+from homebot.mqtt.broker.stats import loss_text
 from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter
 from homebot.output import queued_output
@@ -88,7 +88,7 @@ async def _running(broker: Broker) -> AsyncIterator[None]:
         _log.info(SERVING, message=f"MQTT broker listening on {broker.url}; press Ctrl-C to stop", url=broker.url)
         yield
     stats = broker.stats
-    losses = loss_text(broker.hub.counters)
+    losses = loss_text(broker.state.counters)
     lost = f", dropped {losses}" if losses else ""
     _log.info(
         ENDED,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from homebot.gateways.announced.scheduler import Scheduler
-from homebot.mqtt.memory import MemoryKeeper
+from homebot.mqtt.memory_trim import MemoryTrimmer
 
 __all__ = ["LONG", "SpareMemory"]
 
@@ -23,7 +23,7 @@ class SpareMemory:
 
     def __init__(self, scheduler: Scheduler) -> None:
         self._scheduler = scheduler
-        self._keeper = MemoryKeeper()
+        self._trimmer = MemoryTrimmer()
         self._looks = 0
         self._is_planned = False
 
@@ -35,4 +35,4 @@ class SpareMemory:
     def _look(self) -> None:
         self._is_planned = False
         self._looks += 1
-        self._keeper.look(self._looks)
+        self._trimmer.trim_if_worthwhile(self._looks)

@@ -6,11 +6,10 @@ is made of), and the server (:class:`Broker`).
 
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.peer import Peer
-from homebot.mqtt.broker.policy import BrokerPolicy, RefusedFilters
+from homebot.mqtt.broker.ports import BrokerPolicy, RefusedFilters, Transport
 from homebot.mqtt.broker.server import Broker, PortTakenError
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.broker.stats import BrokerStats
-from homebot.mqtt.broker.transport import Transport
 
 __all__ = [
     "Broker",

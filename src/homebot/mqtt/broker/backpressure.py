@@ -14,9 +14,9 @@ from typing import final
 
 from homebot.mqtt.broker.client_text import short
 from homebot.mqtt.broker.deadlines import Deadline
+from homebot.mqtt.broker.ports import Transport
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.state import BrokerState
-from homebot.mqtt.broker.transport import Transport
 from homebot.mqtt.packets import Packet, Publish, ReasonCode
 
 __all__ = ["Backpressure"]
@@ -27,7 +27,7 @@ class Backpressure:
     """The waiting packets of one publisher and the session they wait for; fills the port ``HeldPublisher``.
 
     Args:
-        hub: The broker.
+        state: The broker.
         link: The publisher's connection.
         go_on: Called, not from within another call, when the wait is over; it takes the packets.
 
@@ -39,13 +39,13 @@ class Backpressure:
         paused: Whether packets wait behind one that is not done.
     """
 
-    def __init__(self, hub: BrokerState, link: Transport, go_on: Callable[[], None]) -> None:
+    def __init__(self, state: BrokerState, link: Transport, go_on: Callable[[], None]) -> None:
         self.packets: deque[Packet] = deque()
         self.messages = 0
         self.size = 0
         self.reading = True
         self.paused = False
-        self._hub = hub
+        self._state = state
         self._link = link
         self._go_on = go_on
         self._slow: dict[BrokerSession, int] = {}  # with what it had settled when the wait began
@@ -69,7 +69,7 @@ class Backpressure:
             self._slow[session] = session.settled
             session.held_publishers[self] = None
         if self._end is None:
-            self._hub.counters.holds += 1
+            self._state.counters.holds += 1
             self._wait_on()
 
     def keep_first(self, packet: Packet) -> None:
@@ -81,7 +81,7 @@ class Backpressure:
         """Let *packet* wait."""
         self.packets.append(packet)
         self._count(packet, 1)
-        limits = self._hub.limits
+        limits = self._state.limits
         if self.reading and (len(self.packets) >= limits.max_held_packets or self.size >= limits.max_held_bytes):
             self.reading = False
             self._link.pause_reading()
@@ -92,7 +92,7 @@ class Backpressure:
             return None
         packet = self.packets.popleft()
         self._count(packet, -1)
-        limits = self._hub.limits
+        limits = self._state.limits
         has_room = len(self.packets) < limits.max_held_packets // 2 and self.size <= limits.max_held_bytes // 2
         if not self.reading and has_room:
             self.reading = True
@@ -104,7 +104,7 @@ class Backpressure:
         self._slow.pop(session, None)
         if not self._slow and self._end is not None:
             self._end.cancel()
-            self._end = self._hub.deadlines.at(self._hub.clock.monotonic(), self._over)
+            self._end = self._state.deadlines.at(self._state.clock.monotonic(), self._over)
 
     def stop(self) -> None:
         """Wait no more; what waits is left to be taken."""
@@ -121,8 +121,8 @@ class Backpressure:
             self.size += sign * (len(packet.topic) + len(packet.payload))
 
     def _wait_on(self) -> None:
-        until = self._hub.clock.monotonic() + self._hub.limits.hold_time
-        self._end = self._hub.deadlines.at(until, self._time_is_up)
+        until = self._state.clock.monotonic() + self._state.limits.hold_time
+        self._end = self._state.deadlines.at(until, self._time_is_up)
 
     def _time_is_up(self) -> None:
         if self._is_endless:
@@ -131,26 +131,26 @@ class Backpressure:
             self._give_up()
 
     def _close_stalled(self) -> None:
-        hub = self._hub
-        enough = hub.limits.max_inflight
+        state = self._state
+        enough = state.limits.max_inflight
         stalled = [session for session, before in self._slow.items() if session.settled - before < enough]
         self._slow = {session: session.settled for session in self._slow}
         self._wait_on()
         for session in stalled:
-            hub.counters.clients_stalled += 1
-            hub.warn(
+            state.counters.clients_stalled += 1
+            state.warn(
                 "broker.client_stalled",
                 f"the broker cut off client {short(session.client_id)!r}: {session.queued} messages wait for it, and "
-                f"it acknowledged less than {enough} in {hub.limits.hold_time:g} s",
+                f"it acknowledged less than {enough} in {state.limits.hold_time:g} s",
                 client_id=session.client_id,
                 queued=session.queued,
             )
-            hub.peers[session.client_id].end(ReasonCode.QUOTA_EXCEEDED)
+            state.peers[session.client_id].end(ReasonCode.QUOTA_EXCEEDED)
 
     def _give_up(self) -> None:
         for session in self._slow:
             session.overrun = True
-            self._hub.warn(
+            self._state.warn(
                 "broker.client_too_slow",
                 f"client {short(session.client_id)!r} is too slow: {session.queued} messages wait for it; "
                 "what does not fit any more is refused",

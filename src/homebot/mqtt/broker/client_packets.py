@@ -42,7 +42,7 @@ class ClientPackets:
     """Does what each packet asks for.
 
     Args:
-        hub: The broker.
+        state: The broker.
         session: The client's.
         outbound: Where the answers go.
         on_disconnect: Called when the client takes its leave, with whether its will is to be published; it calls
@@ -52,21 +52,21 @@ class ClientPackets:
 
     def __init__(
         self,
-        hub: BrokerState,
+        state: BrokerState,
         session: BrokerSession,
         outbound: Outbound,
         on_disconnect: Callable[[bool], None],
         on_failure: Callable[[PacketError], None],
     ) -> None:
-        self._hub = hub
+        self._state = state
         self._session = session
         self._outbound = outbound
         self._on_disconnect = on_disconnect
         self._on_failure = on_failure
         self._stopped = False
-        self._inbound = Inbound(hub, session, outbound)
-        self._holding = Backpressure(hub, outbound.link, self._go_on)
-        self._filters = FilterRequests(hub, session, outbound, self._holding, self._resume)
+        self._inbound = Inbound(state, session, outbound)
+        self._holding = Backpressure(state, outbound.link, self._go_on)
+        self._filters = FilterRequests(state, session, outbound, self._holding, self._resume)
 
     @property
     def reading(self) -> bool:
@@ -122,7 +122,7 @@ class ClientPackets:
         self._stopped = True
         self._holding.stop()
         self._holding.paused = False
-        self._hub.turn.forget(self._resume)
+        self._state.turn.forget(self._resume)
         self._filters.stop()
         self._inbound.gone = True
         try:
@@ -139,14 +139,14 @@ class ClientPackets:
         if type(packet) is Publish:
             if packet.qos:
                 self._inbound.check_quota(packet, self._holding.messages)
-            if self._hub.exchange.crowded and self._wait_for_room(packet):
+            if self._state.exchange.crowded and self._wait_for_room(packet):
                 return
             slow = self._inbound.publish(packet)
             if slow:
                 self._holding.wait_for(slow)
-            if self._hub.turn.units <= 0:
+            if self._state.turn.units <= 0:
                 self._holding.paused = True
-                self._hub.turn.later(self._resume)
+                self._state.turn.later(self._resume)
         else:
             handler = self._HANDLERS.get(type(packet))
             if handler is None:

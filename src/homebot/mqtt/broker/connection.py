@@ -1,20 +1,104 @@
-"""One client's socket: joins what is written within one turn of the loop, and closes without losing the reason."""
+"""Sockets of the clients: joins what is written within one turn of the loop, and closes without losing the reason."""
 
 from __future__ import annotations
 
 import asyncio
 import socket
-from collections.abc import Callable
-from typing import Final, cast, final
+from collections.abc import Callable, Iterator
+from typing import Final, Protocol, cast, final
 
-from homebot.mqtt.broker.connection_handler import ConnectionHandler
+import anyio
+
 from homebot.mqtt.broker.peer import Peer
-from homebot.mqtt.broker.sockets import Sockets
+from homebot.mqtt.broker.ports import ConnectionHandler, Transport
 from homebot.mqtt.broker.state import BrokerState
-from homebot.mqtt.broker.transport import Transport
 from homebot.mqtt.packets import ReasonCode
 
-__all__ = ["BrokerConnection"]
+__all__ = ["BrokerConnection", "OpenSocket", "Sockets"]
+
+_READ_AT_MOST = 16 * 1024  # handled in one turn of the loop: some hundred messages, then it is the others' turn
+_PER_CLIENT = 2  # those not logged in must not keep the others out, nor be without bound
+
+
+class OpenSocket(Protocol):
+    """A connection as those see it who count it."""
+
+    @property
+    def address(self) -> str:
+        """The far side."""
+        ...
+
+    def end(self, reason: ReasonCode) -> None:
+        """Close it in order; MQTT 5 clients are told *reason*, and no will is published."""
+        ...
+
+    def abort(self) -> None:
+        """Cut it without a word."""
+        ...
+
+
+@final
+class Sockets:
+    """The open sockets; those that only wait for their end make room for new ones.
+
+    Attributes:
+        read_buffer: Where bytes arrive, one place for all: they are taken before the next socket is read.
+    """
+
+    def __init__(self) -> None:
+        self.read_buffer = memoryview(bytearray(_READ_AT_MOST))
+        self._open: dict[OpenSocket, None] = {}
+        self._ending: dict[OpenSocket, None] = {}  # the oldest first
+        self._empty: anyio.Event | None = None
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def __iter__(self) -> Iterator[OpenSocket]:
+        return iter(list(self._open))
+
+    def admit(self, socket: OpenSocket, state: BrokerState) -> bool:
+        """Count *socket*; False where there are too many, and it has to be cut."""
+        if len(self._open) >= _PER_CLIENT * state.limits.max_connections and not self._end_one():
+            state.warn(
+                "broker.too_many_sockets",
+                f"the broker turned {socket.address} away: {len(self._open)} connections are open already",
+                address=socket.address,
+                sockets=len(self._open),
+            )
+            state.counters.connections_refused += 1
+            return False
+        state.counters.connections_accepted += 1
+        self._open[socket] = None
+        return True
+
+    def ends(self, socket: OpenSocket) -> None:
+        """*socket* is only kept so that its client can read why it was closed."""
+        if socket in self._open:
+            self._ending[socket] = None
+
+    def lost(self, socket: OpenSocket) -> None:
+        """*socket* is closed."""
+        self._open.pop(socket, None)
+        self._ending.pop(socket, None)
+        if self._empty is not None and not self._open:
+            self._empty.set()
+
+    async def wait_until_gone(self) -> None:
+        """Wait until all are closed."""
+        while self._open:
+            self._empty = anyio.Event()
+            await self._empty.wait()
+
+    def _end_one(self) -> bool:
+        oldest = next(iter(self._ending), None)
+        if oldest is None:
+            return False
+        del self._ending[oldest]
+        self._open.pop(oldest, None)
+        oldest.abort()
+        return True
+
 
 _WORTH_COUNTING = 16 * 1024  # bytes that wait for one socket
 _JOIN_AT_MOST = 128 * 1024  # write at once what has grown to this, so that the transport's limit counts
@@ -26,7 +110,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
     """Carries bytes between a transport and a :class:`Peer`; fills the :class:`Transport` port.
 
     Args:
-        hub: The broker.
+        state: The broker.
         loop: The running loop.
         sockets: Where it counts while it is open.
         endpoint: Makes what understands the bytes.
@@ -39,15 +123,15 @@ class BrokerConnection(asyncio.BufferedProtocol):
 
     def __init__(
         self,
-        hub: BrokerState,
+        state: BrokerState,
         loop: asyncio.AbstractEventLoop,
         sockets: Sockets,
         endpoint: Callable[[BrokerState, Transport], ConnectionHandler] = Peer,
     ) -> None:
         self.write_blocked = False
         self.address = "?"
-        self.peer = endpoint(hub, self)
-        self._hub = hub
+        self.peer = endpoint(state, self)
+        self._state = state
         self._loop = loop
         self._sockets = sockets
         self._buffer = sockets.read_buffer
@@ -65,10 +149,10 @@ class BrokerConnection(asyncio.BufferedProtocol):
         address = transport.get_extra_info("peername")
         if isinstance(address, tuple):
             self.address = f"{address[0]}:{address[1]}"
-        if self._closing or not self._sockets.admit(self, self._hub):
+        if self._closing or not self._sockets.admit(self, self._state):
             self.abort()
             return
-        transport.set_write_buffer_limits(high=self._hub.limits.write_buffer)
+        transport.set_write_buffer_limits(high=self._state.limits.write_buffer)
         sock = transport.get_extra_info("socket")
         if sock is not None and sock.family in (socket.AF_INET, socket.AF_INET6):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -84,7 +168,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self.peer.receive(bytes(self._buffer[:nbytes]))
         except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
             self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
-            self._hub.warn(
+            self._state.warn(
                 "broker.internal_error",
                 f"the broker itself failed over what {self.peer.client_text} sent, and cut it off: {error!r}",
                 address=self.address,
@@ -155,7 +239,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._transport.close()
             return
         self._transport.resume_reading()
-        self._lingering = self._loop.call_later(self._hub.limits.linger, self._transport.abort)
+        self._lingering = self._loop.call_later(self._state.limits.linger, self._transport.abort)
         if not self._transport.can_write_eof():
             self._transport.close()
             return
@@ -181,8 +265,8 @@ class BrokerConnection(asyncio.BufferedProtocol):
 
     def give_up(self) -> None:
         """Cut the connection of a client that takes too little."""
-        self._hub.counters.clients_stalled += 1
-        self._hub.warn(
+        self._state.counters.clients_stalled += 1
+        self._state.warn(
             "broker.client_stalled",
             f"the broker cut off {self.peer.client_text}: {self.unsent} bytes wait for its socket, "
             "more than for any other",
@@ -193,8 +277,8 @@ class BrokerConnection(asyncio.BufferedProtocol):
 
     def note_bad_tls(self, reason: str) -> None:
         """The client did not speak TLS as it should."""
-        self._hub.counters.connections_failed += 1
-        self._hub.warn(
+        self._state.counters.connections_failed += 1
+        self._state.warn(
             "broker.tls_failed",
             f"{self.address} and the broker did not agree on TLS: {reason.lower().replace('_', ' ')}",
             address=self.address,
@@ -204,7 +288,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
     def _note_unsent(self, size: int) -> None:
         if size >= _WORTH_COUNTING or self._is_slow:
             self._is_slow = size >= _WORTH_COUNTING
-            self._hub.unsent.note(self, size if self._is_slow else 0)
+            self._state.unsent.note(self, size if self._is_slow else 0)
 
     def _acknowledge(self) -> None:
         """Have TCP acknowledge what came, which no answer of ours will do now.

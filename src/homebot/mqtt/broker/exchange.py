@@ -7,18 +7,14 @@ from collections.abc import Callable, Iterable
 from typing import Final, NamedTuple, final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.deadlines import BrokerTimers
-from homebot.mqtt.broker.delivery import REFUSED, TAKEN, DeliveryResult
+from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY, BrokerMessage
-from homebot.mqtt.broker.queue import QueuedMessage
-from homebot.mqtt.broker.replay import Replay
-from homebot.mqtt.broker.retained import RetainedMessages
+from homebot.mqtt.broker.queue import REFUSED, TAKEN, DeliveryResult, QueuedMessage
+from homebot.mqtt.broker.retained import Replay, RetainedMessages
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscription import SessionSubscription
-from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
-from homebot.mqtt.broker.work import SliceBudget
+from homebot.mqtt.broker.subscriptions import SessionSubscription, ShareGroup, SubscriptionTree, Target
 from homebot.mqtt.packets import FilterRequest, ReasonCode
 
 __all__ = ["COST", "MessageRouter", "Receipt"]

@@ -8,8 +8,7 @@ from typing import final
 from homebot.mqtt.broker.backpressure import Backpressure
 from homebot.mqtt.broker.exchange import COST
 from homebot.mqtt.broker.outbound import Outbound
-from homebot.mqtt.broker.replay import Replay
-from homebot.mqtt.broker.retained import RetainedMessages
+from homebot.mqtt.broker.retained import Replay, RetainedMessages
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import ReasonCode, Suback, Subscribe, Unsuback, Unsubscribe
@@ -22,7 +21,7 @@ class FilterRequests:
     """Carries out the SUBSCRIBE and UNSUBSCRIBE packets of one client, one after the other.
 
     Args:
-        hub: The broker.
+        state: The broker.
         session: Whose.
         outbound: Where the answers go.
         holding: Where all that comes waits while a packet is under way.
@@ -31,13 +30,13 @@ class FilterRequests:
 
     def __init__(
         self,
-        hub: BrokerState,
+        state: BrokerState,
         session: BrokerSession,
         outbound: Outbound,
         holding: Backpressure,
         go_on: Callable[[], None],
     ) -> None:
-        self._hub = hub
+        self._state = state
         self._session = session
         self._outbound = outbound
         self._holding = holding
@@ -51,7 +50,7 @@ class FilterRequests:
 
     def subscribe(self, packet: Subscribe) -> None:
         """Begin with a SUBSCRIBE."""
-        self._current = _Subscribing(self._session, packet, self._hub.exchange.retained)
+        self._current = _Subscribing(self._session, packet, self._state.exchange.retained)
         self._go_on()
 
     def unsubscribe(self, packet: Unsubscribe) -> None:
@@ -62,16 +61,16 @@ class FilterRequests:
     def stop(self) -> None:
         """The client is gone; what was done stays done."""
         self._current = None
-        self._hub.work.forget(self._go_on)
+        self._state.work.forget(self._go_on)
 
     def _go_on(self) -> None:
         """Take as many filters as may be taken now."""
         if self._current is None:
             return
-        answer = self._current.go_on(self._hub)
+        answer = self._current.go_on(self._state)
         if answer is None:
             self._holding.paused = True
-            self._hub.work.later(self._go_on)
+            self._state.work.later(self._go_on)
             return
         self._current = None
         self._outbound.send(answer)
@@ -99,20 +98,20 @@ class _Subscribing:
         self._is_queued = False
         self._reasons: list[ReasonCode] = []
 
-    def go_on(self, hub: BrokerState) -> Suback | None:
+    def go_on(self, state: BrokerState) -> Suback | None:
         """Take as many filters as may be taken now; the answer, or None where some are left."""
         session, requests, reasons = self._session, self._packet.filters, self._reasons
         identifier = (*self._packet.properties.subscription_identifiers, 0)[0]
         while len(reasons) < len(requests):
-            if not hub.work.left:
+            if not state.work.left:
                 self._queue()  # now, so that nothing that comes meanwhile overtakes it
                 return None
             request = requests[len(reasons)]
-            reason = hub.policy.subscribe(session.client_id, request.filter)
+            reason = state.policy.subscribe(session.client_id, request.filter)
             if not reason.failed:
-                reason = hub.exchange.subscribe(session, request, identifier, self._replay)
+                reason = state.exchange.subscribe(session, request, identifier, self._replay)
             reasons.append(reason)
-            hub.work.spend(COST + request.filter.count("/"))
+            state.work.spend(COST + request.filter.count("/"))
         self._replay.complete = True
         if self._replay.size:
             self._queue()
@@ -140,13 +139,13 @@ class _Unsubscribing:
         self._packet = packet
         self._reasons: list[ReasonCode] = []
 
-    def go_on(self, hub: BrokerState) -> Unsuback | None:
+    def go_on(self, state: BrokerState) -> Unsuback | None:
         """Take as many filters as may be taken now; the answer, or None where some are left."""
         names, reasons = self._packet.filters, self._reasons
         while len(reasons) < len(names):
-            if not hub.work.left:
+            if not state.work.left:
                 return None
             name = names[len(reasons)]
-            reasons.append(hub.exchange.unsubscribe(self._session, name))
-            hub.work.spend(COST + name.count("/"))
+            reasons.append(state.exchange.unsubscribe(self._session, name))
+            state.work.spend(COST + name.count("/"))
         return Unsuback(self._packet.packet_id, tuple(reasons))

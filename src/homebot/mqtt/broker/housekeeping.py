@@ -1,15 +1,53 @@
-"""Chores of a broker on sockets, every few seconds."""
+"""Timers of a broker that runs on an event loop: its deadlines, and chores every few seconds."""
 
 from __future__ import annotations
 
 import asyncio
 from typing import Final, final
 
-from homebot.mqtt.broker.losses import LossReport
 from homebot.mqtt.broker.state import BrokerState
-from homebot.mqtt.memory import MemoryKeeper
+from homebot.mqtt.broker.stats import LossReport
+from homebot.mqtt.memory_trim import MemoryTrimmer
 
-__all__ = ["Housekeeping"]
+__all__ = ["DeadlineTimer", "Housekeeping"]
+
+
+@final
+class DeadlineTimer:
+    """One timer of the running event loop, set to the earliest deadline; works from :meth:`start` on."""
+
+    def __init__(self, state: BrokerState) -> None:
+        self._state = state
+        self._timer: asyncio.TimerHandle | None = None
+
+    def start(self) -> None:
+        """Do what became due meanwhile, and wait for the next."""
+        self._state.deadlines.wake = self._wake_at
+        self.tick()
+
+    def tick(self) -> None:
+        """Do what is due by the broker's clock."""
+        state = self._state
+        try:
+            state.deadlines.run(state.clock.monotonic())
+        finally:
+            earliest = state.deadlines.earliest
+            if earliest is not None:
+                self._wake_at(earliest)
+
+    def stop(self) -> None:
+        """Run nothing more."""
+        self._state.deadlines.wake = None
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _wake_at(self, when: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        delay = max(0.0, when - self._state.clock.monotonic())
+        self._timer = asyncio.get_running_loop().call_later(delay, self.tick)
+
 
 _EVERY: Final = 10.0
 _MESSAGES: Final = 1000  # so many may have held memory worth to be given back
@@ -19,10 +57,10 @@ _MESSAGES: Final = 1000  # so many may have held memory worth to be given back
 class Housekeeping:
     """A timer of the running loop, from :meth:`start` to :meth:`stop`."""
 
-    def __init__(self, hub: BrokerState) -> None:
-        self._hub = hub
-        self._losses = LossReport(hub.counters)
-        self._memory = MemoryKeeper()
+    def __init__(self, state: BrokerState) -> None:
+        self._state = state
+        self._losses = LossReport(state.counters)
+        self._memory = MemoryTrimmer()
         self._timer: asyncio.TimerHandle | None = None
 
     @property
@@ -41,8 +79,8 @@ class Housekeeping:
             self._timer = None
 
     def _run(self) -> None:
-        counters = self._hub.counters
+        counters = self._state.counters
         if lost := self._losses.take():
-            self._hub.warn("broker.dropped", f"the broker dropped {lost} in the last {_EVERY:g} s")
-        self._memory.look(counters.connections_closed + counters.messages_received // _MESSAGES)
+            self._state.warn("broker.dropped", f"the broker dropped {lost} in the last {_EVERY:g} s")
+        self._memory.trim_if_worthwhile(counters.connections_closed + counters.messages_received // _MESSAGES)
         self.start()

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections import deque
 from typing import Final, final
 
+from homebot.mqtt.broker.byte_limits import QueuePool
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.queue import QueuedMessage
-from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
 
 __all__ = ["InFlight"]

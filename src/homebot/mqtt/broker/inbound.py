@@ -32,7 +32,7 @@ class Inbound:
     """The reading half of one connection, as far as messages go.
 
     Args:
-        hub: The broker.
+        state: The broker.
         session: Whose messages.
         outbound: Where the answers go.
 
@@ -41,8 +41,8 @@ class Inbound:
         refusable: The client can be told that a message was not taken; from MQTT 5 on.
     """
 
-    def __init__(self, hub: BrokerState, session: BrokerSession, outbound: Outbound) -> None:
-        self._hub = hub
+    def __init__(self, state: BrokerState, session: BrokerSession, outbound: Outbound) -> None:
+        self._state = state
         self._session = session
         self._outbound = outbound
         self._aliases: dict[int, str] = {}
@@ -50,7 +50,7 @@ class Inbound:
         self._open: set[int] = set()  # QoS 2 ids taken on this connection and not released
         self._is_v5 = self.refusable = outbound.version is ProtocolVersion.V5
         self.gone = False
-        self._max_levels = hub.limits.max_topic_levels
+        self._max_levels = state.limits.max_topic_levels
 
     def check_quota(self, packet: Publish, waiting: int) -> None:
         """Make sure that an MQTT 5 client keeps to the broker's Receive Maximum.
@@ -64,11 +64,11 @@ class Inbound:
         """
         if not self._is_v5 or not packet.qos:
             return
-        if waiting + len(self._open) >= self._hub.limits.receive_maximum:
+        if waiting + len(self._open) >= self._state.limits.receive_maximum:
             if packet.packet_id in self._open:
                 return
             raise PacketError(
-                f"more than {self._hub.limits.receive_maximum} messages without an answer",
+                f"more than {self._state.limits.receive_maximum} messages without an answer",
                 code=ReasonCode.RECEIVE_MAXIMUM_EXCEEDED,
             )
 
@@ -80,7 +80,7 @@ class Inbound:
         """
         if not packet.qos:
             return ()
-        full = self._hub.exchange.without_room(self._resolve(packet))
+        full = self._state.exchange.without_room(self._resolve(packet))
         return tuple(session for session in full if not (self.refusable and session.overrun))
 
     def publish(self, packet: Publish) -> tuple[BrokerSession, ...]:
@@ -89,7 +89,7 @@ class Inbound:
         Raises:
             PacketError: The client must not have sent this.
         """
-        self._hub.counters.messages_received += 1
+        self._state.counters.messages_received += 1
         qos = packet.qos
         if qos == 2:
             return self._publish_qos2(packet)
@@ -129,21 +129,21 @@ class Inbound:
 
     def _forward(self, packet: Publish) -> Receipt:
         topic, payload, qos, retain, _, _, properties = packet
-        hub = self._hub
+        state = self._state
         expires_at = None
         if properties is not NO_PROPERTIES:
             topic = self._resolve(packet)
             if properties.topic_alias is not None:
                 properties = replace(properties, topic_alias=None)
             if properties.message_expiry_interval is not None:
-                expires_at = hub.clock.monotonic() + properties.message_expiry_interval
+                expires_at = state.clock.monotonic() + properties.message_expiry_interval
         if topic.count("/") >= self._max_levels:
             raise PacketError("the topic has too many levels", code=ReasonCode.TOPIC_NAME_INVALID)
-        verdict = hub.policy.publish(self._session.client_id, topic)
+        verdict = state.policy.publish(self._session.client_id, topic)
         if verdict:
-            hub.counters.dropped_refused += 1
+            state.counters.dropped_refused += 1
             return _REFUSED if verdict is ReasonCode.NOT_AUTHORIZED else Receipt(verdict)
-        return hub.exchange.publish(
+        return state.exchange.publish(
             BrokerMessage(topic, payload, qos, retain, properties, self._session.client_id, expires_at)
         )
 
@@ -155,11 +155,11 @@ class Inbound:
         alias = properties.topic_alias
         if alias is None:
             return packet.topic
-        if alias > self._hub.limits.topic_alias_maximum:
+        if alias > self._state.limits.topic_alias_maximum:
             raise PacketError(f"topic alias {alias} is too high", code=ReasonCode.TOPIC_ALIAS_INVALID)
         if packet.topic:
             self._alias_text += len(packet.topic) - len(self._aliases.get(alias, ""))
-            if self._alias_text > self._hub.limits.max_alias_text:
+            if self._alias_text > self._state.limits.max_alias_text:
                 raise PacketError("its topic aliases are too long", code=ReasonCode.QUOTA_EXCEEDED)
             self._aliases[alias] = packet.topic
         elif alias not in self._aliases:

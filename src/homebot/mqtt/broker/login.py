@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 
 from homebot.mqtt.broker.client_text import host_of
-from homebot.mqtt.broker.login_throttle import Applicant
+from homebot.mqtt.broker.login_limits import Applicant
 from homebot.mqtt.broker.sessions import will_size
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import (
@@ -53,44 +53,44 @@ class ConnectRequest:
     problem_information: bool
 
 
-def may_try_at(connect: Connect, hub: BrokerState, address: str) -> float:
+def may_try_at(connect: Connect, state: BrokerState, address: str) -> float:
     """Return when the password of *connect* may be looked at, on the clock's monotonic scale; often that is past."""
-    applicant = _applicant(connect, hub, address)
-    return 0.0 if applicant is None else hub.throttle.until(applicant)
+    applicant = _applicant(connect, state, address)
+    return 0.0 if applicant is None else state.throttle.until(applicant)
 
 
-def refusal(connect: Connect, hub: BrokerState, address: str) -> ReasonCode:
+def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
     """Return the reason why *connect* is refused; success where it is not."""
     if connect.properties.authentication_method is not None:
         return ReasonCode.BAD_AUTHENTICATION_METHOD
     if connect.properties.authentication_data is not None:
         return ReasonCode.PROTOCOL_ERROR
-    verdict = hub.authentication.check(connect.username, connect.password)
-    applicant = _applicant(connect, hub, address)
+    verdict = state.authentication.check(connect.username, connect.password)
+    applicant = _applicant(connect, state, address)
     if applicant is not None and verdict.failed:
-        _note_wrong_password(applicant, hub)
+        _note_wrong_password(applicant, state)
     elif applicant is not None:
-        hub.throttle.succeeded(applicant)
+        state.throttle.succeeded(applicant)
     if verdict.failed:
         return verdict
-    if not _is_client_id(connect, hub):
+    if not _is_client_id(connect, state):
         return ReasonCode.CLIENT_IDENTIFIER_NOT_VALID
-    if not _has_room(connect, hub):
+    if not _has_room(connect, state):
         return ReasonCode.QUOTA_EXCEEDED
-    if not _can_be_welcomed(connect, hub):
+    if not _can_be_welcomed(connect, state):
         return ReasonCode.PACKET_TOO_LARGE
     if connect.will is not None:
-        if connect.will.topic.count("/") >= hub.limits.max_topic_levels:
+        if connect.will.topic.count("/") >= state.limits.max_topic_levels:
             return ReasonCode.TOPIC_NAME_INVALID
-        return hub.policy.publish(connect.client_id, connect.will.topic)
+        return state.policy.publish(connect.client_id, connect.will.topic)
     return ReasonCode.SUCCESS
 
 
-def accept(connect: Connect, hub: BrokerState) -> ConnectRequest:
+def accept(connect: Connect, state: BrokerState) -> ConnectRequest:
     """Fill in what *connect* leaves open."""
     properties = connect.properties
     is_v5 = connect.version is ProtocolVersion.V5
-    keep_alive, limit = connect.keep_alive, hub.keep_alive
+    keep_alive, limit = connect.keep_alive, state.keep_alive
     imposed = is_v5 and limit is not None and (keep_alive == 0 or keep_alive > limit)
     if imposed and limit is not None:
         keep_alive = limit
@@ -98,21 +98,21 @@ def accept(connect: Connect, hub: BrokerState) -> ConnectRequest:
     if is_v5:
         expiry = expiry_of(properties.session_expiry_interval or 0)
     return ConnectRequest(
-        client_id=connect.client_id or f"auto-{hub.random.getrandbits(128):032x}",
+        client_id=connect.client_id or f"auto-{state.random.getrandbits(128):032x}",
         assigned=not connect.client_id,
         expiry=expiry,
         keep_alive=keep_alive,
         keep_alive_imposed=imposed,
         receive_maximum=properties.receive_maximum or _DEFAULT_RECEIVE_MAXIMUM,
         max_packet_size=properties.maximum_packet_size or MAX_PACKET_SIZE,
-        alias_maximum=min(properties.topic_alias_maximum or 0, hub.limits.topic_alias_maximum),
+        alias_maximum=min(properties.topic_alias_maximum or 0, state.limits.topic_alias_maximum),
         problem_information=properties.request_problem_information != 0,
     )
 
 
-def connack(login: ConnectRequest, hub: BrokerState, *, session_present: bool) -> Connack:
+def connack(login: ConnectRequest, state: BrokerState, *, session_present: bool) -> Connack:
     """The CONNACK for an accepted client."""
-    limits = hub.limits
+    limits = state.limits
     return Connack(
         session_present,
         ReasonCode.SUCCESS,
@@ -131,32 +131,32 @@ def expiry_of(seconds: int) -> float:
     return inf if seconds == _NEVER else float(seconds)
 
 
-def _is_client_id(connect: Connect, hub: BrokerState) -> bool:
+def _is_client_id(connect: Connect, state: BrokerState) -> bool:
     if not connect.client_id:
         kept = not connect.clean_start and connect.version is ProtocolVersion.V311
         return not kept and connect.version is not ProtocolVersion.V31
-    return len(connect.client_id) <= hub.limits.max_client_id
+    return len(connect.client_id) <= state.limits.max_client_id
 
 
-def _has_room(connect: Connect, hub: BrokerState) -> bool:
-    if len(hub.peers) >= hub.limits.max_connections and connect.client_id not in hub.peers:
+def _has_room(connect: Connect, state: BrokerState) -> bool:
+    if len(state.peers) >= state.limits.max_connections and connect.client_id not in state.peers:
         return False
     will = will_size(connect.will)
-    return will <= _SMALL_WILL or hub.will_bytes + will <= hub.limits.max_will_bytes
+    return will <= _SMALL_WILL or state.will_bytes + will <= state.limits.max_will_bytes
 
 
-def _applicant(connect: Connect, hub: BrokerState, address: str) -> Applicant | None:
+def _applicant(connect: Connect, state: BrokerState, address: str) -> Applicant | None:
     """Return the name and address that show a password to a broker that asks for one."""
-    if connect.username is None or not hub.authentication.required:
+    if connect.username is None or not state.authentication.required:
         return None
     return Applicant(host_of(address), connect.username, connect.client_id)
 
 
-def _note_wrong_password(applicant: Applicant, hub: BrokerState) -> None:
-    hub.counters.logins_failed += 1
-    failures, delay = hub.throttle.failed(applicant)
+def _note_wrong_password(applicant: Applicant, state: BrokerState) -> None:
+    state.counters.logins_failed += 1
+    failures, delay = state.throttle.failed(applicant)
     if delay:
-        hub.warn(
+        state.warn(
             "broker.logins_slowed",
             f"{failures} wrong passwords came from {applicant.host}; the next is looked at in {delay:g} s",
             host=applicant.host,
@@ -165,10 +165,10 @@ def _note_wrong_password(applicant: Applicant, hub: BrokerState) -> None:
         )
 
 
-def _can_be_welcomed(connect: Connect, hub: BrokerState) -> bool:
+def _can_be_welcomed(connect: Connect, state: BrokerState) -> bool:
     """Return whether the client takes packets of the size of its CONNACK, without which it cannot know our limits."""
     limit = connect.properties.maximum_packet_size
     if limit is None:
         return True
-    answer = connack(accept(connect, hub), hub, session_present=False)
+    answer = connack(accept(connect, state), state, session_present=False)
     return len(encode(answer, connect.version)) <= limit

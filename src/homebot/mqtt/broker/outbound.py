@@ -1,4 +1,4 @@
-"""Writes packets to one client: in its protocol version, within its size limit, with its topic aliases."""
+"""Writes packets to one client: in its protocol version, within its size limit, with its topic aliases. No I/O."""
 
 from __future__ import annotations
 
@@ -7,14 +7,23 @@ from dataclasses import replace
 from typing import final
 
 from homebot.clock import Clock
+from homebot.mqtt.broker.ports import Transport
 from homebot.mqtt.broker.queue import QueuedMessage
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.transport import Transport
-from homebot.mqtt.packets import MAX_PACKET_SIZE, Packet, ProtocolVersion, encode
+from homebot.mqtt.packets import (
+    MAX_PACKET_SIZE,
+    Connack,
+    Disconnect,
+    Packet,
+    PacketError,
+    Properties,
+    ProtocolVersion,
+    ReasonCode,
+    encode,
+)
 from homebot.mqtt.packets.publish import encode_publish_parts
 
-__all__ = ["Outbound"]
-
+__all__ = ["Outbound", "goodbye", "unread_connect_answer"]
 
 _LONGEST_ALIASED = 512  # characters; each client remembers its topics
 
@@ -123,3 +132,31 @@ class Outbound:
             self.version,
         )
         return (head, tail) if parcel.qos else (head + tail, b"")
+
+
+_MAX_REASON = 200  # a client gets the gist, not its own 64 KiB topic back
+
+
+def goodbye(reason: ReasonCode, reason_string: str, max_packet_size: int) -> bytes:
+    """The DISCONNECT for an MQTT 5 client.
+
+    Args:
+        reason: Why.
+        reason_string: The same for people, cut to 200 characters; left out where it is empty or does not fit.
+        max_packet_size: The largest packet the client takes.
+    """
+    plain = encode(Disconnect(reason))
+    if not reason_string:
+        return plain
+    full = encode(Disconnect(reason, Properties(reason_string=reason_string[:_MAX_REASON])))
+    return full if len(full) <= max_packet_size else plain
+
+
+def unread_connect_answer(error: PacketError) -> bytes:
+    """The CONNACK for a CONNECT that could not be read, in the version it seems to have; nothing where unknown."""
+    if error.code is ReasonCode.UNSUPPORTED_PROTOCOL_VERSION:
+        newer = error.frame[:6] == b"\0\4MQTT" and error.frame[6:7] > b"\5"
+        return encode(Connack(reason=error.code), ProtocolVersion.V5 if newer else ProtocolVersion.V311)
+    if b"\0\4MQTT\5" in error.frame[:16]:
+        return encode(Connack(reason=error.code), ProtocolVersion.V5)
+    return b""

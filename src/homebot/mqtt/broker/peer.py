@@ -6,17 +6,15 @@ from dataclasses import dataclass
 from typing import final
 
 from homebot.mqtt.broker import login
+from homebot.mqtt.broker.byte_limits import UnreadMark
 from homebot.mqtt.broker.client_packets import ClientPackets
-from homebot.mqtt.broker.client_text import host_of
+from homebot.mqtt.broker.client_text import client_text, host_of, short
 from homebot.mqtt.broker.deadlines import Deadline
-from homebot.mqtt.broker.disconnect import goodbye, unread_connect_answer
-from homebot.mqtt.broker.outbound import Outbound
-from homebot.mqtt.broker.peer_log import PeerLog
+from homebot.mqtt.broker.outbound import Outbound, goodbye, unread_connect_answer
+from homebot.mqtt.broker.ports import Transport
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.sessions import will_size
 from homebot.mqtt.broker.state import BrokerState
-from homebot.mqtt.broker.transport import Transport
-from homebot.mqtt.broker.unread import UnreadMark
 from homebot.mqtt.packets import (
     Connack,
     Connect,
@@ -29,7 +27,76 @@ from homebot.mqtt.packets import (
     encode,
 )
 
-__all__ = ["Peer"]
+__all__ = ["Peer", "PeerLog"]
+
+
+@final
+class PeerLog:
+    """Warnings of one connection.
+
+    Args:
+        state: The broker, which limits their rate.
+        link: The connection.
+
+    Attributes:
+        client_id: Who it is, once logged in.
+    """
+
+    __slots__ = ("_link", "_state", "client_id")
+
+    def __init__(self, state: BrokerState, link: Transport) -> None:
+        self._state = state
+        self._link = link
+        self.client_id: str | None = None
+
+    @property
+    def client_text(self) -> str:
+        """Name of the client in the log."""
+        return client_text(self.client_id, self._link.address)
+
+    def failed(self, error: PacketError) -> None:
+        """The client did, or left undone, what ends the connection."""
+        self._state.warn(
+            "broker.connection_failed",
+            f"the broker cut off {self.client_text}: {short(error.problem)}",
+            address=self._link.address,
+            client_id=self.client_id,
+            code=error.code.name.lower(),
+            problem=error.problem,
+        )
+
+    def refused(self, client_id: str, reason: ReasonCode) -> None:
+        """*client_id* was not let in."""
+        self._state.warn(
+            "broker.login_refused",
+            f"the broker did not let {client_text(client_id, self._link.address)} in: {reason.words}",
+            address=self._link.address,
+            client_id=client_id,
+            reason=reason.name.lower(),
+        )
+
+    def pushed_out(self) -> None:
+        """It had to go before its login."""
+        address = self._link.address
+        self._state.warn(
+            "broker.login_pushed_out",
+            f"the broker closed the connection of {address}, which had not logged in: too many wait for that",
+            address=address,
+        )
+
+    def too_large(self, topic: str, size: int, limit: int) -> None:
+        """The client missed a message."""
+        self._state.warn(
+            "broker.message_too_large",
+            f"{self.client_text} missed a message on {short(topic)!r}: it has {size} bytes, "
+            f"the client takes at most {limit}",
+            address=self._link.address,
+            client_id=self.client_id,
+            topic=topic,
+            size=size,
+            limit=limit,
+        )
+
 
 _CONNECT = b"\x10"
 _KEEP_ALIVE_GRACE = 1.5  # MQTT 5.0, section 3.1.2.10
@@ -40,28 +107,28 @@ class Peer:
     """The state machine of one connection; nothing the client sends makes it raise.
 
     Args:
-        hub: The broker.
+        state: The broker.
         link: Where bytes go; tells this object what comes.
 
     Attributes:
         failure: What the client did or left undone that ended the connection; None while nothing has.
     """
 
-    def __init__(self, hub: BrokerState, link: Transport) -> None:
-        self._hub = hub
+    def __init__(self, state: BrokerState, link: Transport) -> None:
+        self._state = state
         self._link = link
-        self._reader = PacketReader(ProtocolVersion.V311, hub.limits.max_connect_size)
+        self._reader = PacketReader(ProtocolVersion.V311, state.limits.max_connect_size)
         self._client: _Client | None = None
-        self._log = PeerLog(hub, link)
+        self._log = PeerLog(state, link)
         self._connect: Connect | None = None  # that has to wait
         self._retry: Deadline | None = None
         self.failure: PacketError | None = None
         self._started = False
         self._closed = False
-        self._received_at = hub.clock.monotonic()
-        self._silence = hub.deadlines.at(self._received_at + hub.limits.connect_timeout, self._no_connect)
-        self._unread = UnreadMark(hub.unread_logins, self._give_up_unread)
-        hub.waiting_logins.add(self)
+        self._received_at = state.clock.monotonic()
+        self._silence = state.deadlines.at(self._received_at + state.limits.connect_timeout, self._no_connect)
+        self._unread = UnreadMark(state.unread_logins, self._give_up_unread)
+        state.waiting_logins.add(self)
 
     @property
     def client_id(self) -> str | None:
@@ -87,7 +154,7 @@ class Peer:
         """Bytes came from the client."""
         if self._closed or not data:
             return
-        self._received_at = self._hub.clock.monotonic()
+        self._received_at = self._state.clock.monotonic()
         try:
             if self._client is None:
                 self._check_start(data)
@@ -124,7 +191,7 @@ class Peer:
 
     def make_room(self) -> None:
         """End the connection, which has not logged in, because another one needs its place."""
-        self._hub.counters.logins_pushed_out += 1
+        self._state.counters.logins_pushed_out += 1
         self._push_out()
 
     def _handle(self, packet: Packet) -> None:
@@ -146,10 +213,10 @@ class Peer:
 
     def _wait_to_log_in(self, packet: Connect, until: float) -> None:
         """Others of this host had wrong passwords; ``connect_timeout`` goes on."""
-        self._hub.counters.logins_slowed += 1
+        self._state.counters.logins_slowed += 1
         self._connect = packet
         self._link.pause_reading()
-        self._retry = self._hub.deadlines.at(until, self._log_in_again)
+        self._retry = self._state.deadlines.at(until, self._log_in_again)
 
     def _log_in_again(self) -> None:
         packet, self._connect = self._connect, None
@@ -165,48 +232,48 @@ class Peer:
     def _login(self, packet: Packet) -> None:
         if not isinstance(packet, Connect):
             raise PacketError(f"{type(packet).__name__} came before CONNECT", code=ReasonCode.PROTOCOL_ERROR)
-        hub = self._hub
+        state = self._state
         self._reader.version = packet.version
-        until = login.may_try_at(packet, hub, self.address)
-        if until > hub.clock.monotonic():
+        until = login.may_try_at(packet, state, self.address)
+        if until > state.clock.monotonic():
             self._wait_to_log_in(packet, until)
             return
         self._silence.cancel()
-        verdict = login.refusal(packet, hub, self.address)
+        verdict = login.refusal(packet, state, self.address)
         if verdict.failed:
             self._refuse(packet, verdict)
             return
-        self._reader.max_packet_size = hub.limits.max_packet_size
-        self._reader.max_control_size = hub.limits.max_control_size
-        wanted = login.accept(packet, hub)
-        other = hub.peers.get(wanted.client_id)
+        self._reader.max_packet_size = state.limits.max_packet_size
+        self._reader.max_control_size = state.limits.max_control_size
+        wanted = login.accept(packet, state)
+        other = state.peers.get(wanted.client_id)
         if other is not None:
             other.end(ReasonCode.SESSION_TAKEN_OVER)
-        session, present = hub.sessions.open(
+        session, present = state.sessions.open(
             wanted.client_id, clean_start=packet.clean_start, host=host_of(self.address)
         )
         session.expiry = wanted.expiry
         outbound = Outbound(
             self._link,
-            hub.clock,
-            hub.counters,
+            state.clock,
+            state.counters,
             packet.version,
             self._log.too_large,
             wanted.max_packet_size,
             wanted.alias_maximum,
         )
-        packets = ClientPackets(hub, session, outbound, self._leave, self._fail)
+        packets = ClientPackets(state, session, outbound, self._leave, self._fail)
         self._client = _Client(wanted, session, outbound, packets, packet.will)
         self._log.client_id = wanted.client_id
-        hub.peers[wanted.client_id] = self
-        hub.waiting_logins.discard(self)
-        self._unread.move(hub.unread)
-        outbound.send(login.connack(wanted, hub, session_present=present))
+        state.peers[wanted.client_id] = self
+        state.waiting_logins.discard(self)
+        self._unread.move(state.unread)
+        outbound.send(login.connack(wanted, state, session_present=present))
         self._expect_signs_of_life()
         session.resume(outbound, wanted.receive_maximum)
 
     def _refuse(self, packet: Connect, reason: ReasonCode) -> None:
-        self._hub.counters.connections_refused += 1
+        self._state.counters.connections_refused += 1
         self._log.refused(packet.client_id, reason)
         self._shut(encode(Connack(reason=reason), packet.version))
 
@@ -215,14 +282,14 @@ class Peer:
         if client is None or not client.wanted.keep_alive:
             return
         limit = client.wanted.keep_alive * _KEEP_ALIVE_GRACE
-        now = self._hub.clock.monotonic()
+        now = self._state.clock.monotonic()
         if not client.packets.reading:  # the silence is ours
             self._received_at = now
         due = self._received_at + limit
         if due <= now:
             self._fail(PacketError("nothing came for too long", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
         else:
-            self._silence = self._hub.deadlines.at(due, self._expect_signs_of_life)
+            self._silence = self._state.deadlines.at(due, self._expect_signs_of_life)
 
     def _no_connect(self) -> None:
         if self._connect is not None:
@@ -231,7 +298,7 @@ class Peer:
         self._fail(PacketError("no CONNECT came", code=ReasonCode.KEEP_ALIVE_TIMEOUT))
 
     def _give_up_unread(self) -> None:
-        self._hub.counters.unread_given_up += 1
+        self._state.counters.unread_given_up += 1
         if self._client is None:
             self._push_out()
         else:
@@ -249,8 +316,8 @@ class Peer:
         self._link.close(linger=False)
 
     def _fail(self, error: PacketError) -> None:
-        hub = self._hub
-        hub.counters.connections_failed += 1
+        state = self._state
+        state.counters.connections_failed += 1
         self.failure = error
         self._log.failed(error)
         if self._client is None:
@@ -277,12 +344,12 @@ class Peer:
             return
         client = self._client
         self._closed = True
-        self._hub.counters.connections_closed += 1
+        self._state.counters.connections_closed += 1
         self._silence.cancel()
         self._connect = None
         if self._retry is not None:
             self._retry.cancel()
-        self._hub.waiting_logins.discard(self)
+        self._state.waiting_logins.discard(self)
         self._unread.note(0)
         self._reader = _NOTHING_MORE
         if client is not None:
@@ -290,8 +357,8 @@ class Peer:
             if error is not None:
                 self.failure = error
                 self._log.failed(error)
-            del self._hub.peers[client.session.client_id]
-            self._hub.sessions.detach(client.session, client.will if publish_will else None)
+            del self._state.peers[client.session.client_id]
+            self._state.sessions.detach(client.session, client.will if publish_will else None)
 
 
 _NOTHING_MORE = PacketReader()

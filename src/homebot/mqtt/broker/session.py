@@ -10,18 +10,16 @@ from collections.abc import Iterator
 from typing import Final, Protocol, final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.deadlines import BrokerTimers
-from homebot.mqtt.broker.delivery import REFUSED, SLOW, TAKEN, DeliveryResult
+from homebot.mqtt.broker.byte_limits import QueuePool
+from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
 from homebot.mqtt.broker.in_flight import InFlight
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY
 from homebot.mqtt.broker.outbound import Outbound
-from homebot.mqtt.broker.queue import MessageQueue, QueuedMessage
-from homebot.mqtt.broker.queue_pool import QueuePool
-from homebot.mqtt.broker.replay import Replay
+from homebot.mqtt.broker.queue import REFUSED, SLOW, TAKEN, DeliveryResult, MessageQueue, QueuedMessage
+from homebot.mqtt.broker.retained import Replay
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.subscription import SessionSubscription
-from homebot.mqtt.broker.work import SliceBudget
+from homebot.mqtt.broker.subscriptions import SessionSubscription
 from homebot.mqtt.packets import ReasonCode
 
 __all__ = ["BrokerSession", "HeldPublisher"]

@@ -9,14 +9,13 @@ from math import inf
 from typing import final
 
 from homebot.clock import Clock
-from homebot.mqtt.broker.deadlines import BrokerTimers, Deadline
+from homebot.mqtt.broker.byte_limits import QueuePool
+from homebot.mqtt.broker.deadlines import BrokerTimers, Deadline, SliceBudget
 from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BrokerMessage, size_of
-from homebot.mqtt.broker.queue_pool import QueuePool
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.stats import Counters
-from homebot.mqtt.broker.work import SliceBudget
 from homebot.mqtt.packets import Will
 
 __all__ = ["Sessions", "will_size"]

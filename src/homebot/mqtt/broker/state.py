@@ -13,20 +13,16 @@ from homebot.clock import Clock
 from homebot.log import LogLimit
 from homebot.logger import get_logger
 from homebot.mqtt.broker.authentication import Authentication
+from homebot.mqtt.broker.byte_limits import QueuePool, UnreadPackets, UnsentBytes
 from homebot.mqtt.broker.client_text import short
-from homebot.mqtt.broker.deadlines import BrokerTimers
+from homebot.mqtt.broker.deadlines import BrokerTimers, SliceBudget
 from homebot.mqtt.broker.exchange import MessageRouter
 from homebot.mqtt.broker.limits import BrokerLimits
-from homebot.mqtt.broker.login_throttle import LoginThrottle
+from homebot.mqtt.broker.login_limits import LoginThrottle, WaitingLogins
 from homebot.mqtt.broker.message import BrokerMessage
-from homebot.mqtt.broker.policy import BrokerPolicy, RefusedFilters
-from homebot.mqtt.broker.queue_pool import QueuePool
+from homebot.mqtt.broker.ports import BrokerPolicy, RefusedFilters
 from homebot.mqtt.broker.sessions import Sessions
 from homebot.mqtt.broker.stats import BrokerStats, Counters
-from homebot.mqtt.broker.unread import UnreadPackets
-from homebot.mqtt.broker.unsent import UnsentBytes
-from homebot.mqtt.broker.waiting_logins import WaitingLogins
-from homebot.mqtt.broker.work import SliceBudget
 from homebot.mqtt.packets import ReasonCode
 
 if TYPE_CHECKING:

@@ -1,10 +1,12 @@
-"""Counters of the broker."""
+"""Counters of the broker, and its losses as text. No I/O."""
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import asdict, dataclass
+from typing import Final, final
 
-__all__ = ["BrokerStats", "Counters"]
+__all__ = ["BrokerStats", "Counters", "LossReport", "loss_text"]
 
 
 @dataclass(slots=True)
@@ -59,8 +61,8 @@ class Counters:
     clients_stalled: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class BrokerStats:
+@dataclass(slots=True, kw_only=True)
+class BrokerStats(Counters):
     """A snapshot of the broker: the :class:`Counters`, and what it holds now.
 
     Attributes:
@@ -78,29 +80,69 @@ class BrokerStats:
     retained_messages: int
     retained_bytes: int
     queued_messages: int
-    connections_accepted: int
-    connections_refused: int
-    connections_failed: int
-    connections_closed: int
-    messages_received: int
-    messages_sent: int
-    dropped_qos0: int
-    dropped_offline: int
-    dropped_overrun: int
-    dropped_too_large: int
-    dropped_expired: int
-    dropped_refused: int
-    subscriptions_refused: int
-    retained_refused: int
-    sessions_evicted: int
-    logins_failed: int
-    logins_slowed: int
-    logins_pushed_out: int
-    unread_given_up: int
-    holds: int
-    clients_stalled: int
 
     @classmethod
     def of(cls, counters: Counters, **held: int) -> BrokerStats:
         """Join *counters* with what is held now."""
         return cls(**asdict(counters), **held)
+
+
+_TEXTS: Final = {
+    "dropped_qos0": "of QoS 0 for clients that read too slowly",
+    "dropped_offline": "for clients that were away too long",
+    "dropped_overrun": "for clients that stayed too slow",
+    "dropped_too_large": "too large for their clients",
+    "retained_refused": "that were to be retained, for want of room",
+}
+"""What counts as a loss; an expired message, or one that a policy refused, does not."""
+
+_KEPT: Final = 60
+
+Losses = tuple[int, ...]
+
+
+def loss_text(counters: Counters, before: Losses = ()) -> str:
+    """Such as ``5 messages (3 of QoS 0 for clients that read too slowly, 2 too large for their clients)``.
+
+    Args:
+        counters: What was counted.
+        before: The losses to leave out.
+
+    Returns:
+        The words; empty where nothing was lost.
+    """
+    old = before or (0,) * len(_TEXTS)
+    news = {text: now - then for text, now, then in zip(_TEXTS.values(), _losses(counters), old, strict=True)}
+    total = sum(news.values())
+    if not total:
+        return ""
+    parts = ", ".join(f"{count} {words}" for words, count in news.items() if count)
+    return f"{total} message{'s' if total > 1 else ''} ({parts})"
+
+
+@final
+class LossReport:
+    """Tells what was lost since it was asked last, and lately: over the last sixty times that it was asked.
+
+    Args:
+        counters: What is counted.
+    """
+
+    def __init__(self, counters: Counters) -> None:
+        self._counters = counters
+        self._before: deque[Losses] = deque([_losses(counters)], maxlen=_KEPT)
+
+    @property
+    def lately(self) -> str:
+        """Recent losses as text; empty where there are none."""
+        return loss_text(self._counters, self._before[0])
+
+    def take(self) -> str:
+        """Return the losses since the last call as text; empty where there are none."""
+        text = loss_text(self._counters, self._before[-1])
+        self._before.append(_losses(self._counters))
+        return text
+
+
+def _losses(counters: Counters) -> Losses:
+    return tuple(getattr(counters, name) for name in _TEXTS)

@@ -26,7 +26,7 @@ class MemoryLink:
     link is *choked*, and the broker writes nothing more that can wait.
 
     Args:
-        hub: The broker.
+        state: The broker.
         user: Who is at the other end.
         address: The other end in words.
         on_closed: Told once, when the broker is through with the link.
@@ -39,13 +39,13 @@ class MemoryLink:
     """
 
     def __init__(
-        self, hub: BrokerState, user: TransportUser, address: str, on_closed: Callable[[MemoryLink], None]
+        self, state: BrokerState, user: TransportUser, address: str, on_closed: Callable[[MemoryLink], None]
     ) -> None:
         loop = asyncio.get_running_loop()
         self.write_blocked = False
         self.address = address
-        self.peer = Peer(hub, self)
-        self._hub = hub
+        self.peer = Peer(state, self)
+        self._state = state
         self._loop = loop
         self._user = user
         self._on_closed = on_closed
@@ -58,7 +58,7 @@ class MemoryLink:
         """Send *data* with all else of this turn of the loop."""
         if not self._closing:
             self._down.write(data)
-            self.write_blocked = self._down.size > self._hub.limits.write_buffer
+            self.write_blocked = self._down.size > self._state.limits.write_buffer
 
     def pause_reading(self) -> None:
         """Let the client's bytes wait at its end."""
@@ -104,7 +104,7 @@ class MemoryLink:
             self.peer.receive(data)
         except Exception as error:  # noqa: BLE001 - one connection's fault must not reach the others
             self.peer.end(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)
-            self._hub.warn(
+            self._state.warn(
                 "broker.internal_error",
                 f"the broker itself failed over what {self.peer.client_text} sent, and cut it off: {error!r}",
                 address=self.address,

@@ -99,8 +99,8 @@ class BrokerCore:
         self._taps: set[Tap] = set()
         duties = TapDuties(self.rules, self._note, self.breaches.record, self._taps)
 
-        def endpoint(hub: BrokerState, link: Transport) -> Tap:
-            return Tap(duties, hub, link)
+        def endpoint(state: BrokerState, link: Transport) -> Tap:
+            return Tap(duties, state, link)
 
         self.broker = Broker(
             limits=settings.limits,
@@ -115,7 +115,7 @@ class BrokerCore:
     @property
     def clients(self) -> dict[str, ClientView]:
         """All sessions; may be read from any thread."""
-        return {session.client_id: ClientView.of(session) for session in tuple(self.broker.hub.sessions)}
+        return {session.client_id: ClientView.of(session) for session in tuple(self.broker.state.sessions)}
 
     async def publish(self, topic: str, payload: Payload, qos: int, retain: bool, properties: Properties) -> None:  # noqa: FBT001 - handed on by position
         """Send a message to all who subscribe to *topic*, as if a client that nobody sees had published it.
@@ -128,12 +128,12 @@ class BrokerCore:
         validate_topic(topic)
         if qos not in (0, 1, 2):
             raise UsageError(f"QoS is 0, 1 or 2, not {qos}")
-        hub = self.broker.hub
+        state = self.broker.state
         interval = properties.message_expiry_interval
-        expires_at = None if interval is None else hub.clock.monotonic() + interval
+        expires_at = None if interval is None else state.clock.monotonic() + interval
         message = BrokerMessage(topic, encode_payload(payload), qos, retain, properties, "", expires_at)
         self._note("note", "the test", f"publishes {len(message.payload)} bytes on {topic}, QoS {qos}")
-        receipt = hub.exchange.publish(message)
+        receipt = state.exchange.publish(message)
         if receipt.reason.failed:
             raise LinkError(f"the broker had no room for the message on {topic}: {receipt.reason.words}")
 
@@ -164,8 +164,8 @@ class BrokerCore:
         self._each(client, lambda tap: tap.end(reason))
 
     def _each(self, client: str, act: Callable[[Tap], None]) -> None:
-        if client not in self.broker.hub.peers:
-            known = ", ".join(sorted(self.broker.hub.peers)) or "nobody"
+        if client not in self.broker.state.peers:
+            known = ", ".join(sorted(self.broker.state.peers)) or "nobody"
             raise UsageError(f"no client {client!r} is connected; connected: {known}")
         for tap in [each for each in self._taps if each.client_id == client]:
             act(tap)

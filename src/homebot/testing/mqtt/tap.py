@@ -40,16 +40,16 @@ class Tap:
     What waits for a slow reader is bounded by ``limits.write_buffer`` bytes; beyond it the connection is closed.
     """
 
-    def __init__(self, duties: TapDuties, hub: BrokerState, link: Transport) -> None:
+    def __init__(self, duties: TapDuties, state: BrokerState, link: Transport) -> None:
         self._duties = duties
         self._link = link
-        self._limit = hub.limits.write_buffer
+        self._limit = state.limits.write_buffer
         self._held = bytearray()
         self._cut = self._begun = self._fault_hit = self._reported = False
-        self._in: PacketReader | None = PacketReader(ProtocolVersion.V311, hub.limits.max_packet_size)
+        self._in: PacketReader | None = PacketReader(ProtocolVersion.V311, state.limits.max_packet_size)
         self._version = ProtocolVersion.V311
         self._name = ""  # as the client gave it
-        self._peer = Peer(hub, self)
+        self._peer = Peer(state, self)
         duties.taps.add(self)
 
     @property

@@ -28,7 +28,7 @@ from homebot.mqtt.packets import (
 )
 
 if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import MemoryClient, NewHub, Stranger
+    from tests.mqtt.broker.conftest import MemoryClient, NewState, Stranger
 
 
 class Talker:
@@ -125,9 +125,9 @@ Meet = Callable[..., Talker]
 
 
 @pytest.fixture
-def hub(new_hub: NewHub) -> BrokerState:
+def state(new_state: NewState) -> BrokerState:
     """With the settings that the Paho tests ask of a server."""
-    return new_hub(keep_alive=60, policy=RefusedFilters({"test/nosubscribe"}))
+    return new_state(keep_alive=60, policy=RefusedFilters({"test/nosubscribe"}))
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Give memory that is free again back to the system, which glibc does only at the end of its heap."""
+"""Gives memory that is free again back to the system, which glibc does only at the end of its heap."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Final, Protocol, TypeAlias, final
 
-__all__ = ["MemoryKeeper"]
+__all__ = ["MemoryTrimmer"]
 
 _WORTH_IT: Final = 8 * 1024 * 1024  # bytes; giving back takes some milliseconds
 
@@ -22,14 +22,14 @@ _Allocator: TypeAlias = tuple[Callable[[], _MallocInfo], Callable[[int], int]]
 
 
 @final
-class MemoryKeeper:
+class MemoryTrimmer:
     """Asks the allocator to give back what is free, when something was freed since it was asked last."""
 
     def __init__(self) -> None:
         self._seen = 0
 
-    def look(self, activity: int) -> None:
-        """Look whether there may be something to give back.
+    def trim_if_worthwhile(self, activity: int) -> None:
+        """Give back what is free, where it is worth the time.
 
         Args:
             activity: A count that grows with all that may have freed memory.

@@ -1,0 +1,166 @@
+"""Base of the two brokers, on a TCP port and in memory: the state, its deadlines, starting and stopping."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Mapping
+from random import Random
+from types import TracebackType
+from typing import Self
+
+from homebot.clock import Clock, LoopClock
+from homebot.errors import UsageError
+from homebot.logger import get_logger
+from homebot.mqtt.broker.authentication import Authentication
+from homebot.mqtt.broker.housekeeping import DeadlineTimer
+from homebot.mqtt.broker.limits import BrokerLimits, checked_keep_alive
+from homebot.mqtt.broker.message import BrokerMessage
+from homebot.mqtt.broker.ports import BrokerPolicy, policy_of
+from homebot.mqtt.broker.state import BrokerState
+from homebot.mqtt.broker.stats import BrokerStats
+
+__all__ = ["EmbeddedBroker"]
+
+_log = get_logger()
+
+
+class EmbeddedBroker(ABC):
+    """A broker in this process and on this event loop; ``async with broker:`` runs it inside the block.
+
+    Its sessions and retained messages stay from one start to the next; nothing is written to disk.
+
+    Args:
+        clock: The time to go by; the loop's by default.
+        limits: All bounds.
+        credentials: Passwords by user name; None lets everybody in.
+        keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds; a longer one, or none,
+            is replaced.
+        refuse_filters: Filters whose subscription is answered with 0x80; only without *policy*.
+        policy: Who may publish and subscribe what.
+        on_message: Told of each message that is forwarded, wills included; must not raise.
+        random: Where assigned client ids come from; by default nobody can guess them.
+
+    Raises:
+        UsageError: An argument is out of its range.
+    """
+
+    def __init__(
+        self,
+        clock: Clock | None = None,
+        limits: BrokerLimits | None = None,
+        credentials: Mapping[str, str] | None = None,
+        keep_alive: int | None = None,
+        refuse_filters: Collection[str] = (),
+        policy: BrokerPolicy | None = None,
+        on_message: Callable[[BrokerMessage], None] | None = None,
+        random: Random | None = None,
+    ) -> None:
+        self._clock = clock
+        self._limits = limits or BrokerLimits()
+        self._authentication = Authentication(credentials)
+        self._keep_alive = checked_keep_alive(keep_alive)
+        self._policy = policy_of(policy, refuse_filters)
+        self._on_message = on_message
+        self._random = random
+        self._state: BrokerState | None = None
+        self._timer: DeadlineTimer | None = None
+
+    @property
+    @abstractmethod
+    def url(self) -> str:
+        """Address for clients, such as ``mqtt://127.0.0.1:1883``."""
+
+    @abstractmethod
+    async def _open(self, state: BrokerState) -> None:
+        """Take connections."""
+
+    @abstractmethod
+    async def _close(self, *, abrupt: bool) -> None:
+        """Take no more connections, and end those that there are."""
+
+    @property
+    def running(self) -> bool:
+        """True while it takes connections."""
+        return self._timer is not None
+
+    @property
+    def stats(self) -> BrokerStats:
+        """A snapshot of all counts; they go on over restarts.
+
+        Raises:
+            UsageError: The broker was never started.
+        """
+        return self.state.stats
+
+    @property
+    def state(self) -> BrokerState:
+        """The broker's state; it stays over restarts.
+
+        Raises:
+            UsageError: The broker was never started.
+        """
+        if self._state is None:
+            raise UsageError("the broker was never started")
+        return self._state
+
+    async def __aenter__(self) -> Self:
+        await self.start()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.stop()
+
+    async def start(self) -> None:
+        """Take connections, with the sessions and retained messages that :meth:`stop` left; nothing where it runs."""
+        if self._timer is not None:
+            return
+        if self._state is None:
+            clock = self._clock or LoopClock()
+            self._state = BrokerState(
+                clock,
+                self._limits,
+                self._authentication,
+                self._policy,
+                self._keep_alive,
+                self._on_message,
+                self._random,
+            )
+        await self._open(self._state)
+        self._timer = DeadlineTimer(self._state)
+        self._timer.start()
+        _log.debug("broker.listening", url=self.url)
+
+    async def stop(self, *, abrupt: bool = False) -> None:
+        """Close all connections; sessions and retained messages stay for the next start.
+
+        Wills of the clients cut off are not published: nobody is left to receive them.
+
+        Args:
+            abrupt: As if the process were killed: no DISCONNECT, buffers thrown away. Otherwise MQTT 5 clients
+                get a DISCONNECT with 0x8B.
+        """
+        timer, self._timer = self._timer, None
+        if timer is None:
+            return
+        await self._close(abrupt=abrupt)
+        timer.stop()
+        _log.debug("broker.stopped", url=self.url)
+
+    async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
+        """Stop, and start again at the same address.
+
+        Args:
+            keep_sessions: Whether sessions, their queues and the retained messages live on.
+            abrupt: As in :meth:`stop`.
+        """
+        await self.stop(abrupt=abrupt)
+        if not keep_sessions and self._state is not None:
+            self._state.forget()
+        await self.start()
+
+    def tick(self) -> None:
+        """Do what is due by the clock; needed only by those who move a clock of their own by hand."""
+        if self._timer is not None:
+            self._timer.tick()

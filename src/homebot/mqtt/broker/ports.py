@@ -1,0 +1,112 @@
+"""Ports of the broker: what carries the bytes of a client, what understands them, and who may publish and subscribe."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Protocol, final
+
+from homebot.errors import UsageError
+from homebot.mqtt.packets import ReasonCode
+
+__all__ = ["BrokerPolicy", "ConnectionHandler", "RefusedFilters", "Transport", "policy_of"]
+
+
+class Transport(Protocol):
+    """One client's connection as the broker sees it: a socket, or a pair of queues in memory.
+
+    The carrier calls the peer's ``writable()`` when :attr:`write_blocked` has become False.
+    """
+
+    @property
+    def write_blocked(self) -> bool:
+        """True if the far side takes bytes slower than they come: nothing more should be written that can wait."""
+        ...
+
+    @property
+    def address(self) -> str:
+        """The far side in words, for the log."""
+        ...
+
+    def write(self, data: bytes) -> None:
+        """Send *data* in order, sooner or later; nothing after a close."""
+        ...
+
+    def pause_reading(self) -> None:
+        """Take no more bytes from the far side."""
+        ...
+
+    def resume_reading(self) -> None:
+        """Take bytes again."""
+        ...
+
+    def close(self, *, linger: bool) -> None:
+        """Send what was written, then close.
+
+        Args:
+            linger: The far side may still be sending: drain it for a moment, or the reason is lost.
+        """
+        ...
+
+
+class ConnectionHandler(Protocol):
+    """A port for the events of one connection; :class:`Peer` fills it, and so does what is put around a peer."""
+
+    @property
+    def client_text(self) -> str:
+        """Name of the client in the log."""
+        ...
+
+    def receive(self, data: bytes) -> None:
+        """Bytes came from the client."""
+        ...
+
+    def writable(self) -> None:
+        """The link is no longer choked."""
+        ...
+
+    def lost(self) -> None:
+        """The link is gone."""
+        ...
+
+    def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
+        """Close the connection from the broker's side: MQTT 5 clients are told *reason*."""
+        ...
+
+
+class BrokerPolicy(Protocol):
+    """Answers for each request of a logged-in client."""
+
+    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - the protocol's own word
+        """Success, or the failure that SUBACK is to carry for *filter* (``$share/GROUP/`` included)."""
+        ...
+
+    def publish(self, client_id: str, topic: str) -> ReasonCode:
+        """Success, or the failure that PUBACK or PUBREC is to carry; before MQTT 5 the message just vanishes."""
+        ...
+
+
+@final
+class RefusedFilters:
+    """Refuses subscriptions to some filters, as written, with 0x80, as an access list would."""
+
+    def __init__(self, filters: Collection[str] = ()) -> None:
+        self._filters = frozenset(filters)
+
+    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002, ARG002 - fills the port
+        """0x80 for the refused filters."""
+        return ReasonCode.UNSPECIFIED_ERROR if filter in self._filters else ReasonCode.SUCCESS
+
+    def publish(self, client_id: str, topic: str) -> ReasonCode:  # noqa: ARG002 - fills the port
+        """Always success."""
+        return ReasonCode.SUCCESS
+
+
+def policy_of(policy: BrokerPolicy | None, refuse_filters: Collection[str]) -> BrokerPolicy:
+    """The policy a broker is given: itself, or as filters to refuse.
+
+    Raises:
+        UsageError: Both are given.
+    """
+    if policy is not None and refuse_filters:
+        raise UsageError("give refuse_filters or policy, not both")
+    return policy or RefusedFilters(refuse_filters)
