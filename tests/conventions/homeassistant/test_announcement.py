@@ -4,7 +4,7 @@ import pytest
 
 from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS
 from homebot.conventions.homeassistant.announcement import MAX_COMPONENTS, Announced, read_announcement
-from homebot.conventions.homeassistant.topic import ConfigTopic
+from homebot.conventions.homeassistant.topics import ConfigTopic
 from homebot.errors import WireError
 
 LIGHT = ConfigTopic("light", "", "lamp")

@@ -3,8 +3,8 @@ from collections.abc import Mapping
 import pytest
 
 from homebot.conventions.description import Availability
-from homebot.conventions.homeassistant.availability import MAX_SOURCES, read_availability
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.device import MAX_SOURCES, read_availability
 from homebot.errors import WireError
 
 

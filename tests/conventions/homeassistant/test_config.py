@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from homebot.conventions.description import Publication
 from homebot.conventions.homeassistant.config import MAX_OPTIONS, DiscoveryConfig
-from homebot.conventions.homeassistant.incoming import StateMessage
+from homebot.conventions.homeassistant.topics import StateMessage
 from homebot.errors import RefusedError, WireError
 
 

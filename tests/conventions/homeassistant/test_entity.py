@@ -2,9 +2,8 @@ import pytest
 
 from homebot.conventions.description import AutoExpiry
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.conversion import Scale, fields_of, number_of, numbers_of, whole_of
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.scale import Scale
-from homebot.conventions.homeassistant.value_parsing import fields_of, number_of, numbers_of, whole_of
 from homebot.errors import RefusedError, WireError
 
 

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.homeassistant.topic import ConfigTopic, command_topic, parse_config_topic, state_topic
+from homebot.conventions.homeassistant.topics import ConfigTopic, command_topic, parse_config_topic, state_topic
 from homebot.errors import WireError
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS, DEVICE_ABBREVIATIONS, ORIGIN_ABBREVIATIONS
-from homebot.conventions.homeassistant.topic import DEVICE, ConfigTopic
+from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_object, shown
 from homebot.errors import WireError
 

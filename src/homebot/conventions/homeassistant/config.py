@@ -11,9 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from homebot.conventions.homeassistant.command_topic import CommandTopic
-from homebot.conventions.homeassistant.topic import command_topic, state_topic
-from homebot.conventions.homeassistant.value_source import ValueSource
+from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource, command_topic, state_topic
 from homebot.conventions.jinja import Template, compile_template
 from homebot.conventions.payload import clean_text, shown
 from homebot.errors import WireError

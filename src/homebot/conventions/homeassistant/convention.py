@@ -18,12 +18,11 @@ from homebot.conventions.description import (
     Publication,
 )
 from homebot.conventions.homeassistant.announcement import Announced, AnnouncedComponent, read_announcement
-from homebot.conventions.homeassistant.availability import read_availability
 from homebot.conventions.homeassistant.components import BUILDERS
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.device import DeviceInfo, DeviceReader
+from homebot.conventions.homeassistant.device import DeviceInfo, DeviceReader, read_availability
 from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
-from homebot.conventions.homeassistant.topic import DEVICE, ConfigTopic, parse_config_topic
+from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_config_topic
 from homebot.conventions.payload import clean_text
 from homebot.errors import WireError
 

@@ -10,11 +10,10 @@ import math
 from homebot.conventions.command_values import require_bool, require_number, require_option
 from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
-from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.conversion import Scale, whole_of
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.scale import Scale
-from homebot.conventions.homeassistant.value_parsing import whole_of
+from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.payload import shown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError

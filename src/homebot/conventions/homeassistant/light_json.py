@@ -12,12 +12,11 @@ from functools import partial
 
 from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
-from homebot.conventions.homeassistant.command_topic import CommandTopic
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.conversion import number_of
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.incoming import StateMessage
 from homebot.conventions.homeassistant.light_command import LightCommand, LightFeatures, read_white_range
-from homebot.conventions.homeassistant.value_parsing import number_of
+from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage
 from homebot.conventions.light_color import (
     CHANNELS,
     KelvinRange,

@@ -12,6 +12,7 @@ import json
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from homebot.conventions.homeassistant.conversion import fields_of, number_of
 from homebot.conventions.homeassistant.published_entity import (
     Available,
     EntityTopics,
@@ -25,7 +26,6 @@ from homebot.conventions.homeassistant.published_entity import (
     take_settable,
     unknown_text,
 )
-from homebot.conventions.homeassistant.value_parsing import fields_of, number_of
 from homebot.devices.part import Capability, Part
 
 __all__ = [

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
+from homebot.conventions.homeassistant.conversion import number_of
 from homebot.conventions.homeassistant.published_entity import (
     Available,
     CommandReader,
@@ -16,7 +17,6 @@ from homebot.conventions.homeassistant.published_entity import (
     StateWriter,
     Values,
 )
-from homebot.conventions.homeassistant.value_parsing import number_of
 from homebot.conventions.light_color import kelvin_mired
 from homebot.conventions.payload import parse_json
 from homebot.devices.part import Part

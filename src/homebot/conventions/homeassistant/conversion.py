@@ -1,8 +1,12 @@
-"""Readings of a text that a template rendered, or that a device sent as it is. Pure; nothing here raises."""
+"""Values in a text that a template rendered or a device sent, and percentages of a device's own range. Pure.
+
+Source of the rounding: Home Assistant core 2025.4, ``util/scaling.py`` and ``util/percentage.py``.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 
 from homebot.conventions import decode
@@ -11,7 +15,7 @@ from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
 from homebot.numbers import to_number
 
-__all__ = ["fields_of", "number_of", "numbers_of", "read_number", "whole_of"]
+__all__ = ["Scale", "fields_of", "number_of", "numbers_of", "read_number", "whole_of"]
 
 
 def number_of(value: object) -> float | None:
@@ -61,3 +65,32 @@ def fields_of(text: str) -> Mapping[str, object]:
 
 _NO_FIELDS: Mapping[str, object] = MappingProxyType({})
 _MAX_DIGITS = 40
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """Two values of a device that stand for 0 % and 100 %; the first may be the larger one.
+
+    Raises:
+        WireError: Both are the same.
+    """
+
+    zero: int
+    full: int
+
+    def __post_init__(self) -> None:
+        if self.zero == self.full:
+            raise WireError(f"0 % and 100 % are the same value, {self.zero}")
+
+    def percent(self, value: float) -> float:
+        """Return *value* in whole percent, rounded towards the zero; outside of 0 to 100 where the value is outside."""
+        value = min(max(value, -_FAR), _FAR)
+        return float((value - self.zero) * 100 // (self.full - self.zero))
+
+    def value(self, percent: float) -> float:
+        """Return the exact value that stands for *percent*."""
+        return percent * (self.full - self.zero) / 100 + self.zero
+
+
+_FAR = 1e100
+"""Beyond any device's values, and still a number after multiplication."""

@@ -1,0 +1,261 @@
+"""Topics of discovery: where configs are, where a value is reported and commanded, and how its message is read. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py`` and ``util.py``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
+
+from homebot.conventions.description import Publication
+from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
+from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
+from homebot.errors import InvalidNameError, RefusedError, WireError
+from homebot.mqtt.topics import validate_filter, validate_topic
+
+__all__ = [
+    "DEVICE",
+    "CommandTopic",
+    "ConfigTopic",
+    "StateMessage",
+    "ValueSource",
+    "command_topic",
+    "parse_config_topic",
+    "state_topic",
+]
+
+
+DEVICE = "device"
+"""In the place of the component: the message describes a whole device."""
+
+
+@dataclass(frozen=True, slots=True)
+class ConfigTopic:
+    """The parts of a config's topic.
+
+    Attributes:
+        component: For example ``light``, or :data:`DEVICE`.
+        node_id: The level between component and object; empty where there is none.
+        object_id: The level before ``config``.
+    """
+
+    component: str
+    node_id: str
+    object_id: str
+
+    @property
+    def key(self) -> str:
+        """The name of the announcement: all levels between prefix and ``config``."""
+        ids = f"{self.node_id}/{self.object_id}" if self.node_id else self.object_id
+        return f"{self.component}/{ids}"
+
+
+def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
+    """Return what *topic* says; None where it is no config below *prefix*.
+
+    Home Assistant takes ids of letters, digits, ``_`` and ``-`` alone. Real devices have others too, such as the button
+    ``recall_*`` of a remote; they are taken as they are.
+
+    Raises:
+        WireError: It is a config, but longer than 512 characters.
+    """
+    if not topic.startswith(f"{prefix}/") or not topic.endswith("/config"):
+        return None
+    levels = topic[len(prefix) + 1 : -len("/config")].split("/")
+    if len(levels) not in _LEVELS:
+        return None
+    if len(topic) > _MAX_CONFIG_TOPIC:
+        raise WireError(f"topic {shown(topic)} is {len(topic)} long; {_MAX_CONFIG_TOPIC} is the limit for a config")
+    component, *ids = levels
+    return ConfigTopic(component, ids[0] if len(ids) > 1 else "", ids[-1])
+
+
+@lru_cache(maxsize=128)
+def command_topic(topic: str) -> str:
+    """Return *topic* where a command may be published to it.
+
+    Raises:
+        WireError: It is empty, has a wildcard or a control character, or breaks MQTT's rules.
+    """
+    return _checked(topic, is_filter=False)
+
+
+@lru_cache(maxsize=128)
+def state_topic(topic: str) -> str:
+    """Return *topic* where it may be subscribed to; whole levels may be wildcards.
+
+    Raises:
+        WireError: It is empty, has a control character, or breaks MQTT's rules.
+    """
+    return _checked(topic, is_filter=True)
+
+
+_LEVELS = (2, 3)
+_MAX_CONFIG_TOPIC = 512
+_FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
+
+
+def _checked(topic: str, *, is_filter: bool) -> str:
+    try:
+        if is_filter:
+            validate_filter(topic)
+        else:
+            validate_topic(topic)
+    except InvalidNameError as error:
+        raise WireError(f"topic {shown(topic)} {error.problem}") from None
+    if _FORBIDDEN.search(topic):
+        raise WireError(f"topic {shown(topic)} has a control character")
+    return topic
+
+
+class StateMessage:
+    """One payload. Its JSON is parsed at most once, when the first part asks for it.
+
+    Attributes:
+        payload: The bytes.
+        retained: Whether the broker had kept it from before.
+    """
+
+    __slots__ = ("payload", "retained")
+
+    def __init__(self, payload: bytes, *, retained: bool = False) -> None:
+        self.payload = payload
+        self.retained = retained
+
+    def context(self, encoding: str = "utf-8") -> PayloadContext | None:
+        """Return what a template sees; None where the payload is no such text, or longer than what is looked at.
+
+        Args:
+            encoding: As :attr:`DiscoveryConfig.encoding` has it; empty where payloads are no text.
+        """
+        return _context(self.payload, encoding)
+
+    def text(self, encoding: str = "utf-8") -> str | None:
+        """Return the payload as text; None as for :meth:`context`."""
+        context = _context(self.payload, encoding)
+        return None if context is None else context.value
+
+    def json_object(self, encoding: str = "utf-8") -> Mapping[str, object] | None:
+        """Return the JSON object that the payload is; None where it is none."""
+        context = _context(self.payload, encoding)
+        value = None if context is None else context.value_json
+        return value if isinstance(value, dict) else None
+
+
+@lru_cache(maxsize=2)
+def _context(payload: bytes, encoding: str) -> PayloadContext | None:
+    if len(payload) > MAX_LONG_STATE_BYTES or not encoding:
+        return None
+    try:
+        return PayloadContext(payload.decode(encoding))
+    except UnicodeDecodeError:
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class ValueSource:
+    """One topic that a part speaks on, and the template that finds one value there.
+
+    Attributes:
+        topic: A topic, or a filter where the device declared one.
+        template: Finds the value; None where the whole payload is the value.
+        encoding: Of the payload; see :attr:`DiscoveryConfig.encoding`.
+        variables: What else the template may name.
+        or_payload: Whether the payload itself is the value where the template wants what is not in it, for example
+            because it is no JSON. Home Assistant has it so for all but a few values.
+    """
+
+    topic: str
+    template: Template | None = None
+    encoding: str = "utf-8"
+    variables: Mapping[str, object] | None = None
+    or_payload: bool = True
+
+    @property
+    def problem(self) -> str:
+        """Reason why the template cannot be used; empty where it can."""
+        return self.template.problem if self.template is not None else ""
+
+    def text(self, message: StateMessage) -> str | None:
+        """Return the value as Home Assistant would compare it; None where the message is to be ignored."""
+        context = message.context(self.encoding)
+        if context is None:
+            return None
+        if self.template is None:
+            return context.value
+        try:
+            return self.template.render_value(context, self.variables)
+        except UndefinedValueError:
+            return context.value if self.or_payload else None
+        except TemplateError:
+            return None
+
+    def without_payload(self) -> ValueSource:
+        """Return the same, but a message that lacks what the template wants tells nothing."""
+        return replace(self, or_payload=False)
+
+
+_NO_VARIABLES: Mapping[str, object] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class CommandTopic:
+    """One topic that a part listens on.
+
+    Attributes:
+        topic: The topic.
+        template: Makes the payload of the value; None where the value itself is the payload.
+        qos: As the config says.
+        retain: As the config says; never true unless it does.
+        encoding: Of the payload; UTF-8 where it is empty.
+    """
+
+    topic: str
+    template: Template | None = None
+    qos: int = 0
+    retain: bool = False
+    encoding: str = "utf-8"
+
+    def publication(self, value: object, variables: Mapping[str, object] = _NO_VARIABLES) -> Publication:
+        """Return what to publish to tell *value*.
+
+        Args:
+            value: The payload as Python spells it, or what the template calls ``value``.
+            variables: What else the template may name.
+
+        Raises:
+            RefusedError: The template cannot be used, fails on this value, or makes what cannot be encoded.
+        """
+        text = str(value) if self.template is None else self._rendered(self.template, {"value": value, **variables})
+        try:
+            payload = text.encode(self.encoding or "utf-8")
+        except UnicodeEncodeError:
+            raise RefusedError(f"a command on {self.topic}", f"it cannot be written in {self.encoding}") from None
+        return Publication(self.topic, payload, self.qos, self.retain)
+
+    def publication_with_code(
+        self, value: object, code: str, variables: Mapping[str, object] = _NO_VARIABLES
+    ) -> Publication:
+        """As :meth:`publication`, with a *code* that the template may name; no error shows it.
+
+        Raises:
+            RefusedError: As there.
+        """
+        try:
+            return self.publication(value, {**variables, "code": code or None})
+        except RefusedError:
+            if not code:
+                raise
+            raise RefusedError(f"a command on {self.topic}", "its template failed with this code") from None
+
+    def _rendered(self, template: Template, variables: Mapping[str, object]) -> str:
+        if template.problem:
+            raise RefusedError(f"a command on {self.topic}", f"its template {template.problem}")
+        try:
+            return template.render(variables)
+        except TemplateError as error:
+            raise RefusedError(f"a command on {self.topic}", f"its template failed: {error}") from None
