@@ -14,7 +14,7 @@ from pydantic import Field
 
 from homebot.errors import TypeMismatchError
 from homebot.messages import Bool, Empty, Float64, Int32, Log, Message, ParameterValue, String, Time, fields
-from homebot.messages.json import message_from_json, message_to_json
+from homebot.messages.json import message_from_json, message_to_json, message_to_text
 
 
 class Mood(StrEnum):
@@ -74,6 +74,28 @@ def test_every_message_comes_back_from_its_json_text(report: Report) -> None:
     assert message_from_json(Report, json.loads(text)) == report
 
 
+@given(reports())
+def test_the_text_of_a_message_is_its_json_in_ascii(report: Report) -> None:
+    """With fields of bytes and without, which are written in different ways."""
+    for message in (report, report.stamp, String(data=report.name), Float64(data=report.level)):
+        text = message_to_text(message)
+        assert text.isascii()
+        assert json.loads(text) == message_to_json(message)
+
+
+@pytest.mark.parametrize("text", ["Küche", "客廳\U0001f4a1 \x9b2J \u202e", '\x00\x1f"\\/\x7f'])
+def test_texts_in_the_text_of_a_message_are_escaped_as_everywhere(text: str) -> None:
+    assert message_to_text(String(data=text)).lower() == f'{{"data":{json.dumps(text).lower()}}}'
+
+
+def test_the_text_of_a_message_with_an_unchecked_value_is_as_its_json_or_none_at_all() -> None:
+    assert message_to_text(Float64.of_checked(data=1)) in {'{"data":1}', '{"data":1.0}'}
+    with pytest.raises(TypeMismatchError, match=r"\{1\} is no value of a message"):
+        message_to_text(String.of_checked(data={1}))
+    with pytest.raises(TypeMismatchError, match="is no value of a message"):
+        message_to_text(ParameterValue.of_checked(**dict(ParameterValue(type=8)) | {"double_array_value": [1.0]}))
+
+
 def test_bytes_are_base64_text_and_times_are_objects() -> None:
     assert message_to_json(REPORT) == {
         "name": "x",
@@ -97,6 +119,7 @@ def test_a_message_without_fields_is_an_empty_object() -> None:
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_what_json_has_no_number_for_is_null(value: float) -> None:
     assert message_to_json(Float64(data=value)) == {"data": None}
+    assert message_to_text(Float64(data=value)) == '{"data":null}'
     assert message_to_json(ParameterValue(type=8, double_array_value=(value,)))["double_array_value"] == [None]
 
 

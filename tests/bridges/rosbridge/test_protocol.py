@@ -24,6 +24,8 @@ from homebot.bridges.rosbridge.protocol import (
     service_success,
     status_frame,
 )
+from homebot.messages import String
+from homebot.messages.std_srvs import SetBoolResponse
 
 
 def test_a_frame_of_roslibpy_is_read() -> None:
@@ -108,16 +110,18 @@ def test_a_bad_call_can_still_be_answered() -> None:
 
 def test_frames_out_have_the_fields_that_clients_read() -> None:
     """Golden texts."""
-    assert encode_frame(publish_frame("/t", {"data": "é"})) == '{"op":"publish","topic":"/t","msg":{"data":"\\u00e9"}}'
-    assert encode_frame(service_success("/s", "1", {"ok": True})) == (
-        '{"op":"service_response","service":"/s","values":{"ok":true},"result":true,"id":"1"}'
+    assert encode_frame(publish_frame("/t", String(data="é"))) == (
+        '{"op":"publish","topic":"/t","msg":{"data":"\\u00e9"}}'
+    )
+    assert encode_frame(service_success("/s", "1", SetBoolResponse(success=True, message=""))) == (
+        '{"op":"service_response","service":"/s","values":{"success":true,"message":""},"result":true,"id":"1"}'
     )
     assert encode_frame(service_failure("/s", None, "no")) == (
         '{"op":"service_response","service":"/s","values":"no","result":false}'
     )
     assert encode_frame(status_frame("error", "bad", 3)) == '{"op":"status","level":"error","msg":"bad","id":3}'
     assert action_refusal("/a", "g", "no")["status"] == 6
-    assert publish_frame("/t", {}, lost=2)["lost"] == 2
+    assert publish_frame('/"', String(data=""), lost=2) == '{"op":"publish","topic":"/\\"","msg":{"data":""},"lost":2}'
 
 
 @given(st.text())

@@ -5,12 +5,11 @@ from __future__ import annotations
 from difflib import get_close_matches
 from typing import Any
 
-from homebot.bridges.rosbridge.protocol import CallService, service_failure, service_success
+from homebot.bridges.rosbridge.protocol import CallService, Frame, service_failure, service_success
 from homebot.bridges.rosbridge.values import message_from_client
 from homebot.errors import HomebotError, ServiceFailedError, ServiceUnavailableError, TypeMismatchError
 from homebot.graph import EntityKind, Node
 from homebot.messages.definition import fields_of
-from homebot.messages.json import JsonObject, message_to_json
 from homebot.messages.message import Message
 
 __all__ = ["call_service"]
@@ -20,20 +19,19 @@ _MAX_TIMEOUT = 3600.0
 _MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a client may ask again and again
 
 
-async def call_service(node: Node, op: CallService) -> JsonObject:
+async def call_service(node: Node, op: CallService) -> Frame:
     """Make the call *op* on the graph of *node* and return the frame that answers it, be it a failure."""
     try:
-        values = await _call(node, op)
+        return service_success(op.service, op.id, await _call(node, op))
     except ServiceFailedError as exc:
         return service_failure(op.service, op.id, exc.reason)
     except ServiceUnavailableError as exc:
         return service_failure(op.service, op.id, _unavailable(node, exc))
     except HomebotError as exc:
         return service_failure(op.service, op.id, str(exc))
-    return service_success(op.service, op.id, values)
 
 
-async def _call(node: Node, op: CallService) -> JsonObject:
+async def _call(node: Node, op: CallService) -> Message:
     name = node.resolve_name(op.service, "service name")
     service_type = node.graph.get_service_type(name)
     if service_type is None:
@@ -43,7 +41,8 @@ async def _call(node: Node, op: CallService) -> JsonObject:
     # A client of its own for each call: one that is kept would hold the name's type after the server is gone.
     client = node.create_client(service_type, name)
     try:
-        return message_to_json(await client.call(request, timeout))
+        response: Message = await client.call(request, timeout)
+        return response
     finally:
         client.close()
 

@@ -10,10 +10,9 @@ import asyncio
 
 from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import Identifier, SubscribeOperation, publish_frame
+from homebot.bridges.rosbridge.protocol import Frame, Identifier, SubscribeOperation, publish_frame
 from homebot.graph import DurabilityPolicy, EntityKind, Graph, Node, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import key_of
-from homebot.messages.json import JsonObject, message_to_json
 from homebot.messages.message import Message
 
 __all__ = ["Feed"]
@@ -65,7 +64,7 @@ class Feed:
             while (kept := late.take()) is not None:
                 self._queue.append(kept)
 
-    def take(self) -> JsonObject | None:
+    def take(self) -> Frame | None:
         """Return the frame of the oldest waiting message, if there is one; the outbox asks again after others' turn."""
         message = self._subscription.take()
         if message is None or not self.requests:
@@ -75,7 +74,7 @@ class Feed:
             self._rest = asyncio.get_running_loop().call_later(throttle / 1000, self._end_rest)
         elif len(self._queue):
             self._outbox.ready(self)
-        return publish_frame(self._topic, message_to_json(message), lost)
+        return publish_frame(self._topic, message, lost)
 
     def close(self) -> None:
         """Leave the topic; nothing more is sent. Twice is fine."""

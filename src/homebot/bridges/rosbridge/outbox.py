@@ -12,9 +12,8 @@ from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import Protocol, final
 
-from homebot.bridges.rosbridge.protocol import encode_frame
+from homebot.bridges.rosbridge.protocol import Frame, encode_frame
 from homebot.bridges.rosbridge.turns import Turns
-from homebot.messages.json import JsonObject
 
 __all__ = ["MessageSource", "Outbox"]
 
@@ -24,7 +23,7 @@ _ANSWER_FACTOR = 4
 class MessageSource(Protocol):
     """A topic that has messages for the client."""
 
-    def take(self) -> JsonObject | None:
+    def take(self) -> Frame | None:
         """Return the next frame; None where there is none (any more)."""
         ...
 
@@ -59,7 +58,7 @@ class Outbox:
         """True if the client may be given another request to answer."""
         return self._waiting < self._limit
 
-    def answer(self, frame: JsonObject) -> None:
+    def answer(self, frame: Frame) -> None:
         """Send *frame* as soon as possible."""
         text = encode_frame(frame)
         if self._answers and self._waiting + len(text) > _ANSWER_FACTOR * self._limit:

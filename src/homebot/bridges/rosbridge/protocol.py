@@ -15,7 +15,8 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from homebot.errors import PeerError
-from homebot.messages.json import JsonObject, JsonValue, validation_problem
+from homebot.messages.json import JsonObject, message_to_text, validation_problem
+from homebot.messages.message import Message
 from homebot.strict_json import DuplicateKeyError, parse_strict
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "AdvertiseService",
     "AuthOperation",
     "CallService",
+    "Frame",
     "FrameError",
     "Identifier",
     "Level",
@@ -48,6 +50,8 @@ __all__ = [
 
 Identifier: TypeAlias = "str | int | None"
 Level: TypeAlias = Literal["none", "error", "warning", "info"]
+Frame: TypeAlias = "JsonObject | str"
+"""A frame on its way to a client: a JSON object, or its text where it was written at once."""
 
 MAX_VALUES = 20_000  # a megabyte of text is read in 3 ms, but one of empty lists in 250 ms
 MAX_NESTING = 100  # no message of a house is this deep, and code that walks a value may recurse
@@ -285,27 +289,28 @@ def parse_frame(text: str) -> Operation:
         raise FrameError(validation_problem(exc), op, known_id, target) from exc
 
 
-def encode_frame(frame: JsonObject) -> str:
+def encode_frame(frame: Frame) -> str:
     """Return the text of *frame*, in ASCII: what no client can read as broken Unicode."""
-    return json.dumps(frame, separators=(",", ":"), allow_nan=False)
+    return frame if isinstance(frame, str) else json.dumps(frame, separators=(",", ":"), allow_nan=False)
 
 
-def publish_frame(topic: str, message: JsonObject, lost: int = 0) -> JsonObject:
+def publish_frame(topic: str, message: Message, lost: int = 0) -> Frame:
     """Return the frame that carries *message*; ``lost`` (ours alone) tells how many were dropped before it."""
-    frame: JsonObject = {"op": "publish", "topic": topic, "msg": message}
-    if lost:
-        frame["lost"] = lost
-    return frame
+    losses = f',"lost":{lost}' if lost else ""
+    return f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{message_to_text(message)}{losses}}}'
 
 
-def service_success(service: str, identifier: Identifier, values: JsonObject) -> JsonObject:
+def service_success(service: str, identifier: Identifier, values: Message) -> Frame:
     """Return the frame that carries the response of a service."""
-    return _service_response(service, identifier, values, result=True)
+    named = "" if identifier is None else f',"id":{json.dumps(identifier)}'
+    text = message_to_text(values)
+    return f'{{"op":"service_response","service":{json.dumps(service)},"values":{text},"result":true{named}}}'
 
 
 def service_failure(service: str, identifier: Identifier, problem: str) -> JsonObject:
     """Return the frame that says why a call failed."""
-    return _service_response(service, identifier, problem, result=False)
+    frame: JsonObject = {"op": "service_response", "service": service, "values": problem, "result": False}
+    return frame if identifier is None else frame | {"id": identifier}
 
 
 def service_request(service: str, identifier: str, args: JsonObject) -> JsonObject:
@@ -322,11 +327,6 @@ def action_refusal(action: str, identifier: Identifier, problem: str) -> JsonObj
 def status_frame(level: Level, text: str, identifier: Identifier = None) -> JsonObject:
     """Return the frame of a remark to the client."""
     frame: JsonObject = {"op": "status", "level": level, "msg": text}
-    return frame if identifier is None else frame | {"id": identifier}
-
-
-def _service_response(service: str, identifier: Identifier, values: JsonValue, *, result: bool) -> JsonObject:
-    frame: JsonObject = {"op": "service_response", "service": service, "values": values, "result": result}
     return frame if identifier is None else frame | {"id": identifier}
 
 
