@@ -37,7 +37,7 @@ KINDS = sorted(
 
 
 HANDLES = (
-    "| kind | device type | conditions, beside `area`, `name`, `reachable`, `fresh`, `category` "
+    "| kind | device type | conditions, besides `area`, `name`, `reachable`, `fresh`, `category` "
     "| properties | commands |"
 )
 

@@ -73,7 +73,7 @@ def test_a_device_becomes_a_description_with_the_topics_to_read_and_write() -> N
     }
     level = {
         "title": "level",
-        "description": "how bright or strong; 0 only where it is off",
+        "description": "brightness or strength; 0 only when off",
         "type": "number",
         "readOnly": False,
         "writeOnly": False,
