@@ -34,10 +34,8 @@ EVERYTHING: tuple[str, ...] = ("*",)
 """What a :class:`Route` takes by which the part can be told all that it can be told at all."""
 
 
-class KeyValue(Message):
+class KeyValue(Message, ros_type="diagnostic_msgs/msg/KeyValue"):
     """One fact about a device, as its gateway heard it."""
-
-    ros_type: ClassVar[str] = "diagnostic_msgs/msg/KeyValue"
 
     key: str
     value: str

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from homebot.messages.fields import Int32, UInt32
 from homebot.messages.message import Message
 
@@ -13,15 +11,13 @@ _NANOSECONDS = 1_000_000_000
 _FIRST, _LAST = -(2.0**31), 2.0**31 - 1
 
 
-class Time(Message):
+class Time(Message, ros_type="builtin_interfaces/msg/Time"):
     """A point in time.
 
     Attributes:
         sec: Whole seconds since the Unix epoch, UTC.
         nanosec: Nanoseconds after that, 0 to 999,999,999.
     """
-
-    ros_type: ClassVar[str] = "builtin_interfaces/msg/Time"
 
     sec: Int32
     nanosec: UInt32
@@ -41,15 +37,13 @@ class Time(Message):
         return self.sec + self.nanosec / _NANOSECONDS
 
 
-class Duration(Message):
+class Duration(Message, ros_type="builtin_interfaces/msg/Duration"):
     """A span of time; its sign is that of ``sec``.
 
     Attributes:
         sec: Whole seconds, rounded down.
         nanosec: Nanoseconds to add, 0 to 999,999,999.
     """
-
-    ros_type: ClassVar[str] = "builtin_interfaces/msg/Duration"
 
     sec: Int32
     nanosec: UInt32

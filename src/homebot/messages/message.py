@@ -41,7 +41,8 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
     """A frozen value with exact ROS field types, checked once where it is made and then passed by reference.
 
     Attributes:
-        ros_type: The full ROS name of the type, ``package/msg/Name``; by default ``<top-level package>/msg/<class>``.
+        ros_type: The full ROS name of the type, ``package/msg/Name``; given as ``class Name(Message, ros_type=…)``, by
+            default ``<top-level package>/msg/<class>``.
         key_field: Name of the field that tells one instance on a topic from another (a DDS key), ``field.field`` where
             it lies in a nested message; a topic of a type that has one keeps its history per key.
 
@@ -80,9 +81,11 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of what is 
             return NotImplemented
         return self.__dict__ == other.__dict__
 
-    def __init_subclass__(cls) -> None:
-        super().__init_subclass__()
-        if "ros_type" not in cls.__dict__:
+    def __init_subclass__(cls, ros_type: str | None = None, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if ros_type is not None:
+            cls.ros_type = ros_type
+        elif "ros_type" not in cls.__dict__:
             cls.ros_type = f"{cls.__module__.partition('.')[0]}/msg/{cls.__name__}"
 
     @classmethod

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.fields import UInt8, UInt32
 from homebot.messages.message import Message
@@ -11,7 +9,7 @@ from homebot.messages.message import Message
 __all__ = ["Log", "Parameter", "ParameterEvent", "ParameterValue"]
 
 
-class Log(Message):
+class Log(Message, ros_type="rcl_interfaces/msg/Log"):
     """One log line, as on ``/rosout``.
 
     Attributes:
@@ -24,8 +22,6 @@ class Log(Message):
         line: Line in the file, or 0.
     """
 
-    ros_type: ClassVar[str] = "rcl_interfaces/msg/Log"
-
     stamp: Time
     level: UInt8
     name: str
@@ -35,15 +31,13 @@ class Log(Message):
     line: UInt32
 
 
-class ParameterValue(Message):
+class ParameterValue(Message, ros_type="rcl_interfaces/msg/ParameterValue"):
     """A value with its type.
 
     Attributes:
         type: 0 not set, 1 bool, 2 integer, 3 double, 4 string, 5 byte[], 6 bool[], 7 integer[], 8 double[],
             9 string[]; says which of the other fields counts.
     """
-
-    ros_type: ClassVar[str] = "rcl_interfaces/msg/ParameterValue"
 
     type: UInt8
     bool_value: bool = False
@@ -57,16 +51,14 @@ class ParameterValue(Message):
     string_array_value: tuple[str, ...] = ()
 
 
-class Parameter(Message):
+class Parameter(Message, ros_type="rcl_interfaces/msg/Parameter"):
     """A parameter's name and value."""
-
-    ros_type: ClassVar[str] = "rcl_interfaces/msg/Parameter"
 
     name: str
     value: ParameterValue
 
 
-class ParameterEvent(Message):
+class ParameterEvent(Message, ros_type="rcl_interfaces/msg/ParameterEvent"):
     """The changes among the parameters of one node.
 
     Attributes:
@@ -76,8 +68,6 @@ class ParameterEvent(Message):
         changed_parameters: Set to another value.
         deleted_parameters: Undeclared.
     """
-
-    ros_type: ClassVar[str] = "rcl_interfaces/msg/ParameterEvent"
 
     stamp: Time
     node: str

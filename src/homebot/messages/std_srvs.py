@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from homebot.messages.message import Message
 from homebot.messages.service_type import ServiceType
 
 __all__ = ["SetBool", "SetBoolRequest", "SetBoolResponse", "SuccessResponse", "Trigger", "TriggerRequest"]
 
 
-class TriggerRequest(Message):
+class TriggerRequest(Message, ros_type="std_srvs/srv/Trigger_Request"):
     """Nothing to say: the call is the request."""
 
-    ros_type: ClassVar[str] = "std_srvs/srv/Trigger_Request"
 
-
-class SetBoolRequest(Message):
+class SetBoolRequest(Message, ros_type="std_srvs/srv/SetBool_Request"):
     """Switch something on (true) or off (false)."""
-
-    ros_type: ClassVar[str] = "std_srvs/srv/SetBool_Request"
 
     data: bool
 
 
-class SuccessResponse(Message):
+class SuccessResponse(Message, ros_type="std_srvs/srv/Trigger_Response"):
     """The result of a :class:`TriggerRequest`.
 
     Attributes:
@@ -32,16 +26,12 @@ class SuccessResponse(Message):
         message: Why not, or more about it.
     """
 
-    ros_type: ClassVar[str] = "std_srvs/srv/Trigger_Response"
-
     success: bool
     message: str
 
 
-class SetBoolResponse(SuccessResponse):
+class SetBoolResponse(SuccessResponse, ros_type="std_srvs/srv/SetBool_Response"):
     """The result of a :class:`SetBoolRequest`."""
-
-    ros_type: ClassVar[str] = "std_srvs/srv/SetBool_Response"
 
 
 Trigger = ServiceType("std_srvs/srv/Trigger", TriggerRequest, SuccessResponse)

@@ -1,27 +1,98 @@
-"""Parameters of any node by one name, ``/node:parameter``, with values as JSON text."""
+"""Services of ``/rosapi`` about the parameters of any node, ``/node:parameter``, with values as JSON text.
+
+Source: RobotWebTools rosbridge_suite, branch ros2, ``rosapi_msgs/srv`` and ``rosapi_msgs/msg``.
+"""
 
 from __future__ import annotations
 
 import json
 from typing import Any
 
-from homebot.bridges.rosapi.parameter_messages import (
-    DeleteParamRequest,
-    DeleteParamResponse,
-    GetParamNamesRequest,
-    GetParamNamesResponse,
-    GetParamRequest,
-    GetParamResponse,
-    HasParamRequest,
-    HasParamResponse,
-    SetParamRequest,
-    SetParamResponse,
-)
 from homebot.errors import ParameterError
 from homebot.graph import Graph, ParameterSet
+from homebot.messages.message import Message
+from homebot.messages.service_type import ServiceType
 from homebot.strict_json import parse_strict
 
-__all__ = ["GraphParameters"]
+__all__ = [
+    "DeleteParam",
+    "GetParam",
+    "GetParamNames",
+    "GraphParameters",
+    "HasParam",
+    "SetParam",
+]
+
+
+class GetParamRequest(Message, ros_type="rosapi_msgs/srv/GetParam_Request"):
+    """A question for the value of the parameter ``/node:name``."""
+
+    name: str
+    default_value: str = ""
+
+
+class GetParamResponse(Message, ros_type="rosapi_msgs/srv/GetParam_Response"):
+    """Its value as JSON text; ``null`` and the reason where there is none."""
+
+    value: str
+    successful: bool
+    reason: str
+
+
+class SetParamRequest(Message, ros_type="rosapi_msgs/srv/SetParam_Request"):
+    """Give the parameter ``/node:name`` a value, written as JSON text."""
+
+    name: str
+    value: str
+
+
+class SetParamResponse(Message, ros_type="rosapi_msgs/srv/SetParam_Response"):
+    """The result of setting a parameter, with the reason of a refusal."""
+
+    successful: bool
+    reason: str
+
+
+class DeleteParamRequest(Message, ros_type="rosapi_msgs/srv/DeleteParam_Request"):
+    """Delete the parameter ``/node:name``."""
+
+    name: str
+
+
+class DeleteParamResponse(Message, ros_type="rosapi_msgs/srv/DeleteParam_Response"):
+    """The result of deleting a parameter, with the reason of a refusal."""
+
+    successful: bool
+    reason: str
+
+
+class HasParamRequest(Message, ros_type="rosapi_msgs/srv/HasParam_Request"):
+    """Is there a parameter ``/node:name``?"""
+
+    name: str
+
+
+class HasParamResponse(Message, ros_type="rosapi_msgs/srv/HasParam_Response"):
+    """The answer to :class:`HasParamRequest`."""
+
+    exists: bool
+
+
+class GetParamNamesRequest(Message, ros_type="rosapi_msgs/srv/GetParamNames_Request"):
+    """A question for the names of all parameters."""
+
+
+class GetParamNamesResponse(Message, ros_type="rosapi_msgs/srv/GetParamNames_Response"):
+    """Their names, as ``/node:name``."""
+
+    names: tuple[str, ...]
+
+
+GetParam = ServiceType("rosapi_msgs/srv/GetParam", GetParamRequest, GetParamResponse)
+SetParam = ServiceType("rosapi_msgs/srv/SetParam", SetParamRequest, SetParamResponse)
+DeleteParam = ServiceType("rosapi_msgs/srv/DeleteParam", DeleteParamRequest, DeleteParamResponse)
+HasParam = ServiceType("rosapi_msgs/srv/HasParam", HasParamRequest, HasParamResponse)
+GetParamNames = ServiceType("rosapi_msgs/srv/GetParamNames", GetParamNamesRequest, GetParamNamesResponse)
 
 
 class GraphParameters:

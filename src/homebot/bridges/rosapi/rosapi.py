@@ -8,13 +8,7 @@ from __future__ import annotations
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.bridges.rosapi import node_messages, parameter_messages, service_messages, topic_messages
-from homebot.bridges.rosapi.endpoint_messages import FindEndpoints
-from homebot.bridges.rosapi.endpoints import find_endpoints
-from homebot.bridges.rosapi.nodes import NodeDirectory
-from homebot.bridges.rosapi.parameters import GraphParameters
-from homebot.bridges.rosapi.services import ServiceDirectory
-from homebot.bridges.rosapi.topics import TopicDirectory
+from homebot.bridges.rosapi import endpoints, nodes, parameters, services, topics
 from homebot.graph import Node
 
 __all__ = ["RosApi"]
@@ -31,37 +25,34 @@ class RosApi:
 
     def __init__(self, node: Node) -> None:
         graph = node.graph
-        topics, services, nodes = TopicDirectory(graph), ServiceDirectory(graph), NodeDirectory(graph)
-        parameters = GraphParameters(graph)
-        node.create_service(topic_messages.Topics, "/rosapi/topics", topics.all)
-        node.create_service(topic_messages.TopicsForType, "/rosapi/topics_for_type", topics.for_type)
-        node.create_service(topic_messages.TopicType, "/rosapi/topic_type", topics.type_of)
-        node.create_service(topic_messages.TopicsAndRawTypes, "/rosapi/topics_and_raw_types", topics.all_with_text)
-        node.create_service(topic_messages.MessageDetails, "/rosapi/message_details", topics.details)
-        node.create_service(topic_messages.Publishers, "/rosapi/publishers", topics.publishers)
-        node.create_service(topic_messages.Subscribers, "/rosapi/subscribers", topics.subscribers)
-        node.create_service(service_messages.Services, "/rosapi/services", services.all)
-        node.create_service(service_messages.ServicesForType, "/rosapi/services_for_type", services.for_type)
-        node.create_service(service_messages.ServiceTypeOf, "/rosapi/service_type", services.type_of)
-        node.create_service(
-            service_messages.ServiceRequestDetails, "/rosapi/service_request_details", services.request_details
-        )
-        node.create_service(
-            service_messages.ServiceResponseDetails, "/rosapi/service_response_details", services.response_details
-        )
-        node.create_service(service_messages.ServiceNode, "/rosapi/service_node", services.node_of)
-        node.create_service(service_messages.ServiceProviders, "/rosapi/service_providers", services.providers)
-        node.create_service(node_messages.Nodes, "/rosapi/nodes", nodes.all)
-        node.create_service(node_messages.NodeDetails, "/rosapi/node_details", nodes.details)
-        node.create_service(node_messages.GetActionServers, "/rosapi/action_servers", nodes.action_servers)
-        node.create_service(node_messages.GetTime, "/rosapi/get_time", nodes.time)
-        node.create_service(node_messages.GetROSVersion, "/rosapi/get_ros_version", nodes.ros_version)
-        node.create_service(parameter_messages.GetParam, "/rosapi/get_param", parameters.get)
-        node.create_service(parameter_messages.SetParam, "/rosapi/set_param", parameters.set)
-        node.create_service(parameter_messages.DeleteParam, "/rosapi/delete_param", parameters.delete)
-        node.create_service(parameter_messages.HasParam, "/rosapi/has_param", parameters.has)
-        node.create_service(parameter_messages.GetParamNames, "/rosapi/get_param_names", parameters.names)
-        node.create_service(FindEndpoints, "/rosapi/endpoints", lambda request: find_endpoints(graph, request))
+        of_topics, of_services = topics.TopicDirectory(graph), services.ServiceDirectory(graph)
+        of_nodes, of_parameters = nodes.NodeDirectory(graph), parameters.GraphParameters(graph)
+        offer = node.create_service
+        offer(topics.Topics, "/rosapi/topics", of_topics.all)
+        offer(topics.TopicsForType, "/rosapi/topics_for_type", of_topics.for_type)
+        offer(topics.TopicType, "/rosapi/topic_type", of_topics.type_of)
+        offer(topics.TopicsAndRawTypes, "/rosapi/topics_and_raw_types", of_topics.all_with_text)
+        offer(topics.MessageDetails, "/rosapi/message_details", of_topics.details)
+        offer(topics.Publishers, "/rosapi/publishers", of_topics.publishers)
+        offer(topics.Subscribers, "/rosapi/subscribers", of_topics.subscribers)
+        offer(services.Services, "/rosapi/services", of_services.all)
+        offer(services.ServicesForType, "/rosapi/services_for_type", of_services.for_type)
+        offer(services.ServiceTypeOf, "/rosapi/service_type", of_services.type_of)
+        offer(services.ServiceRequestDetails, "/rosapi/service_request_details", of_services.request_details)
+        offer(services.ServiceResponseDetails, "/rosapi/service_response_details", of_services.response_details)
+        offer(services.ServiceNode, "/rosapi/service_node", of_services.node_of)
+        offer(services.ServiceProviders, "/rosapi/service_providers", of_services.providers)
+        offer(nodes.Nodes, "/rosapi/nodes", of_nodes.all)
+        offer(nodes.NodeDetails, "/rosapi/node_details", of_nodes.details)
+        offer(nodes.GetActionServers, "/rosapi/action_servers", of_nodes.action_servers)
+        offer(nodes.GetTime, "/rosapi/get_time", of_nodes.time)
+        offer(nodes.GetROSVersion, "/rosapi/get_ros_version", of_nodes.ros_version)
+        offer(parameters.GetParam, "/rosapi/get_param", of_parameters.get)
+        offer(parameters.SetParam, "/rosapi/set_param", of_parameters.set)
+        offer(parameters.DeleteParam, "/rosapi/delete_param", of_parameters.delete)
+        offer(parameters.HasParam, "/rosapi/has_param", of_parameters.has)
+        offer(parameters.GetParamNames, "/rosapi/get_param_names", of_parameters.names)
+        offer(endpoints.FindEndpoints, "/rosapi/endpoints", lambda request: endpoints.find_endpoints(graph, request))
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Serve until cancelled; the services are there from the start."""

@@ -1,14 +1,49 @@
-"""Message types as rosapi's ``TypeDef``: plain lists that a client without the types can read."""
+"""Lists of names, and message types as rosapi's ``TypeDef``: plain lists that a client without the types can read."""
 
 from __future__ import annotations
 
-from homebot.bridges.rosapi.topic_messages import TypeDef
+from collections.abc import Iterable
+
 from homebot.messages.definition import FieldDefinition, fields_of, nested_types
+from homebot.messages.fields import Int32
 from homebot.messages.message import Message
 
-__all__ = ["typedefs_of"]
+__all__ = ["TypeDef", "absolute", "typedefs_of", "unique"]
+
+
+def absolute(name: str) -> str:
+    """Return *name* with the leading slash that some clients leave out."""
+    return name if name.startswith("/") else f"/{name}"
+
+
+def unique(names: Iterable[str]) -> tuple[str, ...]:
+    """Return *names* sorted, each once."""
+    return tuple(sorted(set(names)))
+
 
 _EXAMPLES = {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}
+
+
+class TypeDef(Message, ros_type="rosapi_msgs/msg/TypeDef"):
+    """The fields of a message type.
+
+    Attributes:
+        type: Its name, as ``package/Name``.
+        fieldnames: Its fields.
+        fieldtypes: The fields' types; of one element where the field is an array.
+        fieldarraylen: -1 for one value, 0 for any number of values, else exactly that many.
+        examples: A value of each field, as text.
+        constnames: Its constants.
+        constvalues: Their values, as text.
+    """
+
+    type: str
+    fieldnames: tuple[str, ...]
+    fieldtypes: tuple[str, ...]
+    fieldarraylen: tuple[Int32, ...]
+    examples: tuple[str, ...]
+    constnames: tuple[str, ...] = ()
+    constvalues: tuple[str, ...] = ()
 
 
 def typedefs_of(message_type: type[Message]) -> tuple[TypeDef, ...]:
