@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.mqtt.client.delivery import DeliveryLedger
+from homebot.mqtt.client.receiver import DeliveryLedger
 from homebot.mqtt.message import MqttMessage
 
 

@@ -7,7 +7,7 @@ import pytest
 from anyio import wait_all_tasks_blocked
 
 from homebot.errors import LinkError
-from homebot.mqtt.client.inbox import Inbox
+from homebot.mqtt.client.receiver import Inbox
 from homebot.mqtt.message import MqttMessage
 
 

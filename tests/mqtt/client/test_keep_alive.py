@@ -27,7 +27,7 @@ def silence(interval: float, timeout: float, heard: list[float], answers: Callab
     while True:
         while coming and coming[0] <= keep_alive.due:
             last = coming.pop(0)
-            keep_alive.heard(last)
+            keep_alive.heard_at = last
         now = keep_alive.due
         match keep_alive.check(now):
             case LifeSign.LOST:
@@ -36,7 +36,7 @@ def silence(interval: float, timeout: float, heard: list[float], answers: Callab
                 pings += 1
                 if answers(now):
                     last = now
-                    keep_alive.heard(now)
+                    keep_alive.heard_at = now
             case LifeSign.WAIT:
                 pass
 
@@ -64,14 +64,14 @@ def test_a_link_that_answers_is_kept_with_one_ping_an_interval() -> None:
 def test_hearing_something_is_as_good_as_an_answer() -> None:
     keep_alive = KeepAlive(30, 10, 0.0)
     assert keep_alive.check(30.0) is LifeSign.PING
-    keep_alive.heard(35.0)
+    keep_alive.heard_at = 35.0
     assert keep_alive.check(40.0) is LifeSign.WAIT
 
 
 def test_a_client_that_hears_all_the_time_pings_all_the_same() -> None:
     """The broker would take it for dead."""
     keep_alive = KeepAlive(30, 10, 0.0)
-    keep_alive.heard(29.0)
+    keep_alive.heard_at = 29.0
     assert keep_alive.check(30.0) is LifeSign.PING
 
 

@@ -42,7 +42,7 @@ from homebot.mqtt.client.paho_socket import PahoSocket
 from homebot.mqtt.client.port import MqttSubscription, SessionGrant
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import check_granted, disconnect_error, login_error
-from homebot.mqtt.client.send_window import SendWindow
+from homebot.mqtt.client.requests import SendWindow
 from homebot.mqtt.client.tcp_transport import dial_error, make_tls_context
 from homebot.mqtt.client.version_choice import MqttVersion, early_end
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage

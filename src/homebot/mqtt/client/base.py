@@ -81,12 +81,16 @@ class BaseClient(ABC):
     Args:
         options: Broker, login and limits.
         clock: Paces log lines.
+
+    Attributes:
+        receive: Returns all messages that are there; see `MqttClient.receive`.
     """
 
     def __init__(self, options: MqttOptions, clock: Clock | None) -> None:
         self._options = options
         self._clock = LoopClock() if clock is None else clock
         self._receiver = Receiver(options, self._clock)
+        self.receive = self._receiver.take
         self._choice = VersionChoice(options)
         self._link: ClientLink | None = None
         self._is_taken = False
@@ -122,7 +126,8 @@ class BaseClient(ABC):
         validate_topic(topic)
         if qos not in {0, 1, 2}:
             raise UsageError(f"QoS is 0, 1 or 2, not {qos}")
-        reason = await self._need_link().publish(topic, payload, qos, properties, retain=retain)
+        link = self._link or self._need_link()
+        reason = await link.publish(topic, payload, qos, properties, retain=retain)
         if reason >= _FAILED:
             raise RefusedError(f"the publish to {topic!r}", reason_text(reason), reason)
         return PublishResult(reason) if reason else _TAKEN
@@ -144,10 +149,6 @@ class BaseClient(ABC):
         """Take back subscriptions; see `MqttClient.unsubscribe`."""
         if filters:
             await self._need_link().unsubscribe(filters)
-
-    async def receive(self) -> list[MqttMessage]:
-        """All messages that are there; see `MqttClient.receive`."""
-        return await self._receiver.take()
 
     def ack(self, messages: Iterable[MqttMessage]) -> None:
         """Acknowledge; see `MqttClient.ack`."""

@@ -31,26 +31,23 @@ class KeepAlive:
 
     Attributes:
         due: When to look again.
+        heard_at: When bytes came last; whoever reads them sets it.
     """
 
     def __init__(self, interval: float, timeout: float, now: float) -> None:
         self._interval = interval
         self._patience = min(timeout, interval / 2)
-        self._heard_at = self._pinged_at = now
+        self.heard_at = self._pinged_at = now
         self._waiting = False
         self.due = now + interval
 
-    def heard(self, now: float) -> None:
-        """Bytes came."""
-        self._heard_at = now
-        self._waiting = False
-
     def check(self, now: float) -> LifeSign:
         """Say what is to be done now; a ping counts as sent."""
+        self._waiting = self._waiting and self.heard_at < self._pinged_at
         if self._waiting:
             self.due = self._pinged_at + self._patience
             return LifeSign.LOST if self.due <= now else LifeSign.WAIT
-        self.due = min(self._heard_at, self._pinged_at) + self._interval
+        self.due = min(self.heard_at, self._pinged_at) + self._interval
         if self.due > now:
             return LifeSign.WAIT
         self._pinged_at = now

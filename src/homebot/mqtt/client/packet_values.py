@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from homebot.mqtt.client.incoming import Frame
 from homebot.mqtt.client.port import MqttSubscription, SessionGrant
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.options import MqttWill as WillMessage
 from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
 from homebot.mqtt.packets import Connack, Connect, Disconnect, FilterRequest, Properties, ProtocolVersion, Will
-from homebot.mqtt.packets.primitives import Cursor
-from homebot.mqtt.packets.properties import PacketType, decode_properties
 
-__all__ = ["answer_of", "connect_packet", "disconnect_packet", "filter_request", "publish_properties", "session_of"]
+__all__ = ["connect_packet", "disconnect_packet", "filter_request", "publish_properties", "session_of"]
 
 
 def connect_packet(options: MqttOptions, version: ProtocolVersion) -> Connect:
@@ -53,22 +50,6 @@ def session_of(answer: Connack, version: ProtocolVersion) -> SessionGrant:
         receive_maximum=granted.receive_maximum or 65_535,
         maximum_packet_size=granted.maximum_packet_size,
     )
-
-
-def answer_of(frame: Frame, version: ProtocolVersion) -> tuple[int, tuple[int, ...]]:
-    """The packet identifier and the reason codes of PUBACK, PUBREC, PUBCOMP, SUBACK or UNSUBACK.
-
-    Raises:
-        PacketError: The packet ends too early.
-    """
-    cursor = Cursor(frame.body)
-    packet_id = cursor.uint16()
-    kind = frame.first >> 4
-    if kind < PacketType.SUBACK:
-        return packet_id, (cursor.uint8() if cursor.left else 0,)
-    if version is ProtocolVersion.V5:
-        decode_properties(cursor, PacketType(kind))
-    return packet_id, tuple(cursor.take(cursor.left))
 
 
 def filter_request(subscription: MqttSubscription) -> FilterRequest:

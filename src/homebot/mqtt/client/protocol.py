@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterable
 from typing import Final, final
 
 import anyio
@@ -10,15 +11,22 @@ import anyio
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.mqtt.client.incoming import Frame, FrameReader
 from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
-from homebot.mqtt.client.packet_values import answer_of, connect_packet, disconnect_packet, session_of
-from homebot.mqtt.client.port import SessionGrant
+from homebot.mqtt.client.packet_values import (
+    connect_packet,
+    disconnect_packet,
+    filter_request,
+    publish_properties,
+    session_of,
+)
+from homebot.mqtt.client.port import MqttSubscription, SessionGrant
 from homebot.mqtt.client.receiver import Receiver
-from homebot.mqtt.client.refusals import disconnect_error, login_error
-from homebot.mqtt.client.requests import Answer, Requests
-from homebot.mqtt.client.send_window import SendWindow
+from homebot.mqtt.client.refusals import check_granted, disconnect_error, login_error
+from homebot.mqtt.client.requests import Answer, Requests, SendWindow
 from homebot.mqtt.client.transport import SEND_BUFFER, ClientTransport, Dial
 from homebot.mqtt.client.version_choice import ClosedEarlyError, early_end
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
 from homebot.mqtt.packets import (
     Connack,
     Disconnect,
@@ -27,9 +35,15 @@ from homebot.mqtt.packets import (
     Pingreq,
     ProtocolVersion,
     Publish,
+    Subscribe,
+    Unsubscribe,
     decode,
     encode,
 )
+from homebot.mqtt.packets.primitives import Cursor
+from homebot.mqtt.packets.properties import decode_properties, encode_properties
+from homebot.mqtt.packets.publish import encode_publish
+from homebot.mqtt.packets.reason import PacketError
 
 __all__ = ["ClientProtocol"]
 
@@ -50,7 +64,7 @@ _NO_MQTT: Final = "the server there is not an MQTT broker"
 
 @final
 class ClientProtocol:
-    """Fills :class:`homebot.mqtt.client.transport.TransportUser`.
+    """Fills :class:`homebot.mqtt.client.base.ClientLink`, and :class:`homebot.mqtt.client.transport.TransportUser`.
 
     Args:
         options: Login and limits.
@@ -59,22 +73,23 @@ class ClientProtocol:
         requests: The client's open requests.
 
     Attributes:
-        version: What is spoken.
-        granted: What the broker granted; None before.
-        window: Bounds the own publishes of QoS 1 and 2 that are open.
+        grant: The session as the broker granted it, from :meth:`open` on.
     """
 
     def __init__(self, options: MqttOptions, version: ProtocolVersion, receiver: Receiver, requests: Requests) -> None:
-        self.version: Final = version
-        self.granted: SessionGrant | None = None
-        self.window = SendWindow(0)
+        is_v5 = version is ProtocolVersion.V5
+        self.grant = SessionGrant(resumed=False, protocol="5" if is_v5 else "3.1.1")
+        self._is_granted = False
+        self._version: Final = version
+        self._is_v5: Final = is_v5
+        self._window = SendWindow(0)  # bounds the own publishes of QoS 1 and 2 that are open
         self._options = options
         self._receiver = receiver
         self._requests = requests
         self._loop = asyncio.get_running_loop()
         self._packets = FrameReader(options.maximum_packet_size)
         self._transport: ClientTransport | None = None
-        self._greeting: asyncio.Future[SessionGrant] = self._loop.create_future()
+        self._greeting: asyncio.Future[None] = self._loop.create_future()
         self._lost: LinkError | RefusedError | None = None
         self._gone = anyio.Event()
         self._drained: anyio.Event | None = None
@@ -82,7 +97,7 @@ class ClientProtocol:
         self._keep_alive: KeepAlive | None = None
         self._check: asyncio.TimerHandle | None = None
 
-    async def open(self, dial: Dial) -> SessionGrant:
+    async def open(self, dial: Dial) -> None:
         """Open a link that brings its bytes here, say CONNECT, and wait for the answer.
 
         Raises:
@@ -91,27 +106,17 @@ class ClientProtocol:
             UsageError: A certificate file cannot be used.
         """
         self._transport = await dial(self._options, self)
-        self.send_packet(connect_packet(self._options, self.version))
+        self._send(connect_packet(self._options, self._version))
         words = f"no answer to CONNECT within {self._options.timeout:g} s"
         try:
             with anyio.fail_after(self._options.timeout):
-                return await self._greeting
+                await self._greeting
         except TimeoutError:
             self.cut(LinkError(words))
             raise LinkError(words) from None
         except BaseException:
             self.cut(LinkError("the connection attempt was cancelled"))
             raise
-
-    async def close(self, *, ends_session: bool) -> None:
-        """Say good-bye, if there is still somebody, and drop the link."""
-        transport = self._transport
-        if self._lost is None and transport is not None:
-            self.send_packet(disconnect_packet(ends_session=ends_session))
-            transport.close()
-            self._lose(LinkError("closed"))
-            await transport.wait_closed()
-        self._lose(LinkError("closed"))
 
     def cut(self, reason: LinkError | RefusedError) -> None:
         """End the link without a word because of *reason*; nothing where it has ended."""
@@ -124,84 +129,93 @@ class ClientProtocol:
         """True if the link stands."""
         return self._lost is None
 
-    def check_alive(self) -> None:
-        """Raise LinkError where the link is lost."""
-        if self._lost is not None:
-            raise LinkError(f"the link is lost: {self._lost}")
-
     async def wait_lost(self) -> LinkError | RefusedError:
         """Wait for the end and say why."""
         await self._gone.wait()
         return self._lost or LinkError("closed")
 
-    def send_packet(self, packet: Packet) -> None:
-        """Send one packet."""
-        self.put(encode(packet, self.version))
+    async def publish(
+        self, topic: str, payload: bytes, qos: int, properties: MessageProperties, *, retain: bool
+    ) -> int:
+        """Publish, and return the reason code of the answer; at QoS 0 it is 0, once the broker is not far behind.
 
-    def put(self, data: bytes) -> None:
-        """Send finished packets."""
-        if self._lost is None and self._transport is not None:
-            self._transport.write(data)
+        Raises:
+            RefusedError: The broker does not take such messages.
+            LinkError: The link is lost, or no answer came.
+        """
+        self._check_alive()
+        extra, size = NOTHING, len(payload)
+        if properties is not NO_PROPERTIES and self._is_v5:
+            extra = publish_properties(properties)
+            size += len(encode_properties(extra, _PUBLISH))
+        check_granted(self.grant, topic, size, qos, retain=retain)
+        if not qos:
+            self._put(encode_publish(Publish(topic, payload, 0, retain, properties=extra), self._version))
+            await self._wait_until_taken()
+            return 0
+        window = self._window
+        await window.acquire()
+        try:
+            self._check_alive()
+            packet_id = self._requests.new_id()
+            packet = Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra)
+            data = encode_publish(packet, self._version)
+            if qos == 2:
+                self._requests.hold(packet)
+            (reason,) = await self._answer_to(data, packet_id, "publish")
+        finally:
+            window.release()
+        return reason
 
-    def acknowledge(self, data: bytes) -> None:
-        """Send acknowledgements, perhaps together with what follows."""
-        if self._lost is None and self._transport is not None:
+    async def subscribe(self, subscriptions: tuple[MqttSubscription, ...]) -> tuple[int, ...]:
+        """Subscribe, and return the reason codes of the answer."""
+        self._check_alive()
+        packet_id = self._requests.new_id()
+        request = Subscribe(packet_id, tuple([filter_request(each) for each in subscriptions]))
+        return await self._answer_to(encode(request, self._version), packet_id, "subscribe")
+
+    async def unsubscribe(self, filters: tuple[str, ...]) -> None:
+        """Take back subscriptions."""
+        self._check_alive()
+        packet_id = self._requests.new_id()
+        await self._answer_to(encode(Unsubscribe(packet_id, filters), self._version), packet_id, "unsubscribe")
+
+    def ack(self, messages: Iterable[MqttMessage]) -> None:
+        """Acknowledge those of *messages* that came by this link, perhaps together with what follows."""
+        data = self._receiver.settle(messages)
+        if data and self._lost is None and self._transport is not None:
             self._transport.write_acknowledgements(data)
 
-    async def wait_until_taken(self) -> None:
-        """Wait while the broker is far behind in taking what was said.
-
-        Raises:
-            LinkError: The link was lost.
-        """
-        while self._transport is not None and self._transport.waiting > SEND_BUFFER and self._lost is None:
-            self._drained = self._drained or anyio.Event()
-            await self._drained.wait()
-        self.check_alive()
-
-    async def answer_to(self, request: Packet, packet_id: int, what: str) -> Answer:
-        """Send *request* and wait for its last answer.
-
-        Raises:
-            UsageError: The request cannot be said in MQTT.
-            LinkError: No answer came.
-        """
-        data = encode(request, self.version)
-        answer = self._requests.expect(packet_id)
-        if isinstance(request, Publish) and request.qos == 2:
-            self._requests.hold(request)
-        overdue = self._loop.call_later(self._options.timeout, _expire, answer)
-        try:
-            self.put(data)
-            return await answer
-        except TimeoutError:
-            raise LinkError(f"no answer to a {what} within {self._options.timeout:g} s") from None
-        except LinkError as error:
-            raise LinkError(f"{what} failed, the link is lost: {error}") from None
-        finally:
-            overdue.cancel()
-            self._requests.forget(packet_id)
+    async def close(self, *, ends_session: bool) -> None:
+        """Say good-bye, if there is still somebody, and drop the link; MQTT 5 has a word for *ends_session*."""
+        transport = self._transport
+        if self._lost is None and transport is not None:
+            self._send(disconnect_packet(ends_session=ends_session and self._is_v5))
+            transport.close()
+            self._lose(LinkError("closed"))
+            await transport.wait_closed()
+        self._lose(LinkError("closed"))
 
     def data_received(self, data: bytes) -> None:
         """Bytes came from the broker."""
         if self._keep_alive is not None:
-            self._keep_alive.heard(self._loop.time())
+            self._keep_alive.heard_at = self._loop.time()
         answers = bytearray()
         try:
             for frame in self._packets.feed(data):
                 if self._lost is not None:
                     return
-                if frame.first >> 4 == _PUBLISH and self.granted is not None:
+                if frame.first >> 4 == _PUBLISH and self._is_granted:
                     answers += self._receiver.publish(frame)
-                elif frame.first >> 4 == _PUBREL and self.granted is not None:
+                elif frame.first >> 4 == _PUBREL and self._is_granted:
                     answers += self._receiver.release(frame)
                 else:
                     self._handle(frame)
         except WireError as error:
-            self.cut(LinkError(_NO_MQTT if self.granted is None else f"the broker sent something unreadable: {error}"))
+            self.cut(LinkError(_NO_MQTT if not self._is_granted else f"the broker sent something unreadable: {error}"))
             return
         if answers:
-            self.put(bytes(answers))
+            self._put(bytes(answers))
 
     def drained(self) -> None:
         """The broker has taken everything that was written."""
@@ -211,28 +225,31 @@ class ClientProtocol:
 
     def link_ended(self, reason: LinkError | RefusedError) -> None:
         """The broker closed the link, or it broke."""
-        self._lose(reason if self.granted is not None else early_end(reason, self._options))
+        self._lose(reason if self._is_granted else early_end(reason, self._options))
 
     def _handle(self, frame: Frame) -> None:
         kind = frame.first >> 4
-        if self.granted is None and kind != PacketType.CONNACK:
+        if not self._is_granted and kind != PacketType.CONNACK:
             in_tls = frame.first == _TLS_ALERT and not self._options.tls
             self.cut(LinkError(_IN_TLS if in_tls else _NO_MQTT))
         elif frame.oversize:
             raise WireError(f"a packet of type {kind} of {frame.oversize} bytes")
         elif kind in _ANSWERS:
-            packet_id, reasons = answer_of(frame, self.version)
+            packet_id, reasons = _answer_in(frame, is_v5=self._is_v5)
             if kind == _PUBREC and reasons[0] < _FAILED:
-                self.send_packet(self._requests.taken(packet_id))
-            else:
-                self._on_answer(packet_id, reasons)
+                self._send(self._requests.taken(packet_id))
+                return
+            self._requests.answered(packet_id, reasons)
+            if packet_id in self._unfinished:
+                self._unfinished.discard(packet_id)
+                self._window.release()
         elif kind != _PINGRESP:  # that one was heard
             self._on_rare_packet(frame)
 
     def _on_rare_packet(self, frame: Frame) -> None:
         # A broker that does not speak 5 answers as 3.1.1 has it.
         old = frame.first >> 4 == PacketType.CONNACK and len(frame.body) == _V3_CONNACK
-        packet = decode(frame.first, frame.body, ProtocolVersion.V311 if old else self.version)
+        packet = decode(frame.first, frame.body, ProtocolVersion.V311 if old else self._version)
         match packet:
             case Connack():
                 self._on_connack(packet)
@@ -249,23 +266,18 @@ class ClientProtocol:
             self._greeting.set_exception(reason)
             self.cut(reason)
             return
-        self.granted = session = session_of(packet, self.version)
+        self.grant = session = session_of(packet, self._version)
+        self._is_granted = True
         seconds = packet.properties.server_keep_alive or self._options.keep_alive
         self._keep_alive = KeepAlive(seconds, self._options.timeout, self._loop.time())
         again = self._requests.begin_link(resumed=session.resumed)
         self._unfinished = {each.packet_id for each in again if each.packet_id is not None}
-        self.window = SendWindow(min(session.receive_maximum, _IN_FLIGHT) - len(again))
+        self._window = SendWindow(min(session.receive_maximum, _IN_FLIGHT) - len(again))
         self._receiver.begin_link(session)
-        self._greeting.set_result(session)
+        self._greeting.set_result(None)
         for each in again:
-            self.send_packet(each)
+            self._send(each)
         self._check = self._loop.call_at(self._keep_alive.due, self._check_signs_of_life, self._keep_alive)
-
-    def _on_answer(self, packet_id: int, reasons: Answer) -> None:
-        self._requests.answered(packet_id, reasons)
-        if packet_id in self._unfinished:
-            self._unfinished.discard(packet_id)
-            self.window.release()
 
     def _check_signs_of_life(self, keep_alive: KeepAlive) -> None:
         match keep_alive.check(self._loop.time()):
@@ -273,7 +285,7 @@ class ClientProtocol:
                 self.cut(LinkError("the broker does not answer any more"))
                 return
             case LifeSign.PING:
-                self.send_packet(Pingreq())
+                self._send(Pingreq())
             case LifeSign.WAIT:
                 pass
         self._check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
@@ -289,9 +301,65 @@ class ClientProtocol:
             self._greeting.set_exception(ClosedEarlyError(str(reason)) if early else reason)
         self._receiver.end_link(reason)
         self._requests.fail(str(reason))
-        self.window.close(f"publish failed, the link is lost: {reason}")
+        self._window.close(f"publish failed, the link is lost: {reason}")
         self._gone.set()
         self.drained()
+
+    def _check_alive(self) -> None:
+        if self._lost is not None:
+            raise LinkError(f"the link is lost: {self._lost}")
+
+    def _send(self, packet: Packet) -> None:
+        self._put(encode(packet, self._version))
+
+    def _put(self, data: bytes) -> None:
+        if self._lost is None and self._transport is not None:
+            self._transport.write(data)
+
+    async def _wait_until_taken(self) -> None:
+        """Wait while the broker is far behind in taking what was said."""
+        while self._transport is not None and self._transport.waiting > SEND_BUFFER and self._lost is None:
+            self._drained = self._drained or anyio.Event()
+            await self._drained.wait()
+        self._check_alive()
+
+    async def _answer_to(self, request: bytes, packet_id: int, what: str) -> Answer:
+        """Send a whole packet and wait for its last answer.
+
+        Raises:
+            LinkError: No answer came.
+        """
+        answer = self._requests.expect(packet_id)
+        overdue = self._loop.call_later(self._options.timeout, _expire, answer)
+        try:
+            self._put(request)
+            return await answer
+        except TimeoutError:
+            raise LinkError(f"no answer to a {what} within {self._options.timeout:g} s") from None
+        except LinkError as error:
+            raise LinkError(f"{what} failed, the link is lost: {error}") from None
+        finally:
+            overdue.cancel()
+            self._requests.forget(packet_id)
+
+
+def _answer_in(frame: Frame, *, is_v5: bool) -> tuple[int, Answer]:
+    """Return packet identifier and reason codes of PUBACK, PUBREC, PUBCOMP, SUBACK or UNSUBACK.
+
+    Raises:
+        PacketError: The packet ends too early.
+    """
+    kind, body = frame.first >> 4, frame.body
+    if len(body) < 2:
+        raise PacketError("an answer ends before its packet id", body)
+    packet_id = body[0] << 8 | body[1]
+    if kind < PacketType.SUBACK:
+        return packet_id, (body[2] if len(body) > 2 else 0,)
+    cursor = Cursor(body)
+    cursor.position = 2
+    if is_v5:
+        decode_properties(cursor, PacketType(kind))
+    return packet_id, tuple(body[cursor.position :])
 
 
 def _expire(answer: asyncio.Future[Answer]) -> None:

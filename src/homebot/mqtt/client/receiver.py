@@ -1,22 +1,27 @@
-"""Treatment of received packets, the same for every adapter: read, count, record, put in the inbox."""
+"""Received messages, the same for every client: read, counted, kept until they are taken, and acknowledged."""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable
 from typing import final
+
+import anyio
 
 from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.log import LogLimit
 from homebot.logger import get_logger
-from homebot.mqtt.client.delivery import DeliveryLedger
-from homebot.mqtt.client.inbox import Inbox
 from homebot.mqtt.client.incoming import Frame, PublishReader
 from homebot.mqtt.client.port import MqttCounters, SessionGrant
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 
-__all__ = ["Receiver"]
+__all__ = ["DeliveryLedger", "Inbox", "Receiver"]
+
+_PUBACK = b"\x40\x02"
+_PUBREC = b"\x50\x02"
+_PUBCOMP = b"\x70\x02"
 
 _log = get_logger()
 
@@ -31,6 +36,8 @@ class Receiver:
 
     Attributes:
         counters: What happened since this was made.
+        take: Returns all messages that are there; see `Inbox.take`.
+        settle: Returns the acknowledgements to send for messages; see `DeliveryLedger.settle`.
     """
 
     def __init__(self, options: MqttOptions, clock: Clock) -> None:
@@ -40,6 +47,8 @@ class Receiver:
         self._inbox = Inbox(options.inbox_messages, options.inbox_bytes)
         self._reader = PublishReader(has_properties=True)
         self.counters = MqttCounters()
+        self.take = self._inbox.take
+        self.settle = self._ledger.settle
 
     def begin_link(self, session: SessionGrant) -> None:
         """Messages of a new link follow."""
@@ -97,14 +106,6 @@ class Receiver:
         """Take in one PUBREL; returns the answer."""
         return self._ledger.release(int.from_bytes(packet.body[:2], "big"))
 
-    def settle(self, messages: Iterable[MqttMessage]) -> bytes:
-        """The acknowledgements to send for *messages*."""
-        return self._ledger.settle(messages)
-
-    async def take(self) -> list[MqttMessage]:
-        """All messages that are there; see `Inbox.take`."""
-        return await self._inbox.take()
-
     def _drop(self, packet: Frame, problem: str) -> bytes:
         self._say(problem, start=packet.body[:64].hex())
         qos, packet_id = packet.first >> 1 & 3, self._reader.packet_id(packet)
@@ -123,3 +124,152 @@ class Receiver:
             overflow=self.counters.dropped_overflow,
             **facts,
         )
+
+
+@final
+class Inbox:
+    """The bounded store between the link and the one task that reads: `put` never waits, `take` waits for a message.
+
+    Overflow: messages of QoS 0 are bounded in number and bytes, and the oldest of them go first. Messages of QoS 1 and
+    2 are never dropped here; the broker holds back more of them until some are acknowledged.
+
+    Args:
+        max_messages: Most messages of QoS 0.
+        max_bytes: Most bytes of such messages, topics and payloads; a single message may exceed it.
+
+    Attributes:
+        dropped: Messages of QoS 0 dropped so far.
+    """
+
+    def __init__(self, max_messages: int, max_bytes: int) -> None:
+        self._max_messages = max_messages
+        self._max_bytes = max_bytes
+        self._messages: deque[MqttMessage] = deque()
+        self._droppable = 0
+        self._droppable_bytes = 0
+        self._ended: LinkError | RefusedError | None = LinkError("not connected yet")
+        self._wake: anyio.Event | None = None
+        self.dropped = 0
+
+    def put(self, message: MqttMessage) -> None:
+        """Add a message, and make room for it if need be."""
+        self._messages.append(message)
+        if message.qos == 0:
+            self._droppable += 1
+            self._droppable_bytes += len(message.topic) + len(message.payload)
+            while self._droppable > 1 and (
+                self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes
+            ):
+                self._drop_oldest()
+        if (wake := self._wake) is not None:
+            self._wake = None
+            wake.set()
+
+    async def take(self) -> list[MqttMessage]:
+        """Everything that is there, oldest first.
+
+        Raises:
+            LinkError: The store is empty and nothing more will come before `reopen`.
+        """
+        while not self._messages:
+            if self._ended is not None:
+                raise LinkError(f"no more messages: {self._ended}") from self._ended
+            if self._wake is None:
+                self._wake = anyio.Event()
+            await self._wake.wait()
+        taken = list(self._messages)
+        self._messages.clear()
+        self._droppable = self._droppable_bytes = 0
+        return taken
+
+    def end(self, reason: LinkError | RefusedError) -> None:
+        """Nothing more will come, because of *reason*; what is there can still be taken."""
+        self._ended = reason
+        if self._wake is not None:
+            self._wake.set()
+            self._wake = None
+
+    def reopen(self, *, resumed: bool) -> None:
+        """Messages will come again; in a *resumed* session the broker repeats those of QoS 1 that wait here."""
+        self._ended = None
+        if resumed:
+            self._messages = deque(message for message in self._messages if message.qos != 1)
+
+    def _drop_oldest(self) -> None:
+        index = next(index for index, message in enumerate(self._messages) if message.qos == 0)
+        self._droppable -= 1
+        self._droppable_bytes -= len(self._messages[index].topic) + len(self._messages[index].payload)
+        del self._messages[index]
+        self.dropped += 1
+
+
+@final
+class DeliveryLedger:
+    """The acknowledgements of received messages, over all links of one client. Pure.
+
+    QoS 1: PUBACK is sent when the message is settled, and only on the link it came by, because on a later link its
+    packet identifier may stand for another message.
+
+    QoS 2: PUBREC is sent when the message is settled; until PUBREL the identifier is remembered for the whole session,
+    so that a repeated PUBLISH is answered and not delivered again (method B of MQTT Version 5.0, section 4.3.3). A
+    process that dies before it settled gets the message again.
+    """
+
+    def __init__(self) -> None:
+        self._link = 0
+        self._session = 0
+        self._recorded: dict[int, bool] = {}  # open QoS 2 identifiers; True once settled
+
+    def begin_link(self, *, resumed: bool) -> None:
+        """A new link; *resumed* says whether the broker still has the session."""
+        self._link += 1
+        if not resumed:
+            self._session += 1
+            self._recorded.clear()
+
+    def admit(self, qos: int, packet_id: int) -> tuple[int | None, bytes]:
+        """Enter an arriving PUBLISH of QoS 1 or 2.
+
+        Returns:
+            The receipt to deliver it with, or None for a repetition that must not be delivered; and the bytes to
+            answer at once, mostly none.
+        """
+        if qos == 1:
+            return self._link << 16 | packet_id, b""
+        if packet_id in self._recorded:
+            return None, _packet(_PUBREC, packet_id) if self._recorded[packet_id] else b""
+        self._recorded[packet_id] = False
+        return self._session << 16 | packet_id, b""
+
+    def settle(self, messages: Iterable[MqttMessage]) -> bytes:
+        """The acknowledgements to send for *messages*; what cannot be acknowledged any more is passed over."""
+        out = bytearray()
+        for message in messages:
+            if message.qos == 1:
+                if message.receipt >> 16 == self._link:
+                    out += _packet(_PUBACK, message.receipt & 0xFFFF)
+            elif message.qos == 2 and message.receipt >> 16 == self._session:
+                out += self._record(message.receipt & 0xFFFF)
+        return bytes(out)
+
+    def refuse(self, qos: int, packet_id: int) -> bytes:
+        """The acknowledgement of a message that was dropped for good, so that it does not come again."""
+        if qos == 1:
+            return _packet(_PUBACK, packet_id)
+        self._recorded[packet_id] = True
+        return _packet(_PUBREC, packet_id)
+
+    def release(self, packet_id: int) -> bytes:
+        """The answer to a PUBREL; also to one for an unknown identifier, or the broker would ask for ever."""
+        self._recorded.pop(packet_id, None)
+        return _packet(_PUBCOMP, packet_id)
+
+    def _record(self, packet_id: int) -> bytes:
+        if self._recorded.get(packet_id, True):
+            return b""
+        self._recorded[packet_id] = True
+        return _packet(_PUBREC, packet_id)
+
+
+def _packet(head: bytes, packet_id: int) -> bytes:
+    return head + packet_id.to_bytes(2, "big")

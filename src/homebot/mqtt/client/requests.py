@@ -1,15 +1,16 @@
-"""Requests of one client that the broker has not answered yet, over all its links."""
+"""Requests of one client that the broker has not answered yet, and how many publishes may be open at once."""
 
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from random import Random
 from typing import TypeAlias, final
 
 from homebot.errors import LinkError
 from homebot.mqtt.packets import Publish, Pubrel
 
-__all__ = ["Answer", "Requests"]
+__all__ = ["Answer", "Requests", "SendWindow"]
 
 Answer: TypeAlias = tuple[int, ...]
 """The reason codes of an answer, as they are: brokers give others than the protocol has."""
@@ -19,7 +20,7 @@ _LAST = 65_535
 
 @final
 class Requests:
-    """Packet identifiers, who waits for which answer, and the hand-shakes of QoS 2.
+    """Packet identifiers, who waits for which answer, and the hand-shakes of QoS 2; over all links of a client.
 
     Args:
         random: Chooses the first identifier: a process that starts anew must not meet the open identifiers of the one
@@ -80,3 +81,52 @@ class Requests:
         for answer in self._answers.values():
             if not answer.done():
                 answer.set_exception(LinkError(words))
+
+
+@final
+class SendWindow:
+    """The window of own publishes that may be open on one link at once; the others wait in their order.
+
+    Who waits is set free when the link is lost.
+
+    Args:
+        size: Places at the start; below 1 others have to end first.
+    """
+
+    def __init__(self, size: int) -> None:
+        self._free = size
+        self._waiters: deque[asyncio.Future[None]] = deque()
+
+    async def acquire(self) -> None:
+        """Wait for a place, behind those who waited before.
+
+        Raises:
+            LinkError: The link was lost meanwhile.
+        """
+        if self._free > 0:
+            self._free -= 1
+            return
+        waiter = asyncio.get_running_loop().create_future()
+        self._waiters.append(waiter)
+        try:
+            await waiter
+        except asyncio.CancelledError:
+            if waiter.done() and not waiter.cancelled() and waiter.exception() is None:
+                self.release()  # the place came in the same moment
+            raise
+
+    def release(self) -> None:
+        """A publish has ended: its place is for the next."""
+        self._free += 1
+        while self._free > 0 and self._waiters:
+            waiter = self._waiters.popleft()
+            if not waiter.done():
+                self._free -= 1
+                waiter.set_result(None)
+
+    def close(self, words: str) -> None:
+        """Tell all who wait that they wait in vain, because of *words*."""
+        while self._waiters:
+            waiter = self._waiters.popleft()
+            if not waiter.done():
+                waiter.set_exception(LinkError(words))

@@ -7,12 +7,13 @@ from typing import final
 from homebot.errors import UsageError
 from homebot.mqtt.packets.reason import PacketError
 
-__all__ = ["MAX_VARINT", "Cursor", "encode_binary", "encode_text", "encode_uint16", "encode_varint"]
+__all__ = ["MAX_UINT16", "MAX_VARINT", "Cursor", "encode_binary", "encode_text", "encode_uint16", "encode_varint"]
 
 MAX_VARINT = 268_435_455
 """The largest number that four bytes of variable-length coding hold."""
 
-_MAX_DATA = 65_535
+MAX_UINT16 = 65_535
+"""The largest number that two bytes hold, and so the most bytes of a text."""
 
 
 @final
@@ -118,7 +119,7 @@ def encode_uint16(value: int) -> bytes:
     Raises:
         UsageError: The value is not in 0 to 65,535.
     """
-    if not 0 <= value <= _MAX_DATA:
+    if not 0 <= value <= MAX_UINT16:
         raise UsageError(f"{value} does not fit into two bytes")
     return value.to_bytes(2, "big")
 
@@ -129,8 +130,8 @@ def encode_binary(data: bytes) -> bytes:
     Raises:
         UsageError: The data is longer than 65,535 bytes.
     """
-    if len(data) > _MAX_DATA:
-        raise UsageError(f"{len(data)} bytes do not fit into an MQTT field ({_MAX_DATA} is the limit)")
+    if len(data) > MAX_UINT16:
+        raise UsageError(f"{len(data)} bytes do not fit into an MQTT field ({MAX_UINT16} is the limit)")
     return len(data).to_bytes(2, "big") + data
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from homebot.errors import UsageError
-from homebot.mqtt.packets.primitives import Cursor, encode_text, encode_uint16, encode_varint
+from homebot.mqtt.packets.primitives import MAX_UINT16, Cursor, encode_text, encode_uint16, encode_varint
 from homebot.mqtt.packets.properties import (
     NO_PROPERTIES,
     PacketType,
@@ -144,15 +144,15 @@ def encode_publish(packet: Publish, version: ProtocolVersion) -> bytes:
     Raises:
         UsageError: QoS and packet id do not fit together, or a field does not fit its type.
     """
-    topic, payload, qos, retain, dup, _, properties = packet
+    topic, payload, qos, retain, dup, packet_id, properties = packet
     head, tail = encode_publish_parts(topic, payload, qos, retain, properties, version, dup=dup)
-    if packet.qos == 0:
-        if packet.packet_id is not None:
+    if qos == 0:
+        if packet_id is not None:
             raise UsageError("a PUBLISH at QoS 0 has no packet id")
         return head + tail
-    if not packet.packet_id:
-        raise UsageError(f"a PUBLISH at QoS {packet.qos} needs a packet id from 1 to 65535")
-    return head + encode_uint16(packet.packet_id) + tail
+    if packet_id is None or not 0 < packet_id <= MAX_UINT16:
+        raise UsageError(f"a PUBLISH at QoS {qos} needs a packet id from 1 to 65535")
+    return head + packet_id.to_bytes(2, "big") + tail
 
 
 def encode_publish_parts(
@@ -172,9 +172,13 @@ def encode_publish_parts(
     Raises:
         UsageError: A field does not fit its type.
     """
-    name = encode_text(topic)
+    if topic.isascii() and "\0" not in topic and len(topic) <= MAX_UINT16:  # as nearly all are
+        name = len(topic).to_bytes(2, "big") + topic.encode()
+    else:
+        name = encode_text(topic)
     if version is ProtocolVersion.V5:
-        payload = encode_properties(properties, PacketType.PUBLISH) + payload
+        none = properties is NO_PROPERTIES
+        payload = (b"\0" if none else encode_properties(properties, PacketType.PUBLISH)) + payload
     first = 0x30 | dup << 3 | qos << 1 | retain
     size = len(name) + len(payload) + (2 if qos else 0)
     if size < 0x80:
