@@ -15,8 +15,8 @@ from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssist
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, excess_of
-from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryLimits
+from homebot.gateways.announced.announcement_limits import MAX_EXCESS, MAX_EXCESS_EACH, RegistryLimits, excess_of
+from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 
 REAL = Path(__file__).parents[2] / "conventions" / "zigbee2mqtt" / "both_announcements.jsonl"

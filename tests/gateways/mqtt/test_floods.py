@@ -9,7 +9,7 @@ import anyio
 import pytest
 
 from homebot.conventions.description import AnnouncementEvent
-from homebot.gateways.mqtt.work_budget import BURST, MESSAGE_WORK, RATE, SHARED_BURST
+from homebot.gateways.announced.work_budget import BURST, MESSAGE_WORK, RATE, SHARED_BURST
 
 from .conftest import House, MakeHouse, SimpleConvention, settled
 
@@ -160,7 +160,7 @@ async def test_in_any_interleaving_no_device_is_unheard_for_long_and_the_work_is
     async with make_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
         for number in range(4):
             await house.announce(f"d{number}", name="0")
-        started, offenders = anyio.current_time(), house.gateway._described.quarantine.offenders
+        started, offenders = anyio.current_time(), house.gateway._described.quarantine.budgets
         for _ in range(4):
             topic = random.choice(["hello/d{}", "hello/{}", "hello/d0", "hello/d1", "hello/d2"])
             topic = topic if topic != "hello/d{}" else f"hello/d{random.randrange(4)}"

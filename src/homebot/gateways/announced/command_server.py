@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from homebot.devices.command import Command, SendCommand, SendCommandResponse
 from homebot.devices.part import Part
 from homebot.devices.text.encode import decode_command
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
+from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
 
-__all__ = ["CommandCounters", "CommandServer", "FindPart", "Perform"]
+__all__ = ["CommandServer", "FindPart", "Perform"]
 
 Perform: TypeAlias = Callable[[Command], Awaitable[None]]
 """The port: carries out a command of which it returns when the network has it.
@@ -27,20 +28,6 @@ FindPart: TypeAlias = Callable[[str, str], Part]
 """Returns the part of a device, by the device's key and its own id; raises :class:`UnableError` for none."""
 
 
-class CommandCounters(Protocol):
-    """The counts of commands.
-
-    Attributes:
-        commands: Commands that the network took.
-        commands_refused: Commands that were refused, by the gateway or the network.
-        commands_failed: Commands that found no link.
-    """
-
-    commands: int
-    commands_refused: int
-    commands_failed: int
-
-
 class CommandServer:
     """The service ``send_command`` of a gateway, and the way from texts to commands.
 
@@ -51,7 +38,7 @@ class CommandServer:
         counters: Its counters.
     """
 
-    def __init__(self, gateway: Gateway, perform: Perform, find_part: FindPart, counters: CommandCounters) -> None:
+    def __init__(self, gateway: Gateway, perform: Perform, find_part: FindPart, counters: GatewayCounters) -> None:
         self._gateway = gateway
         self._perform = perform
         self._find_part = find_part

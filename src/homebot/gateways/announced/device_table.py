@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from homebot.devices import RawMessage, Sighting
 from homebot.devices.part import Part
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.announced.part_texts import PartTexts
+from homebot.gateways.announced.last_messages import PartTexts
 from homebot.gateways.announced.reported_device import ReportedDevice, sighting_template
 
 __all__ = ["PublishedDevice", "PublishedDeviceTable"]

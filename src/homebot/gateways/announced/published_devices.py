@@ -7,18 +7,18 @@ that is full holds a report up for a moment, as :class:`homebot.gateways.raw_del
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
 
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command import Command
-from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
+from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.part import Part
 from homebot.devices.report import Reading
 from homebot.devices.text.encode import encode_state, text_address
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, UnableError
 from homebot.gateways.announced.command_server import CommandServer, Perform
+from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.device_table import PublishedDevice, PublishedDeviceTable
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.reported_device import SightingKind
@@ -28,37 +28,12 @@ from homebot.gateways.announced.value_check import can_report, check_command
 from homebot.gateways.base import Gateway
 from homebot.log import LogLimit
 
-__all__ = ["DeviceCounters", "PublishedDevices"]
+__all__ = ["PublishedDevices"]
 
 REFUSED = "gateway.reading_refused"
 TOO_MANY = "gateway.devices_refused"
 
 MAX_DEVICES = 10_000
-
-
-@dataclass(slots=True)
-class DeviceCounters:
-    """The counters of a gateway since its start.
-
-    Attributes:
-        reports: Reports of devices.
-        readings_refused: Values that no described part can have reported.
-        devices_refused: Devices that were one too many.
-        commands: Commands that the network took.
-        commands_refused: Commands that were refused, by the gateway or the network.
-        commands_failed: Commands that found no link.
-    """
-
-    reports: int = 0
-    readings_refused: int = 0
-    devices_refused: int = 0
-    commands: int = 0
-    commands_refused: int = 0
-    commands_failed: int = 0
-
-    def counts(self) -> tuple[Count, ...]:
-        """Return all of them by name."""
-        return tuple(Count(name=one.name, count=getattr(self, one.name)) for one in fields(self))
 
 
 class PublishedDevices:
@@ -92,7 +67,7 @@ class PublishedDevices:
         inboxes: bool = True,
         max_devices: int = MAX_DEVICES,
     ) -> None:
-        self.counters = DeviceCounters()
+        self.counters = GatewayCounters()
         self.problems: tuple[str, ...] = ()
         self._gateway = gateway
         self._perform = perform

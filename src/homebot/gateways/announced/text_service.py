@@ -9,9 +9,10 @@ from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.encode import read_text_address
 from homebot.errors import HomebotError, LinkError, RefusedError
-from homebot.gateways.announced.command_server import CommandCounters, CommandServer
+from homebot.gateways.announced.command_server import CommandServer
+from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.device_table import PublishedDeviceTable
-from homebot.gateways.announced.part_texts import PartTexts, missed
+from homebot.gateways.announced.last_messages import PartTexts, missed
 from homebot.gateways.base import Gateway
 from homebot.gateways.raw_delivery import RawDelivery, begin_of
 from homebot.log import LogLimit
@@ -51,7 +52,7 @@ class TextService:
         gateway: Gateway,
         devices: PublishedDeviceTable,
         commands: CommandServer,
-        counters: CommandCounters,
+        counters: GatewayCounters,
         send_raw: SendRaw | None,
         find_source: FindSource | None,
         *,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.devices.text.encode import text_address
-from homebot.gateways.announced.part_texts import PartTexts
+from homebot.gateways.announced.last_messages import PartTexts
 from homebot.gateways.announced.reachability import ReachabilityReader
 from homebot.gateways.announced.reported_device import ReportedDevice, sighting_template
 

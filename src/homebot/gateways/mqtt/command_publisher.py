@@ -7,12 +7,13 @@ from homebot.devices.command import Command
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, RefusedError, UnableError, WrongCodeError
+from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.announcement import AnnouncedPart
-from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.topics import validate_topic
 
 __all__ = ["CommandPublisher"]
@@ -33,7 +34,7 @@ class CommandPublisher:
         self,
         registry: AnnouncementRegistry,
         connection: MqttConnection,
-        quarantine: PeerQuarantine,
+        quarantine: PeerQuarantine[MqttMessage],
         reserved: ReservedTopics,
         secrets: SentSecrets,
     ) -> None:

@@ -25,24 +25,26 @@ from homebot.devices import RawMessage
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.text.encode import read_text_address
 from homebot.errors import WireError
+from homebot.gateways.announced.announcement_limits import RegistryLimits
 from homebot.gateways.announced.command_server import CommandServer
+from homebot.gateways.announced.counters import GatewayCounters
+from homebot.gateways.announced.last_messages import CachedMessage, LastMessageCache
+from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
+from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.mqtt.command_publisher import CommandPublisher
-from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.intake import AnnouncementHandler
-from homebot.gateways.mqtt.last_messages import CachedMessage, LastMessageCache
 from homebot.gateways.mqtt.offers import Offers
-from homebot.gateways.mqtt.quarantine import PeerQuarantine
-from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange, RegistryLimits, TopicReaders
+from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange, TopicReaders
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.sent_secrets import SentSecrets
 from homebot.gateways.mqtt.spare_memory import LONG, SpareMemory
 from homebot.gateways.mqtt.state_reader import StateReader
-from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.gateways.raw_delivery import RawDelivery
 from homebot.isolation import run_as
@@ -51,9 +53,6 @@ from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.topics import validate_topic
 
 __all__ = ["AnnouncedDevices"]
-
-REFILL_EVERY = 0.1
-"""Seconds between two looks at whether what waits need not wait any more."""
 
 T = TypeVar("T")
 
@@ -101,7 +100,9 @@ class AnnouncedDevices:
         self._listeners = listeners
         self._reporter = DeviceReporter(gateway, stale_after)
         self._scheduler = Scheduler(gateway.node.graph.clock)
-        self.quarantine = PeerQuarantine(gateway, self._reporter, self._scheduler, counters, self.filters())
+        self.quarantine: PeerQuarantine[MqttMessage] = PeerQuarantine(
+            gateway, self._reporter, self._scheduler, counters, WorkBudgets(prefix_of(self.filters())), "topic"
+        )
         self._spare_memory = SpareMemory(self._scheduler)
         self._topics = StateTopics(self.filters(), self.text_filters())
         self._registry = AnnouncementRegistry(
@@ -112,7 +113,6 @@ class AnnouncedDevices:
         self.codecs = self._registry.codecs
         self._last_messages = LastMessageCache()
         self._taking = anyio.Lock(fast_acquire=True)  # else each announcement is subscribed to by itself
-        self._deferred_some = anyio.Event()
         self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
         self._states = StateReader(
             self._registry, self._reporter, listeners, self._scheduler, self.quarantine, counters
@@ -154,7 +154,7 @@ class AnnouncedDevices:
                 self._scheduler.run,
                 partial(self._subscriber.run, self._connection),
                 partial(self.offers.serve, self._connection),
-                self._take_deferred,
+                partial(self.quarantine.serve, self._take_next),
             ):
                 tasks.start_soon(run_as, self._owner, work)
 
@@ -203,8 +203,9 @@ class AnnouncedDevices:
         if self.offers.is_own_topic(message.topic):
             return
         async with self._taking:  # one that we published ourselves waits until a long one is taken
-            if self._announcements.must_wait(message):
-                self._deferred_some.set()
+            if not message.payload:  # that something is gone never waits
+                self.quarantine.waiting.drop(message.topic)
+            elif self.quarantine.must_wait(message, message.topic, message.payload):
                 return
             missed = await self._take_now(message, route)
         for topic, reader in missed:
@@ -263,24 +264,10 @@ class AnnouncedDevices:
         missed, self._missed = self._missed, []
         return missed
 
-    async def _take_deferred(self) -> None:
-        """Take what waits, as far as the budgets reach, as often as they are filled up."""
-        deferred, offenders = self._announcements.deferred, self.quarantine.offenders
-        while True:
-            await self._deferred_some.wait()
-            self._deferred_some = anyio.Event()
-            while deferred:
-                self.tick()
-                waiting = deferred.take(lambda payer: offenders.admits(payer, self._reporter.now))
-                while await self._take_next(waiting):
-                    await anyio.lowlevel.checkpoint()
-                    self.tick()
-                await anyio.sleep(REFILL_EVERY)
-
-    async def _take_next(self, waiting: Iterator[MqttMessage]) -> bool:
+    async def _take_next(self, messages: Iterator[MqttMessage]) -> bool:
         """Take the next message that need not wait any more; return whether there was one."""
         async with self._taking:
-            message = next(waiting, None)
+            message = next(messages, None)
             if message is None:
                 return False
             route = self.route(message.topic)
@@ -337,8 +324,8 @@ class AnnouncedDevices:
             *self._counters.counts(),
             Count(name="announcements_excess_bytes", count=self._registry.excess),
             Count(name="announcements_memory_bytes", count=self._registry.memory),
-            Count(name="announcements_ignored", count=self._announcements.deferred.dropped),
-            Count(name="offenders_dropped", count=self.quarantine.offenders.forgotten),
+            Count(name="announcements_ignored", count=self.quarantine.waiting.dropped),
+            Count(name="offenders_dropped", count=self.quarantine.budgets.forgotten),
             Count(name="dropped_oversize", count=lost.dropped_oversize),
             Count(name="dropped_overflow", count=lost.dropped_overflow),
             Count(name="dropped_malformed", count=lost.dropped_malformed),

@@ -22,10 +22,10 @@ from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.encode import read_text_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError
+from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.gateways.mqtt.acting_lease import ActingLease
-from homebot.gateways.mqtt.counters import GatewayCounters
 from homebot.gateways.mqtt.embedded_broker import EMBEDDED_BROKER
 from homebot.gateways.mqtt.engine import AnnouncedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
@@ -42,7 +42,7 @@ from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 
-__all__ = ["GatewayCounters", "MqttGateway"]
+__all__ = ["MqttGateway"]
 
 OVERSIZE = "gateway.oversize"
 COMMAND_REFUSED = "gateway.command_refused"
@@ -226,7 +226,7 @@ class MqttGateway(Gateway):
             if not route.announced_parts and not route.availability_readers:
                 return work
         self.counters.oversize += 1
-        self._warn(OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", topic=message.topic)
+        self._warn(OVERSIZE, f"{len(message.payload)} bytes on {message.topic}", source=message.topic)
         return work
 
     async def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
@@ -254,10 +254,10 @@ class MqttGateway(Gateway):
             self.counters.commands += 1
         except LinkError as exc:
             self.counters.commands_failed += 1
-            self._warn(COMMAND_FAILED, f"not sent to {command.address}: {exc}", topic=command.address)
+            self._warn(COMMAND_FAILED, f"not sent to {command.address}: {exc}", source=command.address)
         except HomebotError as exc:
             self.counters.commands_refused += 1
-            self._warn(COMMAND_REFUSED, f"not sent to {command.address}: {exc}", topic=command.address)
+            self._warn(COMMAND_REFUSED, f"not sent to {command.address}: {exc}", source=command.address)
 
     def _expect(self, address: str, payload: bytes) -> None:
         """Check that *payload* may be sent to *address*, and expect the same text as the answer of a device there."""

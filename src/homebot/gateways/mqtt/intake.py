@@ -11,12 +11,11 @@ from homebot.conventions.convention import Convention, SlicedConvention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
 from homebot.conventions.payload import noting_duplicates
 from homebot.errors import WireError
+from homebot.gateways.announced.counters import GatewayCounters
+from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.mqtt.announcement import StoredAnnouncement
-from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.deferred import DeferredMessages
-from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, RegistryChange
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.mqtt.message import MqttMessage
@@ -66,9 +65,6 @@ class AnnouncementHandler:
         on_change: Told of every description that was taken, after its sighting.
         on_removal: Told when one is gone.
         on_question: Told what a convention wants to ask a device.
-
-    Attributes:
-        deferred: What waits because too much that came where it did broke the rules.
     """
 
     def __init__(
@@ -78,13 +74,12 @@ class AnnouncementHandler:
         reserved: ReservedTopics,
         reporter: DeviceReporter,
         scheduler: Scheduler,
-        quarantine: PeerQuarantine,
+        quarantine: PeerQuarantine[MqttMessage],
         counters: GatewayCounters,
         on_change: Callable[[RegistryChange], None],
         on_removal: Callable[[], None],
         on_question: Callable[[DeviceRequest], None],
     ) -> None:
-        self.deferred = DeferredMessages()
         self._clock = clock
         self._registry = registry
         self._reserved = reserved
@@ -96,20 +91,6 @@ class AnnouncementHandler:
         self._on_removal = on_removal
         self._on_question = on_question
         self._accepted = self._offended = False
-
-    def must_wait(self, message: MqttMessage) -> bool:
-        """Let *message* wait where that is due, behind what waits on its topic; that something is gone never waits."""
-        if not message.payload:
-            self.deferred.drop(message.topic)
-            return False
-        offenders = self._quarantine.offenders
-        payer = offenders.payer(message.topic)
-        if message.topic not in self.deferred and offenders.admits(payer, self._reporter.now):
-            return False
-        self._counters.announcements_deferred += 1
-        self.deferred.add(message, payer, is_like=offenders.resembles(message.topic, message.payload))
-        self._quarantine.defer(payer)
-        return True
 
     async def take(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
         """Take *message* as an announcement to *conventions*, one after the other.
@@ -124,7 +105,7 @@ class AnnouncementHandler:
             self._counters.announcements_ambiguous += 1
             keys = ", ".join(repr(key[:40]) for key in dict.fromkeys(repeated))
             self._quarantine.log_limited(
-                AMBIGUOUS, f"{message.topic} has {keys} twice; the last one counts", topic=message.topic
+                AMBIGUOUS, f"{message.topic} has {keys} twice; the last one counts", source=message.topic
             )
 
     def take_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
@@ -142,7 +123,7 @@ class AnnouncementHandler:
                         self._withdraw(convention, event)
             except WireError as exc:
                 self._counters.rejected += 1
-                self._quarantine.log_limited(TEXT_REJECTED, f"not a device's message: {exc}", topic=message.topic)
+                self._quarantine.log_limited(TEXT_REJECTED, f"not a device's message: {exc}", source=message.topic)
                 return
             except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
                 self._quarantine.record_plugin_failure(message.topic, convention.name, exc)
@@ -169,8 +150,7 @@ class AnnouncementHandler:
                     message, f"{convention.name} found more than {MOST_HEARD:,} announcements in one message"
                 )
         if self._accepted:
-            is_valid = not self._offended
-            self._quarantine.offenders.accept(message.topic, message.payload, self._reporter.now, is_valid=is_valid)
+            self._quarantine.accept(message.topic, message.payload, is_valid=not self._offended)
 
     def _step(self, steps: Iterator[AnnouncementEvent | None], convention: Convention, message: MqttMessage) -> bool:
         """Handle the next of what a message tells; return whether more may come."""
@@ -198,13 +178,13 @@ class AnnouncementHandler:
 
     def _record_offence(self, message: MqttMessage, why: str) -> None:
         self._offended = True
-        self._quarantine.record_offence(message, REJECTED, why)
+        self._quarantine.record_offence(message.topic, len(message.payload), REJECTED, why)
 
     def _describe(self, described: DeviceAnnounced, message: MqttMessage, length: int) -> None:
         described, reserved = self._reserved.without(described)
         for told in reserved:
             self._counters.topics_reserved += 1
-            self._quarantine.log_limited(RESERVED, f"{described.key} gets no commands on {told}", topic=message.topic)
+            self._quarantine.log_limited(RESERVED, f"{described.key} gets no commands on {told}", source=message.topic)
         try:
             change = self._registry.put(described, length)
         except WireError:
@@ -215,11 +195,11 @@ class AnnouncementHandler:
         self._scheduler.drop(("gone", stored.key))
         for problem in change.refused:
             self._counters.topics_refused += 1
-            self._quarantine.log_limited(NOT_READ, f"{stored.key} is only partly read: {problem}", topic=message.topic)
+            self._quarantine.log_limited(NOT_READ, f"{stored.key} is only partly read: {problem}", source=message.topic)
         is_live = (described.implies_alive or described.text is not None) and not message.retain
         if described.text is not None and message.retain and before is None:
             words = f"{stored.key} is known only from a retained message; it may be gone"
-            self._quarantine.log_limited(RETAINED_ONLY, words, topic=message.topic)
+            self._quarantine.log_limited(RETAINED_ONLY, words, source=message.topic)
         if before is None:
             self._reporter.publish_sighting(stored, "appeared", _why(stored, message), confirmed=is_live)
         elif not stored.publishes_the_same(before):
@@ -255,7 +235,7 @@ class AnnouncementHandler:
     def _remove(self, stored: StoredAnnouncement, why: str) -> None:
         self._scheduler.drop(("gone", stored.key))
         self._registry.remove(stored.key)
-        self._quarantine.offenders.leave(stored.described.topic)
+        self._quarantine.budgets.leave(stored.described.topic)
         self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
         self._reporter.dispose_all(stored)
         stored.let_go()

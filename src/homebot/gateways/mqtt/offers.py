@@ -18,8 +18,8 @@ from homebot.devices.command import Command
 from homebot.devices.exposed import ExposedDevice, ExposedState
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError
+from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.base import Gateway
-from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.isolation import run_as
 from homebot.mqtt.client import MqttSubscription
@@ -50,7 +50,9 @@ class Offers:
         quarantine: Tells what went wrong.
     """
 
-    def __init__(self, gateway: Gateway, publishers: tuple[OfferPublisher, ...], quarantine: PeerQuarantine) -> None:
+    def __init__(
+        self, gateway: Gateway, publishers: tuple[OfferPublisher, ...], quarantine: PeerQuarantine[MqttMessage]
+    ) -> None:
         self._node = gateway.node
         self._names = gateway.names
         self._publishers = publishers if gateway.acts else ()
@@ -100,7 +102,7 @@ class Offers:
 
     def _offer(self, offer: ExposedDevice) -> None:
         if offer.id not in self._offers and len(self._offers) >= MAX_OFFERS:
-            self._quarantine.log_limited(NOT_TAKEN, f"{offer.id} is one offer too many", topic=offer.id)
+            self._quarantine.log_limited(NOT_TAKEN, f"{offer.id} is one offer too many", source=offer.id)
             return
         before = self._offers.get(offer.id)
         if before is not None and before.parts != offer.parts:
@@ -120,7 +122,7 @@ class Offers:
         offer = self._offers.get(report.id)
         if offer is None:
             self._quarantine.log_limited(
-                NOT_TAKEN, f"{report.id} published a state but is not exposed", topic=report.id
+                NOT_TAKEN, f"{report.id} published a state but is not exposed", source=report.id
             )
             return
         offered = _offered(offer)
@@ -145,7 +147,7 @@ class Offers:
             if not publication.retain:
                 if len(self._events) == MAX_EVENTS:
                     self._quarantine.log_limited(
-                        NOT_PUBLISHED, "an event was dropped: too many are waiting", topic=publication.topic
+                        NOT_PUBLISHED, "an event was dropped: too many are waiting", source=publication.topic
                     )
                 self._events.append(publication)
                 continue
@@ -168,7 +170,7 @@ class Offers:
                     self._waiting.setdefault(topic, publication)
                     break
                 except HomebotError as exc:
-                    self._quarantine.log_limited(NOT_PUBLISHED, f"not published on {topic}: {exc}", topic=topic)
+                    self._quarantine.log_limited(NOT_PUBLISHED, f"not published on {topic}: {exc}", source=topic)
 
     def _next(self) -> Publication:
         """Return the next publication: what is there comes before what happens to it."""

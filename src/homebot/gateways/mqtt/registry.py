@@ -10,40 +10,16 @@ from homebot.conventions.convention import Convention, TextConvention
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.text_codec import TextCodec
 from homebot.errors import WireError
+from homebot.gateways.announced.announcement_limits import Excess, MemoryAccount, RegistryLimits, excess_of
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
-from homebot.gateways.mqtt.excess import MAX_EXCESS, MAX_EXCESS_EACH, Excess, excess_of
-from homebot.gateways.mqtt.memory_account import MAX_MEMORY, MemoryAccount
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 
-__all__ = ["AnnouncementRegistry", "RegistryChange", "RegistryLimits", "TopicReaders"]
+__all__ = ["AnnouncementRegistry", "RegistryChange", "TopicReaders"]
 
 _MAX_ROUTES = 50_000
 
 _Readers: TypeAlias = tuple[tuple[str, AnnouncedPart | AvailabilityReader], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class RegistryLimits:
-    """The limits on all announcements together.
-
-    Attributes:
-        announcements: Announcements.
-        parts: Parts of all of them.
-        parts_each: Parts of one.
-        readers: Parts that read one topic: each of its messages is work for all of them.
-        excess: Bytes by which announcements are longer than what they offer explains, of all.
-        excess_each: The same of one.
-        memory: Bytes that all take, about.
-    """
-
-    announcements: int = 50_000
-    parts: int = 200_000
-    parts_each: int = 1000
-    readers: int = 5000
-    excess: int = MAX_EXCESS
-    excess_each: int = MAX_EXCESS_EACH
-    memory: int = MAX_MEMORY
 
 
 _BOUNDS = RegistryLimits()

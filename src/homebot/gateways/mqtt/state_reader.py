@@ -14,11 +14,11 @@ from homebot.devices.capabilities import EVENTS
 from homebot.devices.report import Reading
 from homebot.devices.text.encode import encode_state
 from homebot.devices.value import PlainValue, Value
+from homebot.gateways.announced.counters import GatewayCounters
+from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
 from homebot.gateways.mqtt.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
-from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.raw_delivery import RawDelivery
 from homebot.mqtt.message import MqttMessage
@@ -47,7 +47,7 @@ class StateReader:
         reporter: DeviceReporter,
         listeners: RawDelivery,
         scheduler: Scheduler,
-        quarantine: PeerQuarantine,
+        quarantine: PeerQuarantine[MqttMessage],
         counters: GatewayCounters,
     ) -> None:
         self._registry = registry

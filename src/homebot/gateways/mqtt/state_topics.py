@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from itertools import islice
 
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 from homebot.mqtt.topics import validate_filter
 
-__all__ = ["StateTopics"]
+__all__ = ["StateTopics", "prefix_of"]
 
 MAX_TOPICS = 100_000
 LONGEST = 1000
@@ -96,6 +96,12 @@ class StateTopics:
             raise WireError(f"the state topic {topic_filter!r} does not belong to this device alone")
         if len(self._users) >= self._max_topics:
             raise WireError(f"state topic {topic_filter!r} is one too many: {self._max_topics:,} are in use")
+
+
+def prefix_of(filters: Iterable[str]) -> Callable[[str], str]:
+    """Return a function that names the group of a topic: its first level, where one of the *filters* begins with it."""
+    levels = {level: f"{level}/#" for one in filters if (level := one.partition("/")[0]) not in {"+", "#"}}
+    return lambda topic: levels.get(topic.partition("/")[0], "#")
 
 
 def _asks_too_much(topic_filter: str) -> bool:

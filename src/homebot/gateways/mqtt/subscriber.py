@@ -11,14 +11,15 @@ import anyio
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DeviceRequest, Publication
 from homebot.errors import HomebotError, LinkError, RefusedError
+from homebot.gateways.announced.counters import GatewayCounters
+from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.announcement import StoredAnnouncement
-from homebot.gateways.mqtt.counters import GatewayCounters
-from homebot.gateways.mqtt.quarantine import PeerQuarantine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.isolation import run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
+from homebot.mqtt.message import MqttMessage
 
 __all__ = ["Subscriber"]
 
@@ -51,7 +52,7 @@ class Subscriber:
         topics: StateTopics,
         registry: AnnouncementRegistry,
         conventions: tuple[Convention, ...],
-        quarantine: PeerQuarantine,
+        quarantine: PeerQuarantine[MqttMessage],
         counters: GatewayCounters,
     ) -> None:
         self._topics = topics
@@ -112,7 +113,7 @@ class Subscriber:
             await connection.subscribe(*(MqttSubscription(one, no_local=True) for one in filters), every_link=True)
         except RefusedError as exc:
             self._counters.topics_refused += sum(one in connection.refused for one in filters)
-            self._quarantine.log_limited(NOT_HEARD, f"some devices are not read: {exc}", topic=filters[0])
+            self._quarantine.log_limited(NOT_HEARD, f"some devices are not read: {exc}", source=filters[0])
         if covered := tuple(one for one in filters if self._topics.is_covered(one)):
             await connection.unsubscribe(*covered)
 
@@ -153,7 +154,7 @@ class Subscriber:
         except LinkError:
             return False
         except HomebotError as exc:
-            self._quarantine.log_limited(NOT_ASKED, f"not asked on {message.topic}: {exc}", topic=message.topic)
+            self._quarantine.log_limited(NOT_ASKED, f"not asked on {message.topic}: {exc}", source=message.topic)
         return True
 
 

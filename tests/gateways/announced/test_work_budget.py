@@ -1,6 +1,15 @@
 from random import Random
 
-from homebot.gateways.mqtt.work_budget import BURST, CALM, LONGEST_DEBT, MESSAGE_WORK, RATE, SHARED_BURST, WorkBudgets
+from homebot.gateways.announced.work_budget import (
+    BURST,
+    CALM,
+    LONGEST_DEBT,
+    MESSAGE_WORK,
+    RATE,
+    SHARED_BURST,
+    WorkBudgets,
+)
+from homebot.gateways.mqtt.state_topics import prefix_of
 
 FILTERS = ("hello/+", "homie/5/+/$state", "+/events/rpc")
 
@@ -15,7 +24,7 @@ def spend(offenders: WorkBudgets, topic: str, now: float) -> int:
 
 
 def accepted(*topics: str, room: int = 1000) -> WorkBudgets:
-    offenders = WorkBudgets(FILTERS, room)
+    offenders = WorkBudgets(prefix_of(FILTERS), room)
     for topic in topics:
         offenders.accept(topic, b"{}", 0.0, is_valid=True)
     return offenders
@@ -30,7 +39,7 @@ def test_who_stands_announced_pays_alone_and_all_others_of_a_prefix_together() -
 
 
 def test_a_stranger_gains_nothing_by_changing_topics() -> None:
-    offenders = WorkBudgets(FILTERS)
+    offenders = WorkBudgets(prefix_of(FILTERS))
     admitted = 0
     for number in range(10_000):
         topic = f"hello/{number}"
@@ -84,7 +93,7 @@ def test_a_device_that_never_broke_a_rule_does_not_wait_for_those_that_do() -> N
 
 
 def test_what_looks_like_the_accepted_announcement_is_told_from_what_does_not() -> None:
-    offenders = WorkBudgets(FILTERS)
+    offenders = WorkBudgets(prefix_of(FILTERS))
     offenders.accept("hello/list", b'[{"ieee_address": "0x1", "type": "Router"}]', 0.0, is_valid=True)
     assert offenders.resembles("hello/list", b'[{"ieee_address": "0x1"}, {"ieee_address": "0x2"}]')
     assert not offenders.resembles("hello/list", b'[{"ieee_address": "0x1"')
@@ -93,7 +102,7 @@ def test_what_looks_like_the_accepted_announcement_is_told_from_what_does_not() 
 
 
 def test_confinement_begins_once_and_is_over_when_all_was_quiet() -> None:
-    offenders = WorkBudgets(FILTERS)
+    offenders = WorkBudgets(prefix_of(FILTERS))
     spend(offenders, "hello/x", 5.0)
     first = offenders.defer("hello/#", 5.0)
     assert first is not None

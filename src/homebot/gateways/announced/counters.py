@@ -1,4 +1,4 @@
-"""Counters of one gateway since its start."""
+"""Counters of a gateway of any protocol. Pure."""
 
 from __future__ import annotations
 
@@ -11,28 +11,29 @@ __all__ = ["GatewayCounters"]
 
 @dataclass(slots=True)
 class GatewayCounters:
-    """The counters of one gateway since its start.
+    """The counters of one gateway since its start; what its protocol does not have stays 0.
 
     Attributes:
         received: Messages of devices.
-        rejected: Messages that no device can have sent: their topic breaks the layout.
-        commands: Commands that the broker took.
-        commands_refused: Commands that were refused, by us or by the broker.
+        rejected: Messages that no device can have sent.
+        commands: Commands that the network took.
+        commands_refused: Commands that were refused, by us or by the network.
         commands_failed: Commands that found no link.
         announcements: Messages in which devices were announced or taken back.
         announcements_ambiguous: Those in whose JSON a key is twice.
         announcements_rejected: Those that broke the rules of their convention.
         announcements_deferred: Those that had to wait because too much that came where they did broke the rules.
         devices_refused: Descriptions that were one too many, had too many parts, or were too long for them.
-        topics_refused: State topics that were not subscribed to.
-        topics_reserved: Command topics that were announced and belong to no device.
+        topics_refused: Addresses of states that are not listened to.
+        topics_reserved: Addresses of commands that were announced and belong to no device.
         reports: Reports of what devices told.
+        readings_refused: Values that no described part can have reported.
         oversize: Messages that were too long to be looked at.
         failures: Times that a convention raised what it must not.
         asks: Questions to devices for their state.
         asks_dropped: Questions that were one too many.
         fades_dropped: Values that do not end by themselves because too many others do.
-        quarantines: Times that a topic, or the topics of a prefix, began to be read a little at a time.
+        quarantines: Times that a peer, or a group of them, began to be read a little at a time.
     """
 
     received: int = 0
@@ -48,6 +49,7 @@ class GatewayCounters:
     topics_refused: int = 0
     topics_reserved: int = 0
     reports: int = 0
+    readings_refused: int = 0
     oversize: int = 0
     failures: int = 0
     asks: int = 0

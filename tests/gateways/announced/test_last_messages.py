@@ -1,4 +1,4 @@
-from homebot.gateways.mqtt.last_messages import CachedMessage, LastMessageCache
+from homebot.gateways.announced.last_messages import CachedMessage, LastMessageCache
 from homebot.messages import Time
 
 NOW = Time(sec=1, nanosec=0)

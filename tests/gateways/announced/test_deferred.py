@@ -1,5 +1,5 @@
-from homebot.gateways.mqtt.deferred import MAX_WORK_EACH, DeferredMessages
-from homebot.gateways.mqtt.work_budget import MESSAGE_WORK
+from homebot.gateways.announced.deferred import MAX_WORK_EACH, DeferredMessages
+from homebot.gateways.announced.work_budget import MESSAGE_WORK
 from homebot.mqtt.message import MqttMessage
 
 
@@ -7,15 +7,19 @@ def message(topic: str, number: int, length: int = 10) -> MqttMessage:
     return MqttMessage(topic, f"{number}".encode().ljust(length))
 
 
-def numbers(deferred: DeferredMessages, *payers: str) -> list[tuple[str, int]]:
+def add(deferred: DeferredMessages[MqttMessage], one: MqttMessage, payer: str, *, is_like: bool) -> None:
+    deferred.add(one, one.topic, len(one.payload), payer, is_like=is_like)
+
+
+def numbers(deferred: DeferredMessages[MqttMessage], *payers: str) -> list[tuple[str, int]]:
     """What is taken for *payers*, by topic and number."""
     return [(one.topic, int(one.payload)) for one in deferred.take(lambda payer: payer in payers)]
 
 
 def test_messages_of_a_topic_are_taken_in_their_order_once_their_payer_may() -> None:
-    deferred = DeferredMessages()
+    deferred: DeferredMessages[MqttMessage] = DeferredMessages()
     for number in range(3):
-        deferred.add(message("a", number), "a", is_like=False)
+        add(deferred, message("a", number), "a", is_like=False)
     assert "a" in deferred
     assert deferred.waits_for("a")
     assert numbers(deferred, "b") == []
@@ -25,19 +29,19 @@ def test_messages_of_a_topic_are_taken_in_their_order_once_their_payer_may() -> 
 
 
 def test_the_newest_topic_of_a_prefix_comes_first_and_each_payer_in_turn() -> None:
-    deferred = DeferredMessages()
+    deferred: DeferredMessages[MqttMessage] = DeferredMessages()
     for topic in ("x/1", "x/2"):
-        deferred.add(message(topic, 1), "x/#", is_like=False)
-    deferred.add(message("own", 1), "own", is_like=True)
+        add(deferred, message(topic, 1), "x/#", is_like=False)
+    add(deferred, message("own", 1), "own", is_like=True)
     assert numbers(deferred, "x/#", "own") == [("own", 1), ("x/2", 1), ("x/1", 1)]
 
 
 def test_of_too_many_on_a_topic_those_go_first_that_look_like_nothing_known() -> None:
-    deferred = DeferredMessages()
-    deferred.add(message("a", 0), "a", is_like=True)
+    deferred: DeferredMessages[MqttMessage] = DeferredMessages()
+    add(deferred, message("a", 0), "a", is_like=True)
     most = MAX_WORK_EACH // (MESSAGE_WORK + 10)
     for number in range(1, 1001):
-        deferred.add(message("a", number), "a", is_like=False)
+        add(deferred, message("a", number), "a", is_like=False)
     left = numbers(deferred, "a")
     assert left[0] == ("a", 0)
     assert [number for _, number in left[1:]] == list(range(1001 - most + 1, 1001))
@@ -45,16 +49,16 @@ def test_of_too_many_on_a_topic_those_go_first_that_look_like_nothing_known() ->
 
 
 def test_one_that_is_longer_than_all_that_may_wait_on_a_topic_waits_alone() -> None:
-    deferred = DeferredMessages()
-    deferred.add(message("a", 0), "a", is_like=False)
-    deferred.add(message("a", 1, length=MAX_WORK_EACH), "a", is_like=True)
-    deferred.add(message("a", 2), "a", is_like=False)
+    deferred: DeferredMessages[MqttMessage] = DeferredMessages()
+    add(deferred, message("a", 0), "a", is_like=False)
+    add(deferred, message("a", 1, length=MAX_WORK_EACH), "a", is_like=True)
+    add(deferred, message("a", 2), "a", is_like=False)
     assert numbers(deferred, "a") == [("a", 1)]
 
 
 def test_what_is_taken_back_waits_no_more() -> None:
-    deferred = DeferredMessages()
-    deferred.add(message("a", 0), "a", is_like=False)
+    deferred: DeferredMessages[MqttMessage] = DeferredMessages()
+    add(deferred, message("a", 0), "a", is_like=False)
     deferred.drop("a")
     deferred.drop("a")
     assert "a" not in deferred
@@ -62,10 +66,10 @@ def test_what_is_taken_back_waits_no_more() -> None:
 
 
 def test_a_flood_of_topics_is_bounded_and_costs_those_without_devices_first() -> None:
-    deferred = DeferredMessages(max_bytes=100_000)
-    deferred.add(message("own", 0), "own", is_like=True)
+    deferred: DeferredMessages[MqttMessage] = DeferredMessages(max_bytes=100_000)
+    add(deferred, message("own", 0), "own", is_like=True)
     for number in range(10_000):
-        deferred.add(message(f"x/{number}", number), "x/#", is_like=False)
+        add(deferred, message(f"x/{number}", number), "x/#", is_like=False)
         assert deferred.bytes <= 100_000
     left = numbers(deferred, "own", "x/#")
     assert left[0] == ("own", 0)

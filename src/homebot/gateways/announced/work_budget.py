@@ -1,15 +1,16 @@
-"""Budget for the work on announcements that break the rules. Pure.
+"""Budget for the work on messages that break the rules. Pure.
 
-MQTT does not tell who published a message, so that nobody can be shut out without shutting out the honest device that
-shares the topic. What is bounded is the work: a message that breaks the rules is paid for out of the budget of the
-topic it came on, where a device stands announced, and else out of one that all other topics of the prefix share. While
-a budget is used up, what would be charged to it waits; see :mod:`homebot.gateways.mqtt.deferred`.
+Who sends a message is known by its *source*: the address it came from, or came on. Neither proves much: MQTT does not
+tell who published a message, and a radio address is soon another one. So nobody can be shut out without shutting out an
+honest device as well. What is bounded is the work: a message that breaks the rules is paid for out of the budget of its
+source, where a device stands announced by it, and else out of one that all other sources of a *group* share. While a
+budget is used up, what would be charged to it waits; see :mod:`homebot.gateways.announced.deferred`.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 
 __all__ = ["MESSAGE_WORK", "WorkBudget", "WorkBudgets"]
@@ -21,23 +22,23 @@ RATE = 1024 * 1024
 """Work that one budget gets back in a second: 256 short messages."""
 
 BURST = 1024 * 1024
-"""Work that the budget of one topic holds at most."""
+"""Work that the budget of one source holds at most."""
 
 SHARED_BURST = 4 * BURST
-"""Work that the budget of a prefix holds: a house that is announced at once may have many broken devices."""
+"""Work that the budget of a group holds: a house that is announced at once may have many broken devices."""
 
 TOTAL_RATE = 4 * RATE
 TOTAL_BURST = 8 * BURST
-"""Those of the budget that all topics with devices draw on as well."""
+"""Those of the budget that all sources with devices draw on as well."""
 
 LONGEST_DEBT = 1.0
 """Seconds after which a budget is no longer used up, however long the last message was."""
 
 CALM = 10.0
-"""Seconds without an offence after which a topic counts as clean."""
+"""Seconds without an offence after which a source counts as clean."""
 
 CLEAR_EVERY = 1.0
-"""Seconds between two valid announcements that each clear what a topic is charged: one may be a copy of the last."""
+"""Seconds between two valid announcements that each clear what a source is charged: one may be a copy of the last."""
 
 MAX_BUDGETS = 1000
 MAX_ACCEPTED = 50_000
@@ -46,10 +47,10 @@ _HEAD = 32
 
 @dataclass(slots=True)
 class WorkBudget:
-    """A topic, or all topics of a prefix, on which somebody broke a rule, and the budget for that.
+    """A source, or all other sources of a group, of which one broke a rule, and the budget for that.
 
     Attributes:
-        name: Which; a prefix ends in ``#``.
+        name: Which: the source, or the name of the group.
         rate: Work that the budget gets back in a second.
         burst: Work that it holds at most.
         why: The last rule broken, in words.
@@ -58,7 +59,7 @@ class WorkBudget:
         at: When that was so.
         offended_at: When a rule was broken last.
         cleared_at: When a valid announcement cleared the charge last.
-        is_quarantined: Whether what comes there waits.
+        is_quarantined: Whether what comes from there waits.
         since: When that began.
         deferred_at: When something was last made to wait.
         spent_at: When the budget was last used up.
@@ -97,22 +98,28 @@ class WorkBudget:
             self.spent_at = now
 
 
+def _one_group(source: str) -> str:
+    del source
+    return "*"
+
+
 class WorkBudgets:
-    """The budgets of one gateway: of 1,000 topics with devices at most, and one of each prefix.
+    """The budgets of one gateway: of 1,000 sources with devices at most, and one of each group of others.
 
     Args:
-        filters: Where devices are announced.
-        max_offenders: Topics with a budget of their own.
+        group: Returns the name of the group of a source by which no device stands announced. There must be few groups,
+            whatever sources call themselves; by default all are one.
+        max_offenders: Sources with a budget of their own.
 
     Attributes:
-        forgotten: Offences that only the budget of all topics paid for, because too many have one of their own.
+        forgotten: Offences that only the budget of all sources paid for, because too many have one of their own.
         work: Work that was charged, in all.
     """
 
-    def __init__(self, filters: Iterable[str], max_offenders: int = MAX_BUDGETS) -> None:
+    def __init__(self, group: Callable[[str], str] = _one_group, max_offenders: int = MAX_BUDGETS) -> None:
         self.forgotten = 0
         self.work = 0
-        self._levels = frozenset(one.partition("/")[0] for one in filters) - {"+", "#"}
+        self._group = group
         self._max_offenders = max_offenders
         self._accepted: OrderedDict[str, tuple[bytes, bytes]] = OrderedDict()
         self._own: OrderedDict[str, WorkBudget] = OrderedDict()
@@ -120,12 +127,13 @@ class WorkBudgets:
         self._total = WorkBudget("", TOTAL_RATE, TOTAL_BURST, TOTAL_BURST, 0.0)
         self._all_clean_at = 0.0
 
-    def payer(self, topic: str) -> str:
-        """Return whose budget pays for *topic*: its own where a device stands announced, else that of its prefix."""
-        if topic in self._accepted:
-            return topic
-        level = topic.partition("/")[0]
-        return f"{level}/#" if level in self._levels else "#"
+    def is_clean(self, now: float) -> bool:
+        """Return whether nobody broke a rule for a while."""
+        return now >= self._all_clean_at
+
+    def payer(self, source: str) -> str:
+        """Return whose budget pays for *source*: its own where a device stands announced, else that of its group."""
+        return source if source in self._accepted else self._group(source)
 
     def admits(self, payer: str, now: float) -> bool:
         """Return whether the budget of *payer* is not used up."""
@@ -139,13 +147,13 @@ class WorkBudgets:
             return len(self._own) < self._max_offenders or self._total.left(now) > 0
         return budget.left(now) > 0 and self._total.left(now) > 0
 
-    def charge(self, topic: str, length: int, why: str, now: float) -> None:
-        """Book that a message of *length* bytes on *topic* broke a rule."""
+    def charge(self, source: str, length: int, why: str, now: float) -> None:
+        """Book that a message of *length* bytes from *source* broke a rule."""
         work = MESSAGE_WORK + length
         self.work += work
         self._all_clean_at = now + CALM
-        payer = self.payer(topic)
-        is_own = payer == topic and payer in self._accepted
+        payer = self.payer(source)
+        is_own = payer == source and payer in self._accepted
         if is_own:
             self._total.charge(work, now)
             if payer not in self._own and not self._has_room(now):
@@ -158,23 +166,23 @@ class WorkBudgets:
         budget.offences += 1
         budget.charge(work, now)
 
-    def accept(self, topic: str, payload: bytes, now: float, *, is_valid: bool) -> None:
-        """Book that a device stands announced on *topic* by *payload*; all of that clears the charge if *is_valid*."""
-        self._accepted[topic] = _ends(payload)
-        self._accepted.move_to_end(topic)
+    def accept(self, source: str, payload: bytes, now: float, *, is_valid: bool) -> None:
+        """Book that a device stands announced by *payload* from *source*; that clears the charge if *is_valid*."""
+        self._accepted[source] = _ends(payload)
+        self._accepted.move_to_end(source)
         if len(self._accepted) > MAX_ACCEPTED:
             self.leave(next(iter(self._accepted)))
-        budget = self._own.get(topic)
+        budget = self._own.get(source)
         if is_valid and budget is not None and now - budget.cleared_at >= CLEAR_EVERY:
             budget.level, budget.at, budget.cleared_at = budget.burst, now, now
 
-    def leave(self, topic: str) -> None:
-        """Book that no device stands announced on *topic* any more."""
-        self._accepted.pop(topic, None)
+    def leave(self, source: str) -> None:
+        """Book that no device stands announced by *source* any more."""
+        self._accepted.pop(source, None)
 
-    def resembles(self, topic: str, payload: bytes) -> bool:
-        """Return whether *payload* begins and ends as what was last accepted on *topic*."""
-        known = self._accepted.get(topic)
+    def resembles(self, source: str, payload: bytes) -> bool:
+        """Return whether *payload* begins and ends as what was last accepted from *source*."""
+        known = self._accepted.get(source)
         return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
 
     def defer(self, payer: str, now: float) -> WorkBudget | None:

@@ -1,0 +1,162 @@
+"""Limits of what announcements may take, in the gateway and in the directory, and the accounts of it. Pure.
+
+Memory, measured: a device takes 15 kB with its one announcement and part, a further announcement of it 8 kB, a further
+part of an announcement 3 kB. What announcements are longer than that explains is an account of its own, the *excess*: a
+house with many devices has many announcements, each as long as the parts that it tells of, and who wants memory has
+long ones, of lists and of templates. Only what an announcement is longer than an honest one of as many parts counts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from homebot.conventions.description import DeviceAnnounced
+from homebot.devices.text_size import size_of_parts, size_of_texts
+from homebot.errors import WireError
+
+__all__ = ["MAX_EXCESS", "MAX_EXCESS_EACH", "MAX_MEMORY", "Excess", "MemoryAccount", "RegistryLimits", "excess_of"]
+
+MAX_EXCESS = 8 * 1024 * 1024
+"""Bytes of all. In memory they are two to twelve times as much: the texts of lists two, templates twelve."""
+
+MAX_EXCESS_EACH = 256 * 1024
+"""Bytes of one: as long as a message may be that announces one device."""
+
+_FREE = 3 * 1024
+_FREE_PART = 1024
+"""Bytes that are no excess: of one announcement, and of each of its parts. Of 1,495 configs that Zigbee2MQTT makes of
+real devices, one part each, the longest has 2.3 kB, and devices with a hundred parts have about 1 kB for each."""
+
+MAX_MEMORY = 512 * 1024 * 1024
+"""Bytes of all: 30,000 devices with one announcement each, or all 4,478 models of Zigbee2MQTT by both of their ways."""
+
+_DEVICE = 8 * 1024
+_ANNOUNCEMENT = 5 * 1024
+_PART = 3 * 1024
+
+
+@dataclass(frozen=True, slots=True)
+class RegistryLimits:
+    """The limits on all announcements together.
+
+    Attributes:
+        announcements: Announcements.
+        parts: Parts of all of them.
+        parts_each: Parts of one.
+        readers: Parts that read one topic: each of its messages is work for all of them.
+        excess: Bytes by which announcements are longer than what they offer explains, of all.
+        excess_each: The same of one.
+        memory: Bytes that all take, about.
+    """
+
+    announcements: int = 50_000
+    parts: int = 200_000
+    parts_each: int = 1000
+    readers: int = 5000
+    excess: int = MAX_EXCESS
+    excess_each: int = MAX_EXCESS_EACH
+    memory: int = MAX_MEMORY
+
+
+def excess_of(described: DeviceAnnounced, length: int) -> int:
+    """Return by how many bytes *described* is longer than what its number of parts explains.
+
+    Args:
+        described: The description.
+        length: Of the message that it alone was made of; 0 where many were, or the length is unknown: then only what
+            the description shows counts, which is the lists, topics and facts.
+    """
+    shown = size_of_parts([one.part for one in described.parts])
+    shown += size_of_texts(described.identifiers) + size_of_texts(described.facts.values())
+    return max(0, max(length, shown) - _FREE - _FREE_PART * len(described.parts))
+
+
+class Excess:
+    """The account of what stands.
+
+    Args:
+        most: Bytes of all.
+        most_each: Bytes of one.
+
+    Attributes:
+        total: Bytes of all that stand.
+    """
+
+    def __init__(self, most: int = MAX_EXCESS, most_each: int = MAX_EXCESS_EACH) -> None:
+        self.total = 0
+        self._most = most
+        self._most_each = most_each
+
+    def check(self, name: str, size: int, before: int) -> None:
+        """Let one of *size* stand in place of one of the size *before*; one that is not longer always may.
+
+        Raises:
+            WireError: It is too long by itself, or one too many of the long ones.
+        """
+        if size <= before:
+            return
+        if size > self._most_each:
+            raise WireError(
+                f"{name!r} is {size:,} bytes longer than its parts explain; at most {self._most_each:,} are taken"
+            )
+        if self.total + size - before > self._most:
+            raise WireError(
+                f"{name!r} is {size:,} bytes longer than its parts explain, and there are long announcements of "
+                f"{self.total:,} bytes already; withdraw some of them or shorten it"
+            )
+
+
+class MemoryAccount:
+    """The account of what stands.
+
+    Args:
+        most: Bytes of all, about.
+
+    Attributes:
+        total: Bytes of all that stand, about.
+    """
+
+    def __init__(self, most: int = MAX_MEMORY) -> None:
+        self.total = 0
+        self._most = most
+        self._devices: dict[tuple[str, ...], int] = {}
+
+    def check(self, described: DeviceAnnounced, before: DeviceAnnounced | None) -> None:
+        """Let *described* stand in place of *before*; one that takes no more than that always may.
+
+        Raises:
+            WireError: There is no more room for it.
+        """
+        more = _memory_of(described) - (0 if before is None else _memory_of(before))
+        if _who(described) not in self._devices:
+            more += _DEVICE
+        if more > 0 and self.total + more > self._most:
+            raise WireError(
+                f"{described.key!r} is one too many: announcements take {self.total:,} bytes already, and "
+                f"{self._most:,} is the limit; withdraw some, or raise max_memory of the gateway"
+            )
+
+    def put(self, described: DeviceAnnounced) -> None:
+        """Count what stands from now on."""
+        who = _who(described)
+        count = self._devices.get(who, 0)
+        self._devices[who] = count + 1
+        self.total += _memory_of(described) + (0 if count else _DEVICE)
+
+    def drop(self, described: DeviceAnnounced) -> None:
+        """Count no more what was put before."""
+        who = _who(described)
+        self._devices[who] -= 1
+        self.total -= _memory_of(described)
+        if not self._devices[who]:
+            del self._devices[who]
+            self.total -= _DEVICE
+
+
+def _who(described: DeviceAnnounced) -> tuple[str, ...]:
+    """Announcements with the same identifiers are one device; one without any is a device by itself."""
+    return described.identifiers or (described.convention, described.key)
+
+
+def _memory_of(described: DeviceAnnounced) -> int:
+    return _ANNOUNCEMENT + _PART * len(described.parts)

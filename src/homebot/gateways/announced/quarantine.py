@@ -1,0 +1,202 @@
+"""Quarantine for peers that break the rules of a gateway: reported, counted, and read a little at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterator
+from functools import partial
+from typing import Generic, TypeVar
+
+import anyio
+import anyio.lowlevel
+
+from homebot.devices.health import Quarantine
+from homebot.gateways.announced.counters import GatewayCounters
+from homebot.gateways.announced.deferred import DeferredMessages
+from homebot.gateways.announced.reporter import DeviceReporter
+from homebot.gateways.announced.scheduler import Scheduler
+from homebot.gateways.announced.work_budget import CALM, WorkBudget, WorkBudgets
+from homebot.gateways.base import Gateway
+from homebot.graph import DurabilityPolicy, QoSProfile
+from homebot.isolation import crash_of
+from homebot.log import LogLimit
+from homebot.messages import Time
+
+__all__ = ["PeerQuarantine"]
+
+MessageT = TypeVar("MessageT")
+
+QUARANTINED = "gateway.quarantined"
+CONVENTION_FAILED = "gateway.convention_failed"
+
+MAX_WARNINGS = 20
+"""Lines of one kind in ten seconds, each about another culprit."""
+
+REFILL_EVERY = 0.1
+"""Seconds between two looks at whether what waits need not wait any more."""
+
+_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_LONGEST = 300
+"""Characters of a source, or of a reason, that are remembered."""
+
+
+class PeerQuarantine(Generic[MessageT]):
+    """Judges peers by their source, and lets their messages wait where they cost too much.
+
+    A gateway asks :meth:`must_wait` before it reads a message that anybody may have sent, and then says what it was:
+    :meth:`accept` or :meth:`record_offence`. What waits is read by :meth:`serve`.
+
+    Args:
+        gateway: In whose name.
+        reporter: Has the time.
+        scheduler: Ends each quarantine.
+        counters: Of the gateway.
+        budgets: The budgets that offences are paid from.
+        log_key: What a source is called in the log.
+
+    Attributes:
+        budgets: Those budgets.
+        waiting: The messages that wait.
+    """
+
+    def __init__(
+        self,
+        gateway: Gateway,
+        reporter: DeviceReporter,
+        scheduler: Scheduler,
+        counters: GatewayCounters,
+        budgets: WorkBudgets,
+        log_key: str = "source",
+    ) -> None:
+        self.budgets = budgets
+        self.waiting: DeferredMessages[MessageT] = DeferredMessages()
+        self._node = gateway.node
+        self._log_key = log_key
+        self._reporter = reporter
+        self._scheduler = scheduler
+        self._counters = counters
+        self._some_wait = anyio.Event()
+        self._events = gateway.node.create_publisher(Quarantine, gateway.names.quarantine, _QOS)
+        self._limit = LogLimit(gateway.node.graph.clock)
+        self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
+
+    def must_wait(self, message: MessageT, source: str, payload: bytes) -> bool:
+        """Let *message* wait where that is due, behind what waits of its source; return whether it does.
+
+        Args:
+            message: The message, as :meth:`serve` is to hand it back.
+            source: Where it came from.
+            payload: Its bytes.
+        """
+        now = self._reporter.now
+        if not self.waiting.bytes and self.budgets.is_clean(now):
+            return False
+        payer = self.budgets.payer(source)
+        if source not in self.waiting and self.budgets.admits(payer, now):
+            return False
+        self._counters.announcements_deferred += 1
+        self.waiting.add(message, source, len(payload), payer, is_like=self.budgets.resembles(source, payload))
+        self._some_wait.set()
+        self._defer(payer)
+        return True
+
+    def accept(self, source: str, payload: bytes, *, is_valid: bool = True) -> None:
+        """Book that a device stands announced by *payload*; that clears its charge if all of it *is_valid*."""
+        self.budgets.accept(source, payload, self._reporter.now, is_valid=is_valid)
+
+    def record_offence(self, source: str, length: int, event: str, why: str) -> None:
+        """Tell of a message of *length* bytes that broke a rule, and charge it to who pays for its source."""
+        name, why = source[:_LONGEST], why[:_LONGEST]
+        self.log_limited(event, f"{name}: {why}", source=name)
+        self.budgets.charge(source, length, f"{name}: {why}"[:_LONGEST], self._reporter.now)
+
+    async def serve(self, read_next: Callable[[Iterator[MessageT]], Awaitable[bool]]) -> None:
+        """Have what waits read, as far as the budgets reach, as often as they are filled up, until cancelled.
+
+        Args:
+            read_next: Takes the next message out, reads it, and returns True; False where none is to be had.
+        """
+        while True:
+            await self._some_wait.wait()
+            self._some_wait = anyio.Event()
+            while self.waiting:
+                self._reporter.refresh_time()
+                messages = self.waiting.take(lambda payer: self.budgets.admits(payer, self._reporter.now))
+                while await read_next(messages):
+                    await anyio.lowlevel.checkpoint()
+                    self._reporter.refresh_time()
+                await anyio.sleep(REFILL_EVERY)
+
+    def record_plugin_failure(self, source: str, convention: str, error: BaseException) -> None:
+        """Tell of an *error* that a convention let through.
+
+        One that a stranger's message causes must not end the gateway, which would meet the same message again. As a
+        convention waits for nothing, no cancellation that it lets through can be meant for the gateway.
+
+        Raises:
+            KeyboardInterrupt: *error* is one.
+        """
+        error = crash_of(f"the convention {convention}", error)
+        self._counters.failures += 1
+        self.log_limited(CONVENTION_FAILED, f"{source[:_LONGEST]}: the convention {convention} failed", source=source)
+        if self._limit.allows(f"{CONVENTION_FAILED} {convention}") is not None:
+            self._node.log.error(
+                CONVENTION_FAILED,
+                message=f"the convention {convention} failed",
+                exc_info=error,
+                **{self._log_key: source[:_LONGEST]},
+            )
+
+    def log_limited(self, event: str, words: str, *, source: str) -> None:
+        """Tell of a culprit once in a while, and of so many culprits at most."""
+        source = source[:_LONGEST]
+        repeated = self._limit.allows(f"{event} {source}")
+        if repeated is None or (unheard := self._flood_limit.allows(event)) is None:
+            return
+        held_back = repeated + unheard
+        more = f" (and {held_back} more like this)" if held_back else ""
+        facts = {self._log_key: source, "held_back": held_back}
+        self._node.log.warning(event, message=f"{words}{more}", **facts)
+
+    def quarantined(self) -> tuple[Quarantine, ...]:
+        """Return who is quarantined now."""
+        return tuple(self._message(budget) for budget in self.budgets.quarantined())
+
+    def _defer(self, payer: str) -> None:
+        """Tell that what is charged to *payer* has to wait."""
+        budget = self.budgets.defer(payer, self._reporter.now)
+        if budget is None:
+            return
+        if not self._scheduler.plan(("quarantine", payer), CALM, partial(self._release, payer)):
+            self.budgets.release(payer)  # it could not be told when that is over
+            return
+        self._counters.quarantines += 1
+        self._events.publish(self._message(budget))
+        self.log_limited(
+            QUARANTINED,
+            f"too much on {payer[:_LONGEST]} breaks the rules; it is quarantined, and read slowly, until that "
+            f"stops; the last offence: {budget.why}",
+            source=payer,
+        )
+
+    def _release(self, payer: str) -> None:
+        self._reporter.refresh_time()
+        left = self.budgets.quiet_in(payer, self._reporter.now)
+        if left > 0:
+            self._scheduler.plan(("quarantine", payer), left, partial(self._release, payer))
+            return
+        budget = self.budgets.release(payer)
+        if budget is not None:
+            self._events.publish(self._message(budget).model_copy(update={"is_over": True}))
+            self._events.dispose(payer[:_LONGEST])
+
+    def _message(self, budget: WorkBudget) -> Quarantine:
+        passed = self._node.graph.clock.monotonic() - budget.since
+        since = self._node.graph.clock.now() - passed
+        return Quarantine(
+            gateway=self._node.name,
+            offender=budget.name[:_LONGEST],
+            why=budget.why,
+            offences=budget.offences,
+            since=Time.from_seconds(since),
+            until=Time.from_seconds(since + budget.quiet_at - budget.since),
+        )
