@@ -33,12 +33,15 @@ class Convention(Protocol):
     Attributes:
         Settings: The model of its table; a field ``root`` is by default the home of the gateway.
         name: Its name, for example ``homeassistant``.
-        rejected: Announcements that broke its rules, so far.
     """
 
     Settings: ClassVar[type[BaseModel]]
     name: ClassVar[str]
-    rejected: int
+
+    @property
+    def rejected(self) -> int:
+        """Announcements that broke its rules, so far."""
+        ...
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of its announcements, to be subscribed to one after the other, each awaited, at QoS 0."""

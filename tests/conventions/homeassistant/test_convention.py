@@ -7,6 +7,8 @@ from homebot.conventions.convention import Convention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.conventions.homeassistant.components import BUILDERS
+from homebot.conventions.homeassistant.convention import COMPONENTS
+from homebot.conventions.homeassistant.topics import DEVICE
 from homebot.errors import WireError
 
 LAMP = {
@@ -175,6 +177,7 @@ def test_there_are_two_filters_per_component_and_prefix() -> None:
     settings = HomeAssistantSettings(prefixes=("homeassistant", "ha/two"))
     filters = HomeAssistantDiscovery(settings).filters()
     assert len(filters) == len(set(filters)) == 4 * (len(BUILDERS) + 1)
+    assert set(COMPONENTS) == {*BUILDERS, DEVICE}
     assert {"homeassistant/light/+/config", "ha/two/device/+/+/config"} <= set(filters)
 
 

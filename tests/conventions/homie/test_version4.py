@@ -124,7 +124,7 @@ def test_an_array_of_version_3_is_as_many_nodes(say: Say) -> None:
 def test_an_illegal_property_is_left_out(homie: Homie, say: Say) -> None:
     device = described(tell(say, {**LAMP, "light/color/$format": "cmyk"}))
     assert {one.name for one in device.parts[0].part.capabilities} == {"on_off"}
-    assert homie.ignored == 1
+    assert homie.reader.ignored == 1
 
 
 @pytest.mark.parametrize(
@@ -140,14 +140,14 @@ def test_unfinished_devices_have_so_much_room(homie: Homie, say: Say) -> None:
     tell(say, LAMP)
     for number in range(2000):
         say(f"homie/x{number}/$name", "x")
-    assert homie.dropped == 1
+    assert homie.reader.dropped == 1
     assert say(f"{BASE}/$state", "") != ()
 
 
 def test_one_device_has_so_many_attributes(homie: Homie, say: Say) -> None:
     for number in range(3001):
         say(f"{BASE}/light/p{number}/$name", "x")
-    assert homie.dropped == 1
+    assert homie.reader.dropped == 1
 
 
 def test_what_is_kept_comes_with_the_state_at_the_end(homie: Homie) -> None:

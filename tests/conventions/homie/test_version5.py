@@ -140,7 +140,7 @@ def test_more_devices_than_there_is_room_for_push_out_unknown_ones(homie: Homie,
     say(f"{BASE}/$state", "ready")
     for number in range(5000):
         say(f"homie/5/x{number}/$state", "ready")
-    assert homie.dropped == 1
+    assert homie.reader.dropped == 1
     assert say(f"{BASE}/$state", "") != ()
 
 
@@ -149,14 +149,14 @@ def test_documents_that_wait_for_a_state_have_bounded_room(homie: Homie, say: Sa
     long = {**LAMP, "nodes": {"switch": SWITCH, "n": {"properties": {}, "padding": "x" * 250_000}}}
     for number in range(70):
         say(f"homie/5/long-{number}/$description", long)
-    assert homie.dropped == 7
+    assert homie.reader.dropped == 7
     assert say("homie/5/long-69/$state", "ready") == ()
     described(say("homie/5/long-0/$state", "ready"))
     say(f"{BASE}/$description", LAMP)
     described(say(f"{BASE}/$state", "ready"))
     say("homie/5/long-1/$description", "")
     say("homie/5/long-2/$state", "ready")
-    dropped = homie.dropped
+    dropped = homie.reader.dropped
     for number in (80, 81):
         say(f"homie/5/long-{number}/$description", long)
-    assert homie.dropped == dropped
+    assert homie.reader.dropped == dropped

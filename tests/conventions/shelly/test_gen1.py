@@ -286,7 +286,7 @@ def test_more_devices_than_there_is_room_for_push_out_unknown_ones(shelly: Shell
     say("shellies/announce", PLUG)
     for number in range(5000):
         say(f"shellies/x{number}/relay/0", "on")
-    assert shelly.dropped == 1
+    assert shelly.reader.dropped == 1
     assert ids(say("shellies/announce", PLUG))
 
 

@@ -368,7 +368,7 @@ def test_there_is_room_for_so_many_strangers(shelly: Shelly, say: Say) -> None:
     introduce(say, {"switch:0": SWITCH})
     for number in range(3000):
         say(f"stranger{number}/online", "true")
-    assert shelly.dropped == 1
+    assert shelly.reader.dropped == 1
     assert isinstance(say(f"{ID}/online", "true")[0], DeviceRequest)
     assert say(f"homebot/{ID}/rpc", answer(INFO)) == ()
 
@@ -406,4 +406,4 @@ def test_so_much_is_kept_of_what_one_tells_without_answering(shelly: Shelly, say
     described = say(f"{ID}/status/switch:10", {"id": 10, "output": True})[0]
     assert isinstance(described, DeviceAnnounced)
     assert {one.part.id for one in described.parts} == {"switch:10", *(f"switch:{number}" for number in range(6))}
-    assert shelly.dropped == 4
+    assert shelly.reader.dropped == 4

@@ -7,7 +7,7 @@ import pytest
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
-from homebot.conventions.tasmota.convention import MAX_DEVICES, MAX_WAITING, WillAvailability
+from homebot.conventions.tasmota.reader import MAX_DEVICES, MAX_WAITING, WillAvailability
 from homebot.errors import WireError
 
 MAC = "2462AB000011"
@@ -130,7 +130,7 @@ def test_the_oldest_that_waits_is_forgotten_and_counted() -> None:
     convention = discovery()
     for number in range(MAX_WAITING + 1):
         take(convention, "sensors", SENSORS, f"{number:012X}")
-    assert convention.forgotten == 1
+    assert convention.reader.forgotten == 1
     assert "DS18B20_Id" not in ids(one(take(convention, "config", config("0" * 12), "0" * 12)))
     last = f"{MAX_WAITING:012X}"
     assert "DS18B20_Id" in ids(one(take(convention, "config", config(last), last)))

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from homebot.config import parse_settings
-from homebot.conventions.zigbee2mqtt.convention import MAX_BRIDGE_BYTES
+from homebot.conventions.zigbee2mqtt.reader import MAX_BRIDGE_BYTES
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings

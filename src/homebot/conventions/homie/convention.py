@@ -5,17 +5,20 @@ Source: Homie convention 5 (homieiot/convention, develop of October 2024), 4.0.0
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.conventions.description import AnnouncementEvent, Publication
-from homebot.conventions.homie import version4, version5
-from homebot.conventions.homie.version4 import Version4
-from homebot.conventions.homie.version5 import Version5
-from homebot.errors import WireError
+from homebot.conventions.lazy_convention import LazyConvention
 
-__all__ = ["Homie", "HomieSettings"]
+if TYPE_CHECKING:
+    from homebot.conventions.homie.reader import HomieReader
+
+__all__ = ["DEVICE_ATTRIBUTES", "NODE_ATTRIBUTES", "PROPERTY_ATTRIBUTES", "Homie", "HomieSettings"]
+
+PROPERTY_ATTRIBUTES = ("$name", "$format", "$unit", "$settable", "$retained", "$datatype")
+NODE_ATTRIBUTES = ("$name", "$type", "$array", "$properties")
+DEVICE_ATTRIBUTES = ("$name", "$mac", "$fw/name", "$fw/version", "$implementation", "$nodes", "$homie", "$state")
 
 _Domain = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^(?:\+|[^+#\x00/$]+)$")]
 
@@ -32,7 +35,7 @@ class HomieSettings(BaseModel):
     domains: tuple[_Domain, ...] = ("homie",)
 
 
-class Homie:
+class Homie(LazyConvention[HomieSettings, "HomieReader"]):
     """Understands what devices say of themselves; keeps it, bounded. Alerts and logs are passed over.
 
     Args:
@@ -42,48 +45,23 @@ class Homie:
     Settings: ClassVar[type[BaseModel]] = HomieSettings
     name: ClassVar[str] = "homie"
 
-    def __init__(self, settings: HomieSettings) -> None:
-        self.rejected = 0
-        self._domains = settings.domains
-        self._version4 = Version4()
-        self._version5 = Version5()
-
-    @property
-    def dropped(self) -> int:
-        """Number of devices or attributes that were forgotten or not taken for want of room."""
-        return self._version4.dropped + self._version5.dropped
-
-    @property
-    def ignored(self) -> int:
-        """Number of illegal nodes and properties, of devices that were described without them."""
-        return self._version4.ignored + self._version5.ignored
-
     def filters(self) -> tuple[str, ...]:
         """Return the filters of attributes; the states come last."""
-        return tuple(
-            one.replace("{domain}", domain)
-            for domain in self._domains
-            for one in (*version5.FILTERS, *version4.FILTERS)
-        )
+        return tuple(f"{domain}/{one}" for domain in self.settings.domains for one in (*_VERSION_5, *_VERSION_4))
 
-    def birth_messages(self) -> tuple[Publication, ...]:
-        """Return nothing: everything is retained."""
-        return ()
+    def load_reader(self) -> HomieReader:
+        """Return a reader of all versions."""
+        from homebot.conventions.homie.reader import HomieReader  # noqa: PLC0415 - see LazyConvention
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - the broker keeps all attributes
-        """Take an attribute and return what it tells of its device."""
-        try:
-            return self._taken(topic, payload)
-        except WireError:
-            self.rejected += 1
-            raise
+        return HomieReader()
 
-    def _taken(self, topic: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        domain, _, rest = topic.partition("/")
-        device_id, _, attribute = rest.partition("/")
-        if device_id != "5":
-            return self._version4.take(domain, device_id, attribute, payload)
-        inner_id, _, inner = attribute.partition("/")
-        if inner in {"$state", "$description"}:
-            return self._version5.take(domain, inner_id, inner, payload)
-        return ()
+
+_VERSION_4 = (
+    *(f"+/+/+/{attribute}" for attribute in PROPERTY_ATTRIBUTES),
+    *(f"+/+/{attribute}" for attribute in NODE_ATTRIBUTES),
+    *(f"+/{attribute}" for attribute in DEVICE_ATTRIBUTES),
+)
+"""In the order in which retained messages shall come: all of a device is there when its state is."""
+
+_VERSION_5 = ("5/+/$description", "5/+/$state")
+"""The documents first, so that all is there when the state says ready."""

@@ -15,24 +15,14 @@ from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.decode import to_text
 from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn
 from homebot.conventions.homie.attribute_collector import AttributeCollector
+from homebot.conventions.homie.convention import DEVICE_ATTRIBUTES, NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES
 from homebot.conventions.homie.described import describe
 from homebot.conventions.homie.model import MAX_PROPERTIES, HomieDevice
 from homebot.conventions.homie.state import STATES
 from homebot.conventions.payload import clean_text, shown
 from homebot.errors import WireError
 
-__all__ = ["FILTERS", "Version4"]
-
-_OF_PROPERTY = ("$name", "$format", "$unit", "$settable", "$retained", "$datatype")
-_OF_NODE = ("$name", "$type", "$array", "$properties")
-_OF_DEVICE = ("$name", "$mac", "$fw/name", "$fw/version", "$implementation", "$nodes", "$homie", "$state")
-
-FILTERS = (
-    *(f"{{domain}}/+/+/+/{attribute}" for attribute in _OF_PROPERTY),
-    *(f"{{domain}}/+/+/{attribute}" for attribute in _OF_NODE),
-    *(f"{{domain}}/+/{attribute}" for attribute in _OF_DEVICE),
-)
-"""In the order in which retained messages shall come: all of a device is there when its state is."""
+__all__ = ["Version4"]
 
 _MAX_DEVICES = 2000
 _MAX_CHARACTERS = 16_000_000
@@ -161,10 +151,10 @@ class Version4:
 
 
 def _is_known(attribute: str) -> bool:
-    if attribute in _OF_DEVICE:
+    if attribute in DEVICE_ATTRIBUTES:
         return True
     owner, _, name = attribute.rpartition("/")
-    return bool(owner) and name in (_OF_NODE, _OF_PROPERTY, ())[min(owner.count("/"), 2)]
+    return bool(owner) and name in (NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES, ())[min(owner.count("/"), 2)]
 
 
 def _check(attribute: str, text: str) -> None:

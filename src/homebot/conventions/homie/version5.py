@@ -17,10 +17,7 @@ from homebot.conventions.homie.state import STATES
 from homebot.conventions.payload import shown
 from homebot.errors import WireError
 
-__all__ = ["FILTERS", "Version5"]
-
-FILTERS = ("{domain}/5/+/$description", "{domain}/5/+/$state")
-"""The documents first, so that all is there when the state says ready."""
+__all__ = ["Version5"]
 
 _MAX_DEVICES = 5000
 _MAX_WAITING = 16_000_000

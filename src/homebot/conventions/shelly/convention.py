@@ -5,14 +5,15 @@ Source: Shelly Gen1 API; Shelly Gen2+ API; iobroker.shelly 12.0.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.conventions.description import AnnouncementEvent, Publication
-from homebot.conventions.shelly.gen1 import BIRTH_MESSAGES, FILTERS, Gen1
-from homebot.conventions.shelly.gen2 import Gen2
-from homebot.errors import WireError
+from homebot.conventions.description import Publication
+from homebot.conventions.lazy_convention import LazyConvention
+
+if TYPE_CHECKING:
+    from homebot.conventions.shelly.reader import ShellyReader
 
 __all__ = ["Shelly", "ShellySettings"]
 
@@ -35,7 +36,7 @@ class ShellySettings(BaseModel):
     prefixes: tuple[_Prefix, ...] = ()
 
 
-class Shelly:
+class Shelly(LazyConvention[ShellySettings, "ShellyReader"]):
     """Understands what Shelly's devices say of themselves. Keeps what they said, bounded.
 
     Args:
@@ -45,36 +46,38 @@ class Shelly:
     Settings: ClassVar[type[BaseModel]] = ShellySettings
     name: ClassVar[str] = "shelly"
 
-    def __init__(self, settings: ShellySettings) -> None:
-        self.rejected = 0
-        self._gen1 = Gen1()
-        self._gen2 = Gen2(settings.client, ("shellies/+", *settings.prefixes))
-
-    @property
-    def dropped(self) -> int:
-        """Number of devices or answers that were forgotten or not taken for want of room."""
-        return self._gen1.dropped + self._gen2.dropped
-
     def filters(self) -> tuple[str, ...]:
         """Return the filters of answers, signs of life, announcements, and what parts are known by."""
-        return tuple(dict.fromkeys((*self._gen2.filters, *FILTERS)))
+        client, prefixes = self.settings.client, ("+", "shellies/+", *self.settings.prefixes)
+        second = (
+            f"{client}/rpc",
+            *(f"{client}/{prefix}/rpc" for prefix in prefixes),
+            *(f"{prefix}/{rest}" for prefix in prefixes for rest in ("online", "events/rpc")),
+            "+/status/+",
+        )
+        return tuple(dict.fromkeys((*second, *_FIRST)))
 
     def birth_messages(self) -> tuple[Publication, ...]:
-        """Return what makes the first generation announce itself; the second is asked one by one."""
-        return BIRTH_MESSAGES
+        """Return what makes the first generation announce itself and tell its states; the second is asked by id."""
+        return Publication("shellies/command", b"announce"), Publication("shellies/command", b"update")
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Take a message, and return what it tells of devices or makes one ask them."""
-        try:
-            if self._is_first(topic):
-                return self._gen1.take(topic, payload)
-            return self._gen2.take(topic, payload, retained=retained)
-        except WireError:
-            self.rejected += 1
-            raise
+    def load_reader(self) -> ShellyReader:
+        """Return a reader of both generations."""
+        from homebot.conventions.shelly.reader import ShellyReader  # noqa: PLC0415 - see LazyConvention
 
-    def _is_first(self, topic: str) -> bool:
-        """Return whether *topic* is the first generation's; a prefix of the second may lie among its topics."""
-        if not topic.startswith("shellies/") or topic.endswith("/events/rpc"):
-            return False
-        return not (topic.endswith("/online") and self._gen2.knows(topic.removesuffix("/online")))
+        return ShellyReader(self.settings.client)
+
+
+_FIRST = (
+    "shellies/announce",
+    "shellies/+/announce",
+    "shellies/+/online",
+    *(f"shellies/+/{kind}/+" for kind in ("relay", "roller", "light", "color", "white", "input", "input_event")),
+    *(f"shellies/+/{kind}/+/status" for kind in ("light", "color", "white")),
+    *(f"shellies/+/{kind}/+/power" for kind in ("relay", "roller", "light", "color", "white")),
+    *(f"shellies/+/{kind}/+/energy" for kind in ("relay", "roller", "light", "color", "white")),
+    "shellies/+/emeter/+/+",
+    *(f"shellies/+/{kind}/+" for kind in ("adc", "ext_temperature", "ext_humidity", "ext_switch", "sensor")),
+    *(f"shellies/+/{kind}" for kind in ("temperature", "overtemperature", "overpower", "status")),
+)
+"""Narrow ones: what is below them is what parts are known by, and nothing else."""

@@ -10,7 +10,7 @@ Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0.
 from __future__ import annotations
 
 from homebot.conventions.bounded_dict import BoundedDict
-from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn, Publication
+from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn
 from homebot.conventions.payload import clean_text, parse_object, shown
 from homebot.conventions.shelly.gen1_device import Gen1Device
 from homebot.conventions.shelly.gen1_models import find_model
@@ -18,24 +18,7 @@ from homebot.conventions.shelly.gen1_parts import is_known_topic
 from homebot.conventions.shelly.gen1_topics import Gen1Topics
 from homebot.errors import WireError
 
-__all__ = ["BIRTH_MESSAGES", "FILTERS", "Gen1"]
-
-BIRTH_MESSAGES = (Publication("shellies/command", b"announce"), Publication("shellies/command", b"update"))
-"""Make all devices announce themselves, and tell their states."""
-
-FILTERS = (
-    "shellies/announce",
-    "shellies/+/announce",
-    "shellies/+/online",
-    *(f"shellies/+/{kind}/+" for kind in ("relay", "roller", "light", "color", "white", "input", "input_event")),
-    *(f"shellies/+/{kind}/+/status" for kind in ("light", "color", "white")),
-    *(f"shellies/+/{kind}/+/power" for kind in ("relay", "roller", "light", "color", "white")),
-    *(f"shellies/+/{kind}/+/energy" for kind in ("relay", "roller", "light", "color", "white")),
-    "shellies/+/emeter/+/+",
-    *(f"shellies/+/{kind}/+" for kind in ("adc", "ext_temperature", "ext_humidity", "ext_switch", "sensor")),
-    *(f"shellies/+/{kind}" for kind in ("temperature", "overtemperature", "overpower", "status")),
-)
-"""Narrow ones: what is below them is what parts are known by, and nothing else."""
+__all__ = ["Gen1"]
 
 _MAX_DEVICES = 5000
 _LONGEST_NAME = 100

@@ -38,16 +38,9 @@ class Gen2:
 
     Args:
         client: As whom homebot asks; answers come on ``<client>/rpc`` and ``<client>/<prefix>/rpc``.
-        prefixes: Filters of prefixes of several levels.
     """
 
-    def __init__(self, client: str, prefixes: tuple[str, ...]) -> None:
-        self.filters = (
-            f"{client}/rpc",
-            *(f"{client}/{prefix}/rpc" for prefix in ("+", *prefixes)),
-            *(f"{prefix}/{rest}" for prefix in ("+", *prefixes) for rest in ("online", "events/rpc")),
-            "+/status/+",
-        )
+    def __init__(self, client: str) -> None:
         self._client = client
         self._devices: BoundedDict[Gen2Device] = BoundedDict(_MAX_DEVICES, self._release)
         self._kept = 0

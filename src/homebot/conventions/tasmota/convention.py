@@ -1,37 +1,20 @@
-"""Tasmota's discovery as a convention: two messages of a device in, one description out. Pure.
+"""Tasmota's discovery as a convention. Pure.
 
 Source: Tasmota 14.4 firmware, ``xdrv_12_discovery.ino``; hatasmota 0.10.2.
 """
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.conventions.description import (
-    AnnouncementEvent,
-    Availability,
-    DeviceAnnounced,
-    DeviceWithdrawn,
-    Publication,
-)
-from homebot.conventions.payload import parse_object
-from homebot.conventions.tasmota.config import TasmotaConfig, read_config
-from homebot.conventions.tasmota.parts import build_parts
-from homebot.conventions.tasmota.sensors import Leaf, read_leaves
-from homebot.devices.identity import identifiers
-from homebot.errors import WireError
+from homebot.conventions.lazy_convention import LazyConvention
 
-__all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaDiscovery", "TasmotaSettings", "WillAvailability"]
+if TYPE_CHECKING:
+    from homebot.conventions.tasmota.reader import TasmotaReader
 
-MAX_DEVICES = 5_000
-"""Most devices; the announcement of one more is refused."""
-
-MAX_WAITING = 1_000
-"""Most devices whose sensors are known while the rest is not; the oldest is forgotten then, and counted."""
+__all__ = ["TasmotaDiscovery", "TasmotaSettings"]
 
 _Prefix = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^+#\x00]*[^+#\x00/]$")]
 
@@ -48,129 +31,26 @@ class TasmotaSettings(BaseModel):
     prefix: _Prefix = "tasmota/discovery"
 
 
-@dataclass(frozen=True, slots=True)
-class WillAvailability:
-    """The topic of a device's last will, and its two words; see :class:`AvailabilitySource`.
-
-    Attributes:
-        topic: The topic.
-        online: The word for yes.
-        offline: The word for no.
-    """
-
-    topic: str
-    online: bytes
-    offline: bytes
-
-    def read(self, payload: bytes) -> bool | None:
-        """Return whether the device can be reached, or None when *payload* says neither."""
-        if payload == self.online:
-            return True
-        return False if payload == self.offline else None
-
-
-class TasmotaDiscovery:
-    """Understands ``config`` and ``sensors`` of each device, in either order.
-
-    A device is :class:`DeviceAnnounced` when its ``config`` comes, and again when its ``sensors`` do; before the
-    ``config`` they wait. A ``config`` that says nothing new gives the same description again, whose codecs still know
-    what the device showed last. Its key is its hardware address. It keeps what both messages said of each device, at
-    most :data:`MAX_DEVICES`, and at most :data:`MAX_WAITING` that wait.
+class TasmotaDiscovery(LazyConvention[TasmotaSettings, "TasmotaReader"]):
+    """Understands ``config`` and ``sensors`` of each device, in either order; a device's key is its hardware address.
 
     Args:
         settings: Its table.
-
-    Attributes:
-        forgotten: Devices whose sensors waited too long, so far.
     """
 
     Settings: ClassVar[type[BaseModel]] = TasmotaSettings
     name: ClassVar[str] = "tasmota"
 
-    def __init__(self, settings: TasmotaSettings) -> None:
-        self.rejected = 0
-        self.forgotten = 0
-        self._prefix = settings.prefix
-        self._configs: dict[str, TasmotaConfig] = {}
-        self._leaves: dict[str, tuple[Leaf, ...]] = {}
-        self._waiting: dict[str, tuple[Leaf, ...]] = {}
-        self._devices: dict[str, DeviceAnnounced] = {}
-
     def filters(self) -> tuple[str, ...]:
         """Return the filters of both messages."""
-        return f"{self._prefix}/+/config", f"{self._prefix}/+/sensors"
+        return f"{self.settings.prefix}/+/config", f"{self.settings.prefix}/+/sensors"
 
     def reserved(self) -> tuple[str, ...]:
         """Return what is below the announcements, and the topics that all devices of a fresh firmware listen on."""
-        return f"{self._prefix}/#", "cmnd/tasmotas/#", "tasmotas/cmnd/#"
+        return f"{self.settings.prefix}/#", "cmnd/tasmotas/#", "tasmotas/cmnd/#"
 
-    def birth_messages(self) -> tuple[Publication, ...]:
-        """Return nothing: announcements are retained."""
-        return ()
+    def load_reader(self) -> TasmotaReader:
+        """Return a reader of both messages."""
+        from homebot.conventions.tasmota.reader import TasmotaReader  # noqa: PLC0415 - see LazyConvention
 
-    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - an announcement counts as much when it was kept
-        """Take a message and return what it tells of its device; nothing as long as only its sensors are known."""
-        match = _TOPIC.fullmatch(topic.removeprefix(f"{self._prefix}/"))
-        if match is None or not topic.startswith(f"{self._prefix}/"):
-            return ()
-        mac, kind = match.groups()
-        try:
-            return self._take_config(mac, payload) if kind == "config" else self._take_sensors(mac, payload)
-        except WireError:
-            self.rejected += 1
-            raise
-
-    def _take_config(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        if not payload:
-            if self._configs.pop(mac, None) is None:
-                return ()
-            self._leaves.pop(mac, None)
-            del self._devices[mac]
-            return (DeviceWithdrawn(mac, "its config was removed"),)
-        config = read_config(mac, payload)
-        if config == self._configs.get(mac):
-            return (self._devices[mac],)
-        if mac not in self._configs and len(self._configs) >= MAX_DEVICES:
-            raise WireError(f"{mac} is one device too many; {MAX_DEVICES} is the limit")
-        self._configs[mac] = config
-        if mac in self._waiting:
-            self._leaves[mac] = self._waiting.pop(mac)
-        return (self._described(mac),)
-
-    def _take_sensors(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        leaves = read_leaves(parse_object(payload)) if payload else ()
-        if mac in self._configs:
-            if leaves == self._leaves.get(mac, ()):
-                return ()
-            self._leaves[mac] = leaves
-            return (self._described(mac),)
-        self._waiting.pop(mac, None)
-        if leaves:
-            self._waiting[mac] = leaves
-        if len(self._waiting) > MAX_WAITING:
-            del self._waiting[next(iter(self._waiting))]
-            self.forgotten += 1
-        return ()
-
-    def _described(self, mac: str) -> DeviceAnnounced:
-        """Describe a device anew, with codecs that remember nothing."""
-        config = self._configs[mac]
-        will = WillAvailability(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
-        described = DeviceAnnounced(
-            key=mac,
-            convention=self.name,
-            native=True,
-            whole_device=True,
-            identifiers=identifiers([":".join(_PAIRS.findall(mac))]),
-            name=config.name,
-            parts=build_parts(config, self._leaves.get(mac, ())),
-            topic=f"{self._prefix}/{mac}/config",
-            facts=config.facts,
-            availability=None if config.is_sleeper else Availability((will,)),
-        )
-        self._devices[mac] = described
-        return described
-
-
-_TOPIC = re.compile("([0-9A-F]{12})/(config|sensors)")
-_PAIRS = re.compile("..")
+        return TasmotaReader(self.settings.prefix)

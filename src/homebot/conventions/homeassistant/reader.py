@@ -1,0 +1,127 @@
+"""Reader of Home Assistant's discovery configs: configs in, descriptions out. Pure.
+
+Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeAlias
+
+from homebot.conventions.description import (
+    AnnouncementEvent,
+    DescribedPart,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+)
+from homebot.conventions.homeassistant.announcement import Announced, AnnouncedComponent, read_announcement
+from homebot.conventions.homeassistant.components import BUILDERS
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.device import DeviceInfo, DeviceReader, read_availability
+from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_config_topic
+from homebot.conventions.payload import clean_text
+from homebot.errors import WireError
+
+__all__ = ["HomeAssistantReader"]
+
+
+class HomeAssistantReader:
+    """Reads configs, each by itself, and counts the broken components of a device that has others.
+
+    Args:
+        prefixes: The discovery prefixes.
+    """
+
+    def __init__(self, prefixes: tuple[str, ...]) -> None:
+        self.rejected = 0
+        self._prefixes = prefixes
+        self._devices = DeviceReader()
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - a config counts as much when it was kept
+        """Take a config and return what it tells of its device."""
+        where = self._where(topic)
+        if where is None or (where.component != DEVICE and where.component not in BUILDERS):
+            return ()
+        if not payload:
+            return (DeviceWithdrawn(where.key, "its config was removed"),)
+        announced = read_announcement(where, payload)
+        if announced.is_migrating:
+            return (DeviceWithdrawn(where.key, "it changes to another form of announcement"),)
+        parts = self._parts(where, announced)
+        if not parts:
+            return (DeviceWithdrawn(where.key, "no component of it is left"),)
+        device = self._devices.read(announced.device, announced.origin)
+        return (_described(topic, where, announced, device, parts),)
+
+    def _where(self, topic: str) -> ConfigTopic | None:
+        for prefix in self._prefixes:
+            where = parse_config_topic(prefix, topic)
+            if where is not None:
+                return where
+        return None
+
+    def _parts(self, where: ConfigTopic, announced: Announced) -> _Parts:
+        """Build the parts. In a message of a whole device a broken component costs that component alone."""
+        parts: _Parts = {}
+        broken: WireError | None = None
+        for component in announced.components:
+            builder = BUILDERS.get(component.platform)
+            if builder is None:
+                continue
+            config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
+            try:
+                part = builder(config)
+                if where.component == DEVICE:
+                    part = replace(part, availability=read_availability(config))
+            except WireError as error:
+                if where.component != DEVICE:
+                    raise
+                self.rejected += 1
+                broken = error
+                continue
+            if part.part.id in parts:
+                part = replace(part, part=part.part.model_copy(update={"id": component.discovery_id}))
+            parts[part.part.id] = part, component
+        if broken is not None and not parts:
+            self.rejected -= 1
+            raise broken
+        return parts
+
+
+_Parts: TypeAlias = dict[str, tuple[DescribedPart, AnnouncedComponent]]
+_MAX_MEMBERS = 100
+
+
+def _described(
+    topic: str, where: ConfigTopic, announced: Announced, device: DeviceInfo, parts: _Parts
+) -> DeviceAnnounced:
+    whole = read_availability(DiscoveryConfig(where.component, where.object_id, announced.common))
+    described = tuple([part for part, _ in parts.values()])
+    if whole is None and described and all(one.availability == described[0].availability for one in described):
+        whole = described[0].availability
+    if whole is not None:
+        described = tuple([replace(one, availability=None) if one.availability == whole else one for one in described])
+    return DeviceAnnounced(
+        key=where.key,
+        convention="homeassistant",
+        identifiers=device.identifiers,
+        name=device.name or described[0].part.name or clean_text(where.object_id),
+        parts=described,
+        topic=topic,
+        area=device.area,
+        facts={**device.facts, **_facts(parts)},
+        availability=whole,
+    )
+
+
+def _facts(parts: _Parts) -> dict[str, str]:
+    """Return what is known of parts and has no field there: that one is hidden, and whom a group stands for."""
+    facts = {}
+    for part_id, (_, component) in parts.items():
+        if component.fields.get("enabled_by_default") is False:
+            facts[f"hidden {part_id}"] = "by default"
+        members = component.fields.get("group")
+        if isinstance(members, list) and members:
+            named = [clean_text(one) for one in members[:_MAX_MEMBERS] if isinstance(one, str)]
+            facts[f"group {part_id}"] = " ".join(named)
+    return facts

@@ -1,0 +1,138 @@
+"""Reader of Tasmota's announcements: two messages of a device in, one description out. Pure.
+
+Source: Tasmota 14.4 firmware, ``xdrv_12_discovery.ino``; hatasmota 0.10.2.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from homebot.conventions.description import (
+    AnnouncementEvent,
+    Availability,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+)
+from homebot.conventions.payload import parse_object
+from homebot.conventions.tasmota.config import TasmotaConfig, read_config
+from homebot.conventions.tasmota.parts import build_parts
+from homebot.conventions.tasmota.sensors import Leaf, read_leaves
+from homebot.devices.identity import identifiers
+from homebot.errors import WireError
+
+__all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaReader", "WillAvailability"]
+
+MAX_DEVICES = 5_000
+"""Most devices; the announcement of one more is refused."""
+
+MAX_WAITING = 1_000
+"""Most devices whose sensors are known while the rest is not; the oldest is forgotten then, and counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class WillAvailability:
+    """The topic of a device's last will, and its two words; see :class:`AvailabilitySource`.
+
+    Attributes:
+        topic: The topic.
+        online: The word for yes.
+        offline: The word for no.
+    """
+
+    topic: str
+    online: bytes
+    offline: bytes
+
+    def read(self, payload: bytes) -> bool | None:
+        """Return whether the device can be reached, or None when *payload* says neither."""
+        if payload == self.online:
+            return True
+        return False if payload == self.offline else None
+
+
+class TasmotaReader:
+    """Reads both messages of each device, and keeps what they said.
+
+    A device is :class:`DeviceAnnounced` when its ``config`` comes, and again when its ``sensors`` do; before the
+    ``config`` they wait. A ``config`` that says nothing new gives the same description again, whose codecs still know
+    what the device showed last. It keeps at most :data:`MAX_DEVICES`, and at most :data:`MAX_WAITING` that wait.
+
+    Args:
+        prefix: Where devices announce themselves.
+
+    Attributes:
+        forgotten: Devices whose sensors waited too long, so far.
+    """
+
+    def __init__(self, prefix: str) -> None:
+        self.rejected = 0
+        self.forgotten = 0
+        self._prefix = prefix
+        self._configs: dict[str, TasmotaConfig] = {}
+        self._leaves: dict[str, tuple[Leaf, ...]] = {}
+        self._waiting: dict[str, tuple[Leaf, ...]] = {}
+        self._devices: dict[str, DeviceAnnounced] = {}
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - an announcement counts as much when it was kept
+        """Take a message and return what it tells of its device; nothing as long as only its sensors are known."""
+        match = _TOPIC.fullmatch(topic.removeprefix(f"{self._prefix}/"))
+        if match is None or not topic.startswith(f"{self._prefix}/"):
+            return ()
+        mac, kind = match.groups()
+        return self._take_config(mac, payload) if kind == "config" else self._take_sensors(mac, payload)
+
+    def _take_config(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        if not payload:
+            if self._configs.pop(mac, None) is None:
+                return ()
+            self._leaves.pop(mac, None)
+            del self._devices[mac]
+            return (DeviceWithdrawn(mac, "its config was removed"),)
+        config = read_config(mac, payload)
+        if config == self._configs.get(mac):
+            return (self._devices[mac],)
+        if mac not in self._configs and len(self._configs) >= MAX_DEVICES:
+            raise WireError(f"{mac} is one device too many; {MAX_DEVICES} is the limit")
+        self._configs[mac] = config
+        if mac in self._waiting:
+            self._leaves[mac] = self._waiting.pop(mac)
+        return (self._described(mac),)
+
+    def _take_sensors(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        leaves = read_leaves(parse_object(payload)) if payload else ()
+        if mac in self._configs:
+            if leaves == self._leaves.get(mac, ()):
+                return ()
+            self._leaves[mac] = leaves
+            return (self._described(mac),)
+        self._waiting.pop(mac, None)
+        if leaves:
+            self._waiting[mac] = leaves
+        if len(self._waiting) > MAX_WAITING:
+            del self._waiting[next(iter(self._waiting))]
+            self.forgotten += 1
+        return ()
+
+    def _described(self, mac: str) -> DeviceAnnounced:
+        """Describe a device anew, with codecs that remember nothing."""
+        config = self._configs[mac]
+        will = WillAvailability(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
+        described = DeviceAnnounced(
+            key=mac,
+            convention="tasmota",
+            native=True,
+            whole_device=True,
+            identifiers=identifiers([":".join(_PAIRS.findall(mac))]),
+            name=config.name,
+            parts=build_parts(config, self._leaves.get(mac, ())),
+            topic=f"{self._prefix}/{mac}/config",
+            facts=config.facts,
+            availability=None if config.is_sleeper else Availability((will,)),
+        )
+        self._devices[mac] = described
+        return described
+
+
+_TOPIC = re.compile("([0-9A-F]{12})/(config|sensors)")
+_PAIRS = re.compile("..")

@@ -1,0 +1,182 @@
+"""Reader of Zigbee2MQTT's own messages: the list of devices in, descriptions out. Pure.
+
+Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
+from homebot.conventions.payload import clean_text, parse_list, parse_object, shown
+from homebot.conventions.zigbee2mqtt.availability import AvailabilityRule, read_availability_rule
+from homebot.conventions.zigbee2mqtt.bridge_device import BridgeDevice, ieee_address, read_bridge_device
+from homebot.conventions.zigbee2mqtt.parts import build_parts
+from homebot.devices.identity import identifiers
+from homebot.errors import WireError
+
+__all__ = ["MAX_BRIDGE_BYTES", "MAX_DEVICES", "MAX_PARTS", "Zigbee2MqttReader"]
+
+MAX_BRIDGE_BYTES = 32 * 1024 * 1024
+"""Longest list of devices; one device takes about 4 kB, and some remotes and thermostats ten times that."""
+
+MAX_DEVICES = 5_000
+"""Most devices of one bridge; the largest known networks have some hundreds."""
+
+MAX_PARTS = 50_000
+"""Most parts of all devices of one bridge; a usual device has ten. Devices beyond are left out, and counted."""
+
+_DEFAULT_BASE = "zigbee2mqtt"
+
+
+class Zigbee2MqttReader:
+    """Reads what bridges say; keeps the descriptions of the last list per bridge, at most :data:`MAX_DEVICES`.
+
+    Args:
+        bases: Base topics of the bridges.
+    """
+
+    def __init__(self, bases: tuple[str, ...]) -> None:
+        self.rejected = 0
+        self._devices: dict[str, dict[str, _KnownDevice]] = {base: {} for base in bases}
+        self._rules = {base: AvailabilityRule() for base in bases}
+        self._listless = dict.fromkeys(bases, False)  # no list came yet; whether what is beside it did
+
+    def take(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+        """Take a list of devices and return what it tells of each. A broken entry costs that device alone."""
+        return tuple(one for one in self.take_slices(topic, payload, retained=retained) if one is not None)
+
+    def take_slices(self, topic: str, payload: bytes, *, retained: bool) -> Iterator[AnnouncementEvent | None]:  # noqa: ARG002 - the bridge keeps its lists
+        """Do what :meth:`take` does, in steps: the list of a house of hundreds takes a second."""
+        base, _, last = topic.rpartition("/bridge/")
+        if base not in self._devices:
+            return
+        if last == "devices":
+            yield from self._take_devices(base, topic, payload)
+        elif last == "info" and payload:
+            yield from self._take_info(base, payload)
+
+    def problems(self) -> tuple[str, ...]:
+        """Return which bridges told how they are set up, but not which devices they have: both are retained."""
+        return tuple(
+            f"{base}/bridge/info came, but {base}/bridge/devices did not: a list that is larger than max_announcement "
+            "is dropped by the broker without a word"
+            for base, has_info in self._listless.items()
+            if has_info
+        )
+
+    def _take_devices(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
+        before = self._devices[base]
+        self._listless.pop(base, None)
+        if not payload:
+            self._devices[base] = {}
+            yield from (DeviceWithdrawn(one.described.key, "its bridge's list was removed") for one in before.values())
+            return
+        entries: list[object] = []
+        for entry in parse_list(payload, MAX_BRIDGE_BYTES):
+            entries.append(entry)
+            if len(entries) > MAX_DEVICES:
+                raise WireError(f"{topic}: it lists more than {MAX_DEVICES} devices, which is the limit")
+            yield None
+        devices: dict[str, _KnownDevice] = {}
+        for _ in self._describe_all(base, topic, entries, devices):
+            yield None
+        self._devices[base] = devices
+        listed = {ieee_address(entry) for entry in entries}
+        yield from (_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
+        yield from (one.described for one in devices.values())
+
+    def _describe_all(
+        self, base: str, topic: str, entries: list[object], found: dict[str, _KnownDevice]
+    ) -> Iterator[None]:
+        """Describe the entries into *found*. What was known of a device stays where its entry is broken now."""
+        topics: set[str] = set()
+        problems = []
+        room = MAX_PARTS
+        via = _bridge_name(entries)
+        for entry in entries:
+            yield
+            ieee = ieee_address(entry)
+            try:
+                device = _read(base, entry, topics, is_known=ieee in found, room=room)
+            except WireError as error:
+                problems.append(error)
+                old = self._devices[base].get(ieee)
+                if ieee in found or old is None or old.topic in topics:
+                    continue
+                found[ieee] = old
+            else:
+                if device.is_coordinator or device.is_disabled:
+                    continue
+                found[ieee] = _KnownDevice(device.topic, self._describe(base, topic, device, via))
+            topics.add(found[ieee].topic)
+            room -= len(found[ieee].described.parts)
+        if problems and not found:
+            raise problems[0]
+        self.rejected += len(problems)
+
+    def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> DeviceAnnounced:
+        return DeviceAnnounced(
+            key=device.ieee if base == _DEFAULT_BASE else f"{base}/{device.ieee}",
+            convention="zigbee2mqtt",
+            native=True,
+            whole_device=True,
+            identifiers=identifiers([device.ieee]),
+            name=clean_text(device.name),
+            parts=build_parts(device),
+            topic=topic,
+            facts={**device.facts, **({"via_device": via} if via else {})},
+            availability=self._rules[base].availability(base, device.ieee, device.topic),
+            owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
+        )
+
+    def _take_info(self, base: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
+        """Take how the bridge is set up, and describe anew the devices whose availability is told otherwise now."""
+        if base in self._listless:
+            self._listless[base] = True
+        rule = read_availability_rule(parse_object(payload, MAX_BRIDGE_BYTES))
+        if rule == self._rules[base]:
+            return
+        self._rules[base] = rule
+        changed = {
+            ieee: _KnownDevice(one.topic, replace(one.described, availability=availability))
+            for ieee, one in self._devices[base].items()
+            if (availability := rule.availability(base, ieee, one.topic)) != one.described.availability
+        }
+        self._devices[base].update(changed)
+        yield from (one.described for one in changed.values())
+
+
+@dataclass(frozen=True, slots=True)
+class _KnownDevice:
+    """A device of the last list, and the topic on which it speaks."""
+
+    topic: str
+    described: DeviceAnnounced
+
+
+def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: int) -> BridgeDevice:
+    if not isinstance(entry, dict) or not ieee_address(entry):
+        address = entry.get("ieee_address") if isinstance(entry, dict) else entry
+        raise WireError(f"ieee_address is {shown(address)}, not 0x and 16 digits")
+    device = read_bridge_device(base, entry)
+    if is_known or device.topic in topics:
+        raise WireError(f"{device.ieee} or its friendly_name {shown(device.name)} is there twice")
+    if room <= 0:
+        raise WireError(f"{device.ieee}: the devices before it have {MAX_PARTS} parts, which is the limit")
+    return device
+
+
+def _bridge_name(entries: list[object]) -> str:
+    """Return what the bridge is called as a device, from its coordinator's address."""
+    for entry in entries:
+        if isinstance(entry, dict) and entry.get("type") == "Coordinator" and ieee_address(entry):
+            return f"zigbee2mqtt_bridge_{ieee_address(entry)}"
+    return ""
+
+
+def _withdrawn(one: _KnownDevice, is_listed: bool) -> DeviceWithdrawn:  # noqa: FBT001 - only called above
+    if is_listed:
+        return DeviceWithdrawn(one.described.key, "it was disabled, or its name was taken")
+    return DeviceWithdrawn(one.described.key, "it left its bridge", is_final=True)
