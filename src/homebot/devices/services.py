@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device, DeviceChange
-from homebot.devices.query.wire import QueryTerm
+from homebot.devices.query.terms import QueryTerm
 from homebot.devices.raw import RawMessage
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.fields import UInt32
@@ -70,14 +70,12 @@ class FindDevicesRequest(Message):
     Attributes:
         service_type: For example ``lights``; empty for all. Canonical and advertised words find the same devices, see
             :func:`homebot.devices.device_types.wanted_types`.
-        query: What else must be true of them, as text, for programs outside; see :mod:`homebot.devices.query`. One that
-            is not understood fails the call. Unlike :class:`QueryDevicesRequest` it ranks nothing.
-        terms: What else must be true of them; see :mod:`homebot.devices.query.wire`.
+        query: The query that they match, as terms; empty for all. Programs outside may send it as text. One that is
+            not understood fails the call. Unlike :class:`QueryDevicesRequest` it ranks nothing.
     """
 
     service_type: str = ""
-    query: str = ""
-    terms: tuple[QueryTerm, ...] = ()
+    query: tuple[QueryTerm, ...] = ()
 
 
 class FindDevicesResponse(Message):
@@ -96,13 +94,13 @@ class QueryDevicesRequest(Message):
     """A question for the devices that match a query.
 
     Attributes:
-        query: A text query, for example ``light and dimmable in kitchen``; empty for all. See
-            :mod:`homebot.devices.query`.
+        query: The query, as terms; empty for all. Programs outside may send it as text, for example
+            ``light and dimmable in kitchen``; see :mod:`homebot.devices.query`.
         offset: How many of the best to leave out.
         limit: How many to give; 0 for as many as there are.
     """
 
-    query: str = ""
+    query: tuple[QueryTerm, ...] = ()
     offset: UInt32 = 0
     limit: UInt32 = 0
 

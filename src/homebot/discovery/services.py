@@ -20,7 +20,7 @@ from homebot.devices import (
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
-from homebot.devices.query import And, Query, parse_query, read_terms, type_is
+from homebot.devices.query import And, read_terms, type_is
 from homebot.devices.services import (
     AnnouncedOn,
     FindDevicesRequest,
@@ -103,19 +103,20 @@ class DirectoryServices:
 
     async def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse:
         await self._catch_up()
-        wanted = [type_is(request.service_type)] if request.service_type else []
-        terms: list[Query] = [*wanted, *((parse_query(request.query),) if request.query else ())]
-        if request.terms:
-            terms.append(read_terms(request.terms))
-        query = terms[0] if len(terms) == 1 else And(tuple(terms))
-        found = (self._index.get(device_id) for device_id in sorted(self._index.find(query)))
-        devices = tuple(device for device in found if device is not None)
-        return FindDevicesResponse(devices=devices, sequence=self._index.sequence)
+        query = read_terms(request.query)
+        if request.service_type:
+            query = And((type_is(request.service_type), query))
+        devices = []
+        for device_id in sorted(self._index.find(query)):
+            device = self._index.get(device_id)
+            if device is not None:
+                devices.append(device)
+        return FindDevicesResponse(devices=tuple(devices), sequence=self._index.sequence)
 
     async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
         await self._catch_up()
         try:
-            query = parse_query(request.query)
+            query = read_terms(request.query)
         except UsageError as exc:
             return QueryDevicesResponse(success=False, message=str(exc), sequence=self._index.sequence)
         found = self._index.find(query)

@@ -30,7 +30,7 @@ from homebot.devices import (
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
 from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import facets_of, fits, parse_query
+from homebot.devices.query import facets_of, fits, read_terms
 from homebot.devices.services import (
     AnnouncedOn,
     FindDevicesRequest,
@@ -258,7 +258,7 @@ class StillHouse:
 
     def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
         try:
-            query = parse_query(request.query)
+            query = read_terms(request.query)
         except UsageError as exc:
             return QueryDevicesResponse(success=False, message=str(exc))
         found = [one for one in self._devices() if fits(query, facets_of(one))]

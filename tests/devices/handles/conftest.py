@@ -26,7 +26,7 @@ from homebot.devices import (
 from homebot.devices.command import Command, SendCommand, SendCommandResponse
 from homebot.devices.device import ChangeKind
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import facets_of, fits, parse_query
+from homebot.devices.query import facets_of, fits, read_terms
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.value import PlainValue, Value
 from homebot.graph import Graph, Node
@@ -174,7 +174,7 @@ class House:
         self._states.publish(StateChange(stream=stream, device=device_id, state=told, sequence=number))
 
     def _find(self, request: FindDevicesRequest) -> FindDevicesResponse:
-        query = parse_query(request.query)
+        query = read_terms(request.query)
         found = [one for one in self._known.values() if fits(query, facets_of(one))]
         return FindDevicesResponse(devices=tuple(found), sequence=self._sequence)
 

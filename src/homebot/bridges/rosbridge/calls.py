@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from homebot.bridges.rosbridge.protocol import CallService, Frame, service_failure, service_success
+from homebot.bridges.rosbridge.queries import parse_queries, refusal
 from homebot.bridges.rosbridge.values import message_from_client
 from homebot.errors import HomebotError, ServiceFailedError, ServiceUnavailableError, TypeMismatchError
 from homebot.graph import EntityKind, Node
@@ -36,13 +37,14 @@ async def _call(node: Node, op: CallService) -> Message:
     service_type = node.graph.get_service_type(name)
     if service_type is None:
         raise ServiceUnavailableError(name)
-    request = _request(service_type.Request, op.args)
+    values, problem = parse_queries(service_type.Request, _values(service_type.Request, op.args))
+    request = message_from_client(service_type.Request, values)
     timeout = min(op.timeout, _MAX_TIMEOUT) if op.timeout > 0 else _DEFAULT_TIMEOUT
     # A client of its own for each call: one that is kept would hold the name's type after the server is gone.
     client = node.create_client(service_type, name)
     try:
         response: Message = await client.call(request, timeout)
-        return response
+        return response if problem is None else refusal(name, response, problem)
     finally:
         client.close()
 
@@ -57,10 +59,10 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
     return f"service {error.service} has no server now; {hint}"
 
 
-def _request(request_type: type[Message], args: dict[str, Any] | list[Any]) -> Message:
-    if isinstance(args, list):
-        names = [field.name for field in fields_of(request_type)]
-        if len(args) > len(names):
-            raise TypeMismatchError(f"{request_type.ros_type} has {len(names)} fields, got {len(args)} values")
-        args = dict(zip(names, args, strict=False))
-    return message_from_client(request_type, args)
+def _values(request_type: type[Message], args: dict[str, Any] | list[Any]) -> dict[str, Any]:
+    if isinstance(args, dict):
+        return args
+    names = [field.name for field in fields_of(request_type)]
+    if len(args) > len(names):
+        raise TypeMismatchError(f"{request_type.ros_type} has {len(names)} fields, got {len(args)} values")
+    return dict(zip(names, args, strict=False))

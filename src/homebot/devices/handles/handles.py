@@ -45,7 +45,7 @@ class Handles:
         Raises:
             ServiceError: The directory does not answer.
         """
-        answer = await self._find.call(FindDevicesRequest(terms=query_terms(wanted.device_query())))
+        answer = await self._find.call(FindDevicesRequest(query=query_terms(wanted.device_query())))
         return tuple(
             self.handle(wanted, self.known(device, answer.sequence), part)
             for device in answer.devices

@@ -1,6 +1,7 @@
 """Questions for devices: what they are made of, how they are spelt, and whether a device fits. Pure."""
 
-from homebot.devices.query.facets import Facets, PartFacets, facets_of
+from homebot.devices.query.facets import Facets, facets_of
+from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.parse import parse_query, quoted
 from homebot.devices.query.terms import (
     And,
@@ -16,13 +17,14 @@ from homebot.devices.query.terms import (
     Not,
     Or,
     Query,
+    QueryTerm,
     ReachableIs,
     StateIs,
     TypeIs,
-    fits,
+    query_terms,
+    read_terms,
     type_is,
 )
-from homebot.devices.query.wire import QueryTerm, query_terms, read_terms
 
 __all__ = [
     "And",

@@ -12,9 +12,9 @@ from homebot.devices.part import Part
 from homebot.devices.query.folding import fold, words_of
 from homebot.devices.value import PlainValue
 
-__all__ = ["MAX_WORDS", "Facets", "PartFacets", "facets_of", "folded_facts", "kinds_of"]
+__all__ = ["Facets", "facets_of"]
 
-MAX_WORDS = 48
+_MAX_WORDS = 48
 """Words of one device that can be searched for."""
 
 _TEXTS = frozenset({"manufacturer", "model", "model_id", "serial_number"})
@@ -72,120 +72,9 @@ class Facets:
         return frozenset([fold(self.id), self.name, *self.facts.get("name", ())])
 
 
-class PartFacets:
-    """The properties of one part of a device that queries can ask for, each worked out when it is asked for.
-
-    Args:
-        device: The device; it has parts.
-
-    Attributes:
-        part: The part, at first the first one.
-    """
-
-    __slots__ = ("_device", "part")
-
-    def __init__(self, device: Device) -> None:
-        self._device = device
-        self.part: DevicePart = device.parts[0]
-
-    @property
-    def id(self) -> str:
-        """The id of its device."""
-        return self._device.id
-
-    @property
-    def name(self) -> str:
-        """The name of its device, folded."""
-        return fold(self._device.name)
-
-    @property
-    def names(self) -> frozenset[str]:
-        """Id and names of its device, and its own name, folded."""
-        device, own = self._device, self.part.part.name
-        return frozenset([fold(name) for name in (device.id, device.name, *device.names, *((own,) if own else ()))])
-
-    @property
-    def kinds(self) -> frozenset[tuple[str, str]]:
-        """Its type and tag."""
-        return frozenset(((self.part.part.service_type, self.part.part.tag),))
-
-    @property
-    def words_said(self) -> frozenset[str]:
-        """Its advertised type, folded."""
-        return frozenset((fold(self.part.part.advertised or self.part.part.service_type),))
-
-    @property
-    def senses(self) -> frozenset[str]:
-        """Nothing: a part has one type."""
-        return frozenset()
-
-    @property
-    def capabilities(self) -> frozenset[str]:
-        """Names of what it can be asked or told."""
-        return frozenset([capability.name for capability in self.part.part.capabilities])
-
-    @property
-    def settable(self) -> frozenset[str]:
-        """Names of what it can be told."""
-        return frozenset([capability.name for capability in self.part.part.capabilities if capability.settable])
-
-    @property
-    def values(self) -> list[tuple[str, str, PlainValue]]:
-        """Its type, capability, and value, for each value."""
-        part, service_type = self.part.id, self.part.part.service_type
-        return [
-            (service_type, state.capability, state.value.plain()) for state in self._device.states if state.part == part
-        ]
-
-    @property
-    def area(self) -> str:
-        """The area of its device, folded."""
-        return fold(self._device.area)
-
-    @property
-    def words(self) -> frozenset[str]:
-        """The words of its device."""
-        return facets_of(self._device).words
-
-    @property
-    def freshness(self) -> str:
-        """The freshness of its device."""
-        return self._device.freshness
-
-    @property
-    def reachable(self) -> str:
-        """Reachability: ``yes``, ``no`` or ``unknown``."""
-        return "no" if self.part.id in self._device.offline_parts else self._device.reachable.state
-
-    @property
-    def gateways(self) -> frozenset[str]:
-        """Gateways of its routes."""
-        return frozenset([route.gateway for route in self.part.routes])
-
-    @property
-    def conventions(self) -> frozenset[str]:
-        """Conventions of its routes."""
-        return frozenset([route.convention for route in self.part.routes])
-
-    @property
-    def categories(self) -> frozenset[str]:
-        """Its category, where it has one."""
-        return frozenset((self.part.part.category,)) if self.part.part.category else frozenset()
-
-    @property
-    def facts(self) -> Mapping[str, tuple[str, ...]]:
-        """The facts of its device by name, folded."""
-        return facets_of(self._device).facts
-
-    @property
-    def is_disputed(self) -> bool:
-        """True when anything about its device is disputed."""
-        return bool(self._device.conflicts)
-
-
 def facets_of(device: Device) -> Facets:
     """Return what can be asked of *device*."""
-    kinds, senses = kinds_of(device.service_type, device.parts)
+    kinds, senses = _kinds_of(device.service_type, device.parts)
     facts = _all_facts(device)
     types: dict[str, str] = {}
     capabilities: set[str] = set()
@@ -253,7 +142,7 @@ def _one_of_kinds(found: frozenset[tuple[str, str]]) -> frozenset[tuple[str, str
     return found
 
 
-def kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozenset[tuple[str, str]], frozenset[str]]:
+def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozenset[tuple[str, str]], frozenset[str]]:
     """Return the kinds of a device, and what the word of one without parts may mean.
 
     Settings and self-observations count only where there is nothing else: nobody who asks for switches means the
@@ -268,7 +157,7 @@ def kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozense
 
 
 def _all_facts(device: Device) -> dict[str, tuple[str, ...]]:
-    facts = folded_facts(device.facts)
+    facts = _folded_facts(device.facts)
     for one in device.metadata:
         if one.key not in facts:
             facts[one.key] = (fold(one.value),)
@@ -284,10 +173,10 @@ def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> frozenset[st
     found: dict[str, None] = {}
     for text in dict.fromkeys(texts):
         found.update(dict.fromkeys(words_of(text)))
-    return frozenset(found) if len(found) <= MAX_WORDS else frozenset(list(found)[:MAX_WORDS])
+    return frozenset(found) if len(found) <= _MAX_WORDS else frozenset(list(found)[:_MAX_WORDS])
 
 
-def folded_facts(facts: tuple[Fact, ...]) -> dict[str, tuple[str, ...]]:
+def _folded_facts(facts: tuple[Fact, ...]) -> dict[str, tuple[str, ...]]:
     """Return the folded values of all facts by name, the one that counts first."""
     found: dict[str, tuple[str, ...]] = {}
     for one in facts:

@@ -1,16 +1,25 @@
-"""Terms of a query, and their test against a device. Pure values."""
+"""Terms of a query, and their form as messages. Pure.
+
+A query is a tree and a ROS message is not, so on the graph its terms are a list, each before its operands:
+``light and not stale`` is ``and`` of two, ``type``, ``not``, ``freshness``.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.query.facets import Facets, PartFacets
-from homebot.devices.query.folding import fold, is_typo
-from homebot.devices.value import PlainValue
+from homebot.devices.query.folding import fold
+from homebot.devices.value import UNKNOWN, PlainValue, Value
+from homebot.errors import UsageError
+from homebot.messages.fields import UInt32
+from homebot.messages.message import Message
 
 __all__ = [
+    "MAX_DEPTH",
+    "MAX_TERMS",
     "And",
     "AreaIs",
     "CanDo",
@@ -25,27 +34,33 @@ __all__ = [
     "Operator",
     "Or",
     "Query",
+    "QueryTerm",
     "ReachableIs",
     "StateIs",
     "TypeIs",
-    "compares",
-    "fits",
+    "query_terms",
+    "read_terms",
     "type_is",
-    "word_fits",
 ]
+
+MAX_TERMS = 1000
+"""Terms of one query."""
+
+MAX_DEPTH = 50
+"""Terms within each other."""
 
 Operator: TypeAlias = Literal["=", "!=", "<", "<=", ">", ">="]
 
 
 @dataclass(frozen=True, slots=True)
 class TypeIs:
-    """It offers one of these types.
+    """A device or part of one of these types.
 
     Attributes:
-        word: As it was asked for, folded; a device that was announced with this very word fits as well.
-        types: The device types that it means.
-        tag: Openings of another declared kind do not fit: a door is no window; empty where that does not matter.
-        by_word: Whether announced words count, rather than the types alone.
+        word: The word of the query, folded; a device that was announced with this very word matches as well.
+        types: The device types that the word means.
+        tag: The declared kind of an opening: a door is no window; empty for any.
+        by_word: Whether announced words count beside the types.
     """
 
     word: str
@@ -54,7 +69,7 @@ class TypeIs:
     by_word: bool = True
 
     def wants(self, kind: tuple[str, str]) -> bool:
-        """Return whether a part of the type and tag *kind* fits."""
+        """Return whether a part of the type and tag *kind* matches."""
         service_type, tag = kind
         if service_type not in self.types:
             return False
@@ -63,7 +78,7 @@ class TypeIs:
 
 @dataclass(frozen=True, slots=True)
 class CanDo:
-    """It has the capability *name*; with *settable* it can also be told."""
+    """A device or part with the capability *name*; with *settable* one that can also be set."""
 
     name: str
     settable: bool = False
@@ -71,34 +86,34 @@ class CanDo:
 
 @dataclass(frozen=True, slots=True)
 class InArea:
-    """It is in this room, folded; a room whose name begins with it fits as well."""
+    """A device in this room, folded; a room whose name begins with it counts as well."""
 
     area: str
 
 
 @dataclass(frozen=True, slots=True)
 class AreaIs:
-    """It is in this very room, folded."""
+    """A device in this very room, folded."""
 
     area: str
 
 
 @dataclass(frozen=True, slots=True)
 class NameIs:
-    """It, or its part, has this name or id, folded."""
+    """A device or part with this name or id, folded."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class StateIs:
-    """A part told such a value; an unknown value fits nothing.
+    """A part that reported such a value; an unknown value matches nothing.
 
     Attributes:
-        capability: Whose value.
-        operator: How it is compared.
-        value: With what; texts folded.
-        types: The part is of one of these types; empty for any.
+        capability: The capability that is compared.
+        operator: The comparison.
+        value: The value to compare with; texts folded.
+        types: The types of which the part may be; empty for any.
     """
 
     capability: str
@@ -109,37 +124,37 @@ class StateIs:
 
 @dataclass(frozen=True, slots=True)
 class HasText:
-    """One of its words is this one, folded, or begins with it, or is a typo away."""
+    """A device with this word, folded, or one that begins with it or is a typo away."""
 
     word: str
 
 
 @dataclass(frozen=True, slots=True)
 class FreshnessIs:
-    """It is ``fresh``, ``unconfirmed`` or ``stale``."""
+    """A device that is ``fresh``, ``unconfirmed`` or ``stale``."""
 
     freshness: str
 
 
 @dataclass(frozen=True, slots=True)
 class ReachableIs:
-    """It can be reached: ``yes``, ``no`` or ``unknown``."""
+    """A device or part that can be reached: ``yes``, ``no`` or ``unknown``."""
 
     state: str
 
 
 @dataclass(frozen=True, slots=True)
 class GatewayIs:
-    """This gateway hears it."""
+    """A device of this gateway."""
 
     gateway: str
 
 
 @dataclass(frozen=True, slots=True)
 class FactIs:
-    """A fact, its ``id``, its ``name`` or its ``convention`` is this, or begins with it, folded.
+    """A device with this fact, or one that begins with it, folded.
 
-    One of its parts is of the ``category`` ``config`` or ``diagnostic``.
+    ``id``, ``name``, ``convention`` and the ``category`` of its parts count as facts.
     """
 
     name: str
@@ -148,26 +163,26 @@ class FactIs:
 
 @dataclass(frozen=True, slots=True)
 class IsDisputed:
-    """Others say something else of it, or command what is its own."""
+    """A device whose announcements contradict each other, or whose topics another one claims."""
 
 
 @dataclass(frozen=True, slots=True)
 class And:
-    """All of it; nothing fits everything."""
+    """All of the terms; none at all match everything."""
 
     terms: tuple[Query, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Or:
-    """Any of it."""
+    """Any of the terms."""
 
     terms: tuple[Query, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Not:
-    """Anything but that."""
+    """Anything that the term does not match."""
 
     term: Query
 
@@ -214,106 +229,137 @@ def type_is(word: str) -> TypeIs:
     return TypeIs(spelled, types, singular if singular in _TAGS and not exact else "")
 
 
-def fits(query: Query, device: Facets | PartFacets) -> bool:
-    """Return whether *device*, or one part of it, fits *query*."""
-    match query:
-        case And(terms):
-            fits_all = True
-            for term in terms:  # no generator: handles are looked at with every state
-                fits_all = fits_all and fits(term, device)
-            return fits_all
-        case Or(terms):
-            return any(fits(term, device) for term in terms)
-        case Not(term):
-            return not fits(term, device)
-        case TypeIs():
-            return (
-                (query.by_word and query.word in device.words_said)
-                or True in map(query.wants, device.kinds)
-                or (bool(device.senses) and device.senses == query.types)
-            )
-        case CanDo(name, settable):
-            return name in (device.settable if settable else device.capabilities)
-        case StateIs():
-            return any(
-                capability == query.capability
-                and (not query.types or service_type in query.types)
-                and compares(query, value)
-                for service_type, capability, value in device.values
-            )
-        case AreaIs(area):
-            return device.area == area
-        case HasText(word):
-            return any(word_fits(word, one) for one in device.words)
+_TextTerm: TypeAlias = AreaIs | InArea | NameIs | HasText | FreshnessIs | ReachableIs | GatewayIs
+_TextKind: TypeAlias = Literal["area", "in_area", "name", "text", "freshness", "reachable", "gateway"]
+TermKind: TypeAlias = Literal[_TextKind, "and", "or", "not", "type", "can", "state", "fact", "disputed"]
+
+_TEXT_KINDS: dict[type[_TextTerm], _TextKind] = {
+    AreaIs: "area",
+    InArea: "in_area",
+    NameIs: "name",
+    HasText: "text",
+    FreshnessIs: "freshness",
+    ReachableIs: "reachable",
+    GatewayIs: "gateway",
+}
+_TEXT_TERMS: dict[str, type[_TextTerm]] = {kind: term for term, kind in _TEXT_KINDS.items()}
+_OPERATORS: dict[str, Operator] = {operator: operator for operator in get_args(Operator)}
+
+
+class QueryTerm(Message):
+    """One term of a query on the graph.
+
+    Attributes:
+        kind: The kind of the term.
+        operands: Of ``and``, ``or`` and ``not``: the number of the following terms, each with its own, that it joins.
+        name: The capability of ``can`` and ``state``, the name of ``fact``; of ``type`` the word that was asked for.
+        text: The value of ``fact``, and of every kind that has one text.
+        operator: Of ``state``: ``=``, ``!=``, ``<``, ``<=``, ``>`` or ``>=``.
+        value: Of ``state``: the value to compare with.
+        types: Of ``type`` and ``state``: the device types.
+        tag: Of ``type``: the kind of opening.
+        flag: Of ``type``: whether announced words count; of ``can``: whether it must be settable.
+    """
+
+    kind: TermKind
+    operands: UInt32 = 0
+    name: str = ""
+    text: str = ""
+    operator: str = ""
+    value: Value = UNKNOWN
+    types: tuple[str, ...] = ()
+    tag: str = ""
+    flag: bool = False
+
+
+def query_terms(query: Query) -> tuple[QueryTerm, ...]:
+    """Return *query* as a list of terms."""
+    found: list[QueryTerm] = []
+    waiting: list[Query] = [query]
+    while waiting:
+        term = waiting.pop()
+        match term:
+            case And(operands) | Or(operands):
+                kind: Literal["and", "or"] = "and" if isinstance(term, And) else "or"
+                found.append(QueryTerm(kind=kind, operands=len(operands)))
+                waiting += reversed(operands)
+            case Not(operand):
+                found.append(QueryTerm(kind="not", operands=1))
+                waiting.append(operand)
+            case TypeIs(word, types, tag, by_word):
+                found.append(QueryTerm(kind="type", name=word, types=tuple(sorted(types)), tag=tag, flag=by_word))
+            case StateIs(name, operator, plain, types):
+                value, allowed = Value.of(plain), tuple(sorted(types))
+                found.append(QueryTerm(kind="state", name=name, operator=operator, value=value, types=allowed))
+            case CanDo(name, settable):
+                found.append(QueryTerm(kind="can", name=name, flag=settable))
+            case FactIs(name, text):
+                found.append(QueryTerm(kind="fact", name=name, text=text))
+            case IsDisputed():
+                found.append(QueryTerm(kind="disputed"))
+            case (
+                AreaIs(text)
+                | InArea(text)
+                | NameIs(text)
+                | HasText(text)
+                | FreshnessIs(text)
+                | ReachableIs(text)
+                | GatewayIs(text)
+            ):
+                found.append(QueryTerm(kind=_TEXT_KINDS[type(term)], text=text))
+    return tuple(found)
+
+
+def read_terms(terms: Sequence[QueryTerm]) -> Query:
+    """Return the query that *terms* are; none at all are one that everything fits.
+
+    Raises:
+        UsageError: They are no query; the message names the term.
+    """
+    if not terms:
+        return And(())
+    if len(terms) > MAX_TERMS:
+        raise UsageError(f"the query has {len(terms):,} terms; {MAX_TERMS:,} is the limit")
+    read: list[tuple[Query, int, int]] = []  # from the last: each query with its depth and the number of its first term
+    for number in range(len(terms), 0, -1):
+        term = terms[number - 1]
+        if term.kind not in {"and", "or", "not"}:
+            read.append((_read_term(term, number), 1, number))
+            continue
+        count = 1 if term.kind == "not" else term.operands
+        if count > len(read):
+            raise UsageError(f"the query ends after term {len(terms)}, where an operand of term {number} is missing")
+        operands, depth = [], 1
+        for _ in range(count):
+            operand, below, _ = read.pop()
+            operands.append(operand)
+            depth = max(depth, below + 1)
+        if depth > MAX_DEPTH:
+            raise UsageError(f"the query is nested deeper than {MAX_DEPTH} below term {number}")
+        joined = Not(operands[0]) if term.kind == "not" else (And if term.kind == "and" else Or)(tuple(operands))
+        read.append((joined, depth, number))
+    if len(read) > 1:
+        extra = read[-2][2]
+        raise UsageError(f"term {extra} of the query, {terms[extra - 1].kind!r}, is of no other term")
+    return read[0][0]
+
+
+def _read_term(term: QueryTerm, number: int) -> Query:
+    """Return the query that *term*, which joins no others, is by itself."""
+    match term.kind:
+        case "type":
+            return TypeIs(term.name, frozenset(term.types), term.tag, term.flag)
+        case "can":
+            return CanDo(term.name, term.flag)
+        case "fact":
+            return FactIs(term.name, term.text)
+        case "disputed":
+            return IsDisputed()
+        case "state":
+            operator = _OPERATORS.get(term.operator)
+            if operator is None:
+                known = ", ".join(_OPERATORS)
+                raise UsageError(f"term {number} of the query has the operator {term.operator!r}, not one of {known}")
+            return StateIs(term.name, operator, term.value.plain(), frozenset(term.types))
         case _:
-            return _fits_whole(query, device)
-
-
-def _fits_whole(
-    query: InArea | NameIs | FreshnessIs | ReachableIs | GatewayIs | FactIs | IsDisputed,
-    device: Facets | PartFacets,
-) -> bool:
-    match query:
-        case IsDisputed():
-            return device.is_disputed
-        case NameIs(name):
-            return name in device.names
-        case InArea(area):
-            return bool(device.area) and _begins(device.area, area)
-        case FreshnessIs(freshness):
-            return device.freshness == freshness
-        case ReachableIs(state):
-            return device.reachable == state
-        case GatewayIs(gateway):
-            return gateway in device.gateways
-        case FactIs(name, value):
-            return _fits_fact(name, value, device)
-
-
-def _fits_fact(name: str, value: str, device: Facets | PartFacets) -> bool:
-    match name:
-        case "id":
-            return device.id.casefold() == value
-        case "name" if _begins(device.name, value):
-            return True
-        case "convention":
-            return value in device.conventions
-        case "category":
-            return value in device.categories
-        case _:
-            return any(_begins(fact, value) for fact in device.facts.get(name, ()))
-
-
-def compares(term: StateIs, value: PlainValue) -> bool:
-    """Return whether *value* is as *term* wants it."""
-    wanted = term.value
-    if value is None:
-        return False
-    if isinstance(value, str) and isinstance(wanted, str):
-        return (fold(value) == wanted) == (term.operator == "=")
-    if isinstance(value, bool) or isinstance(wanted, bool):
-        return isinstance(value, bool) and isinstance(wanted, bool) and (value is wanted) == (term.operator == "=")
-    if not isinstance(value, float) or not isinstance(wanted, float):
-        return False
-    match term.operator:
-        case "=":
-            return value == wanted
-        case "!=":
-            return value != wanted
-        case "<":
-            return value < wanted
-        case "<=":
-            return value <= wanted
-        case ">":
-            return value > wanted
-        case ">=":
-            return value >= wanted
-
-
-def word_fits(wanted: str, word: str) -> bool:
-    """Return whether a device's *word* is the *wanted* one, begins with it, or is a typo away."""
-    return word.startswith(wanted) or is_typo(wanted, word)
-
-
-def _begins(text: str, wanted: str) -> bool:
-    return text == wanted or text.startswith(f"{wanted} ")
+            return _TEXT_TERMS[term.kind](term.text)

@@ -28,7 +28,7 @@ from homebot.devices.query import (
     TypeIs,
 )
 from homebot.devices.query.folding import fold, is_typo, may_be_typo
-from homebot.devices.query.terms import compares
+from homebot.devices.query.matching import compares
 from homebot.devices.value import PlainValue
 
 __all__ = ["Found", "Postings"]

@@ -28,7 +28,7 @@ from homebot.devices.query import (
     query_terms,
     read_terms,
 )
-from homebot.devices.query.wire import MAX_DEPTH, MAX_TERMS
+from homebot.devices.query.terms import MAX_DEPTH, MAX_TERMS
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import UsageError
 
@@ -58,14 +58,28 @@ def _groups(inner: st.SearchStrategy[Query]) -> st.SearchStrategy[Query]:
 
 @given(st.recursive(_leaves, _groups, max_leaves=20))
 def test_a_query_is_the_same_after_it_has_travelled(query: Query) -> None:
-    sent = FindDevicesRequest(terms=query_terms(query))
-    assert read_terms(FindDevicesRequest.model_validate_json(sent.model_dump_json()).terms) == query
+    sent = FindDevicesRequest(query=query_terms(query))
+    assert read_terms(FindDevicesRequest.model_validate_json(sent.model_dump_json()).query) == query
 
 
 @pytest.mark.parametrize(
     "text", ["light and dimmable in kitchen", "on lights not stale", "temperature < 3 or battery<10"]
 )
 def test_a_text_means_the_same_as_its_terms(text: str) -> None:
+    query = parse_query(text)
+    assert read_terms(query_terms(query)) == query
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "(x or (y " * 9 + "opening or not lamps" + "))" * 9,
+        "not " * 20 + "open lights",
+        "open " * 98 + '"' + " ".join(map(chr, range(0x4E00, 0x4E00 + 250))) + '"',
+    ],
+    ids=["the deepest brackets", "the most negations", "the most words"],
+)
+def test_a_text_of_the_greatest_size_can_travel(text: str) -> None:
     query = parse_query(text)
     assert read_terms(query_terms(query)) == query
 
