@@ -4,8 +4,8 @@ from itertools import permutations
 import pytest
 
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.homeassistant.components import build_light
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.light import build_light
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

@@ -1,8 +1,8 @@
 import pytest
 
 from homebot.conventions.description import TakesCode
-from homebot.conventions.homeassistant.closures import build_lock
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.lock import build_lock
 from homebot.errors import RefusedError, WrongCodeError
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.robots import build_vacuum
+from homebot.conventions.homeassistant.vacuum import build_vacuum
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

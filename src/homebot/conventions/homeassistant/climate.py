@@ -1,24 +1,20 @@
-"""The components ``climate``, ``water_heater`` and ``humidifier``. Pure.
+"""The component ``climate``: thermostats, radiator valves, air conditioners, heat pumps. Pure.
 
-Source: Home Assistant core 2025.4, ``components/mqtt``: climate.py, water_heater.py, humidifier.py; and
-``components/climate/__init__.py``.
+Source: Home Assistant core 2025.4, ``components/mqtt/climate.py`` and ``components/climate/__init__.py``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from homebot.conventions.command_values import require_bool
 from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.entity import Entity, add_choice, add_flag, add_number
+from homebot.conventions.homeassistant.entity import Entity, add_choice, add_number
 from homebot.conventions.homeassistant.temperature import (
     TargetMode,
-    Thermometer,
     add_temperatures,
-    read_thermometer,
     source_at,
     source_of,
 )
@@ -27,7 +23,7 @@ from homebot.conventions.payload import shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
-__all__ = ["build_climate", "build_humidifier", "build_water_heater"]
+__all__ = ["build_climate"]
 
 
 def build_climate(config: DiscoveryConfig) -> DescribedPart:
@@ -52,7 +48,7 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
     return entity.build()
 
 
-_CLIMATE_MODES = ("auto", "off", "cool", "heat", "dry", "fan_only")
+_MODES = ("auto", "off", "cool", "heat", "dry", "fan_only")
 _ACTIONS = ("off", "heating", "cooling", "drying", "idle", "fan", "preheating", "defrosting")
 _CHOICES = {"fan_mode": ("auto", "low", "medium", "high"), "swing_mode": ("on", "off")}
 """By capability, which is also how the fields are called; what it can be where the config does not say."""
@@ -69,7 +65,7 @@ def _modes(config: DiscoveryConfig) -> tuple[str, ...]:
     """
     if config.has("modes"):
         return config.options("modes")
-    return _CLIMATE_MODES if config.has("mode_command_topic") or config.has("mode_state_topic") else ()
+    return _MODES if config.has("mode_command_topic") or config.has("mode_state_topic") else ()
 
 
 def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
@@ -129,88 +125,3 @@ def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:
     if presets and command is not None:
         source = source_at(config, "preset_mode_state_topic", "preset_mode_value_template")
         add_choice(entity, "preset_mode", source, command, ("none", *presets), meanings={"None": "none"})
-
-
-def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a water heater. It is told on and off where it has a topic for that, and never says it."""
-    thermometer = read_thermometer(config)
-    limits = thermometer.limits(config, *_CELSIUS)
-    entity = Entity(config, "water_heater")
-    add_number(
-        entity,
-        "heating_setpoint",
-        source_of(config, "temperature_state"),
-        config.command("temperature_command_topic", "temperature_command_template"),
-        bounds=limits.bounds,
-        unit="°C",
-        from_device=thermometer.celsius,
-        to_device=limits.number,
-    )
-    measured = source_of(config, "current_temperature")
-    add_number(entity, "local_temperature", measured, None, unit="°C", from_device=thermometer.celsius)
-    mode = config.command("mode_command_topic", "mode_command_template")
-    modes = config.options("modes") if config.has("modes") else _HEATER_MODES
-    add_choice(entity, "water_heater_mode", source_of(config, "mode_state"), mode, modes)
-    payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
-    add_flag(entity, "on_off", None, config.command("power_command_topic", "power_command_template"), payloads)
-    return entity.build()
-
-
-_CELSIUS = (Thermometer(is_fahrenheit=True).celsius(110.0), Thermometer(is_fahrenheit=True).celsius(140.0))
-"""Bounds where the config has none: 110 to 140 °F."""
-
-_HEATER_MODES = ("eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off")
-
-
-def build_humidifier(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a humidifier; its tag says whether it takes the water out."""
-    entity = Entity(config, "x_humidifier", config.clean_text("device_class") or "humidifier")
-    payloads = {True: config.text("payload_on", "ON"), False: config.text("payload_off", "OFF")}
-    add_flag(
-        entity, "on_off", config.source("state_topic", "state_value_template"), config.required_command(), payloads
-    )
-    least, most = config.number("min_humidity", 0.0), config.number("max_humidity", 100.0)
-    if not 0 <= least < most <= 100:
-        raise WireError(f"humidifier: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
-    unknown = config.text("payload_reset_humidity", "None")
-    add_number(
-        entity,
-        "humidity_setpoint",
-        config.source("target_humidity_state_topic", "target_humidity_state_template"),
-        config.required_command("target_humidity_command_topic", "target_humidity_command_template"),
-        bounds=(least, most),
-        unit="%",
-        unknown=unknown,
-        from_device=_whole_within(least, most),
-        to_device=int,
-    )
-    add_number(
-        entity,
-        "humidity",
-        config.source("current_humidity_topic", "current_humidity_template"),
-        None,
-        unit="%",
-        unknown=unknown,
-        from_device=_whole_within(0, 100),
-    )
-    modes = config.options("modes")
-    no_mode = config.text("payload_reset_mode", "None")
-    if no_mode in modes:
-        raise WireError(f"humidifier: modes has {shown(no_mode)}, which means that the mode is unknown")
-    add_choice(
-        entity,
-        "humidifier_mode",
-        config.source("mode_state_topic", "mode_state_template"),
-        config.command("mode_command_topic", "mode_command_template"),
-        modes,
-        meanings={no_mode: None},
-    )
-    return entity.build()
-
-
-def _whole_within(least: float, most: float) -> Callable[[float], float | None]:
-    def convert(number: float) -> float | None:
-        whole = float(round(number))
-        return whole if least <= whole <= most else None
-
-    return convert

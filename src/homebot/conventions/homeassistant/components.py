@@ -7,54 +7,33 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.homeassistant.alarms import build_alarm_control_panel, build_siren
-from homebot.conventions.homeassistant.climate import build_climate, build_humidifier, build_water_heater
-from homebot.conventions.homeassistant.closures import build_cover, build_lock, build_valve
+from homebot.conventions.homeassistant.alarm_control_panel import build_alarm_control_panel
+from homebot.conventions.homeassistant.binary_sensor import build_binary_sensor
+from homebot.conventions.homeassistant.button import build_button, build_scene
+from homebot.conventions.homeassistant.camera import build_camera, build_image
+from homebot.conventions.homeassistant.climate import build_climate
 from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.cover import build_cover
+from homebot.conventions.homeassistant.datetime_components import build_moment
+from homebot.conventions.homeassistant.device_tracker import build_device_tracker
+from homebot.conventions.homeassistant.event import build_event, build_tag, build_trigger
 from homebot.conventions.homeassistant.fan import build_fan
-from homebot.conventions.homeassistant.light_basic import build_basic_light
-from homebot.conventions.homeassistant.light_json import build_json_light
-from homebot.conventions.homeassistant.light_template import build_template_light
-from homebot.conventions.homeassistant.read_only import (
-    build_camera,
-    build_device_tracker,
-    build_event,
-    build_image,
-    build_tag,
-    build_trigger,
-    build_update,
-)
-from homebot.conventions.homeassistant.robots import build_lawn_mower, build_vacuum
-from homebot.conventions.homeassistant.sensors import build_binary_sensor, build_sensor
-from homebot.conventions.homeassistant.settings import (
-    build_button,
-    build_moment,
-    build_notify,
-    build_number,
-    build_scene,
-    build_select,
-    build_switch,
-    build_text,
-)
-from homebot.conventions.payload import shown
-from homebot.errors import WireError
+from homebot.conventions.homeassistant.humidifier import build_humidifier
+from homebot.conventions.homeassistant.lawn_mower import build_lawn_mower
+from homebot.conventions.homeassistant.light import build_light
+from homebot.conventions.homeassistant.lock import build_lock
+from homebot.conventions.homeassistant.number import build_number
+from homebot.conventions.homeassistant.select import build_select
+from homebot.conventions.homeassistant.sensor import build_sensor
+from homebot.conventions.homeassistant.siren import build_siren
+from homebot.conventions.homeassistant.switch import build_switch
+from homebot.conventions.homeassistant.text import build_notify, build_text
+from homebot.conventions.homeassistant.update import build_update
+from homebot.conventions.homeassistant.vacuum import build_vacuum
+from homebot.conventions.homeassistant.valve import build_valve
+from homebot.conventions.homeassistant.water_heater import build_water_heater
 
-__all__ = ["BUILDERS", "Builder", "build_light"]
-
-
-def build_light(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a lamp."""
-    schema = config.text("schema", "basic")
-    builder = _SCHEMAS.get(schema.lower())
-    if builder is None:
-        raise WireError(f"light: schema is {shown(schema)}, not basic, json or template")
-    return builder(config)
-
-
-_SCHEMAS: Mapping[str, Callable[[DiscoveryConfig], DescribedPart]] = MappingProxyType(
-    {"basic": build_basic_light, "json": build_json_light, "template": build_template_light}
-)
-
+__all__ = ["BUILDERS", "Builder"]
 
 Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]
 """Makes a part of a component's config; raises WireError where Home Assistant would refuse the config."""

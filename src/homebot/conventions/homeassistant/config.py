@@ -104,6 +104,11 @@ class DiscoveryConfig:
         value = self.values.get(key)
         return None if value is None else self._as_number(key, value)
 
+    def seconds(self, key: str) -> float | None:
+        """Return a time; None where it is missing, or longer than ten years, which means for ever."""
+        seconds = self.integer(key, _FOR_EVER, least=0)
+        return float(seconds) if seconds < _FOR_EVER else None
+
     def integer(self, key: str, default: int, *, least: int = -(2**53), most: int = 2**53) -> int:
         """Return a whole number within the bounds; a fraction is cut off."""
         value = self.values.get(key)
@@ -214,6 +219,7 @@ class DiscoveryConfig:
 _CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})
 _HOW = frozenset({"qos", "retain", "encoding"})
 _HUGE = 10**30
+_FOR_EVER = 10 * 366 * 86_400
 _MAX_DIGITS = 40
 _FLAGS = dict.fromkeys(("1", "true", "yes", "on", "enable"), True) | dict.fromkeys(
     ("0", "false", "no", "off", "disable"), False

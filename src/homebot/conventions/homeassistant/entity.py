@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
 from homebot.conventions.decode import NO_READINGS, Readings
-from homebot.conventions.description import Publication
+from homebot.conventions.description import AutoExpiry, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import read_number
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
@@ -43,6 +43,7 @@ class Entity(PartBuilder[StateMessage]):
             tag=config.clean_text("device_class") if tag is None else tag,
             category=_category(config),
         )
+        self._config = config
 
     def read_text_from(self, source: ValueSource | None, read: Callable[[str], Readings]) -> bool:
         """Read the text at *source* with *read*, which never raises; tell whether it can be read.
@@ -54,6 +55,15 @@ class Entity(PartBuilder[StateMessage]):
     def read_message_from(self, source: ValueSource | None, read: Callable[[StateMessage, str], Readings]) -> bool:
         """As :meth:`read_text_from`, but *read* is given the whole message before the text."""
         return self._add_reader(source, _read_source, read)
+
+    def expire(self, capability: str) -> None:
+        """Make *capability* unknown after the config's ``expire_after`` seconds; never if that is 0 or missing.
+
+        Source: Home Assistant core 2025.4, ``components/mqtt/sensor.py`` and ``binary_sensor.py``.
+        """
+        seconds = self._config.seconds("expire_after")
+        if seconds:
+            self.add_expiry(AutoExpiry(capability, seconds))
 
     def add_commands(self, *commands: CommandTopic | None) -> None:
         """Name the topics that the part listens on."""

@@ -10,6 +10,7 @@ import json
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from homebot.conventions.homeassistant.binary_sensor import CONDITION_CLASSES
 from homebot.conventions.homeassistant.published_entity import (
     EntityTopics,
     PublishedEntity,
@@ -20,7 +21,7 @@ from homebot.conventions.homeassistant.published_entity import (
     reader_of,
     unknown_text,
 )
-from homebot.conventions.homeassistant.sensors import CONDITION_CLASSES, QUANTITY_CLASSES
+from homebot.conventions.homeassistant.sensor_tables import QUANTITY_CLASSES
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
 

@@ -1,6 +1,6 @@
-"""The components ``vacuum`` and ``lawn_mower``. Pure.
+"""The component ``vacuum``. Pure.
 
-Source: Home Assistant core 2025.4, ``components/mqtt``: vacuum.py, lawn_mower.py.
+Source: Home Assistant core 2025.4, ``components/mqtt/vacuum.py``.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.decode import Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import fields_of, number_of
@@ -18,7 +18,7 @@ from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.payload import clean_text
 from homebot.devices.value import PlainValue
 
-__all__ = ["build_lawn_mower", "build_vacuum"]
+__all__ = ["build_vacuum"]
 
 
 def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
@@ -49,7 +49,7 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
 
 
 _FEATURES = ("start", "stop", "return_home", "battery", "clean_spot")
-_VACUUM_STATES = frozenset({"cleaning", "docked", "paused", "idle", "returning", "error"})
+_STATES = frozenset({"cleaning", "docked", "paused", "idle", "returning", "error"})
 _COMMANDS = {
     "cleaning": ("start", "payload_start", "start"),
     "paused": ("pause", "payload_pause", "pause"),
@@ -66,7 +66,7 @@ def _read(text: str, *, has_speed: bool, has_battery: bool) -> Readings:
     message = fields_of(text)
     found: dict[str, PlainValue] = {}
     state, speed, charge = (message.get(key) for key in ("state", "fan_speed", "battery_level"))
-    if isinstance(state, str) and state in _VACUUM_STATES:
+    if isinstance(state, str) and state in _STATES:
         found["vacuum"] = state
     elif "state" in message and state is None:
         found["vacuum"] = None
@@ -88,31 +88,3 @@ def _set_speed(
     command: CommandTopic, speeds: tuple[str, ...], value: PlainValue, _transition: float
 ) -> tuple[Publication, ...]:
     return (command.publication(require_option("fan_mode", value, speeds)),)
-
-
-def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a robot that mows; each of its commands has a topic of its own."""
-    commands = {
-        state: (command, action)
-        for state, action in _ACTIONS.items()
-        if (command := config.command(f"{action}_command_topic", f"{action}_command_template")) is not None
-    }
-
-    def read(text: str) -> Readings:
-        if text.lower() == "none":
-            return {"mower": None}
-        return {"mower": text} if text in _MOWER_STATES else NO_READINGS
-
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        command, action = commands[require_option("mower", value, commands)]
-        return (command.publication(action),)
-
-    entity = Entity(config, "x_lawn_mower")
-    source = config.source("activity_state_topic", "activity_value_template")
-    entity.add_capability("mower", readable=entity.read_text_from(source, read), writer=write if commands else None)
-    entity.add_commands(*(command for command, _ in commands.values()))
-    return entity.build()
-
-
-_ACTIONS = {"mowing": "start_mowing", "paused": "pause", "docked": "dock"}
-_MOWER_STATES = frozenset({"mowing", "paused", "docked", "returning", "error"})

@@ -1,0 +1,30 @@
+"""The components ``button`` and ``scene``: what is pressed or called, and has no state. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/button.py`` and ``scene.py``.
+"""
+
+from __future__ import annotations
+
+from homebot.conventions.description import DescribedPart
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.entity import Entity, add_push
+
+__all__ = ["build_button", "build_scene"]
+
+
+def build_button(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a button. One that makes the device show or sound where it is can be told ``locate`` as well."""
+    command = config.required_command()
+    payload = config.text("payload_press", "PRESS")
+    entity = Entity(config, "x_setting")
+    add_push(entity, "push", command, payload)
+    if config.text("device_class") == "identify":
+        add_push(entity, "locate", command, payload)
+    return entity.build()
+
+
+def build_scene(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a scene."""
+    entity = Entity(config, "x_scene")
+    add_push(entity, "scene", config.required_command(template_key=""), config.text("payload_on", "ON"))
+    return entity.build()

@@ -1,0 +1,159 @@
+"""The component ``cover``: blinds and shutters, but also gates and doors that a motor moves. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/cover.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+from homebot.conventions.command_values import require_number, require_option
+from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.conversion import Scale, fields_of, number_of
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
+from homebot.conventions.table_codec import Writer
+from homebot.devices.value import PlainValue
+
+__all__ = ["build_cover"]
+
+
+def build_cover(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a window covering, or a closure where its class is one."""
+    steps = _Steps(
+        Scale(config.integer("position_closed", 0), config.integer("position_open", 100)),
+        Scale(config.integer("tilt_min", 0), config.integer("tilt_max", 100)),
+    )
+    decoder = _CoverStateDecoder(
+        steps,
+        states={config.text(f"state_{state}", state): state for state in _STATES} | {"None": None},
+        state=config.source("state_topic"),
+        position=config.source("position_topic", "position_template", steps.variables),
+    )
+    tilt = config.source("tilt_status_topic", "tilt_status_template", steps.variables)
+    entity = Entity(config, "closure" if config.text("device_class") in _CLOSURES else "window_covering")
+    has_position = entity.read_text_from(decoder.position, decoder.read_position)
+    has_state = entity.read_message_from(decoder.state, decoder.read_state)
+    has_tilt = entity.read_text_from(tilt, decoder.read_tilt)
+
+    move = config.command("command_topic", template_key="")
+    set_position = config.command("set_position_topic", "set_position_template")
+    set_tilt = config.command("tilt_command_topic", "tilt_command_template")
+    entity.add_capability("movement", readable=has_state or has_position, writer=_mover(config, move))
+    entity.add_capability(
+        "position",
+        readable=has_position,
+        writer=_setter("position", set_position, steps.position, steps.variables),
+    )
+    entity.add_capability("tilt", readable=has_tilt, writer=_setter("tilt", set_tilt, steps.tilt, steps.variables))
+    entity.add_commands(move, set_position, set_tilt)
+    return entity.build()
+
+
+_CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
+_STATES = ("closed", "open", "closing", "opening", "stopped")
+"""The later of two states with the same word counts."""
+
+_COMMANDS = {
+    "open": ("payload_open", "OPEN"),
+    "closed": ("payload_close", "CLOSE"),
+    "stopped": ("payload_stop", "STOP"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Steps:
+    """The device's own numbers for its position and its tilt."""
+
+    position: Scale
+    tilt: Scale
+
+    @property
+    def variables(self) -> Mapping[str, object]:
+        """Variables that every template of a cover may use."""
+        return {
+            "position_open": self.position.full,
+            "position_closed": self.position.zero,
+            "tilt_min": self.tilt.zero,
+            "tilt_max": self.tilt.full,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class _CoverStateDecoder:
+    """Reads what the cover says."""
+
+    steps: _Steps
+    states: Mapping[str, str | None]
+    state: ValueSource | None
+    position: ValueSource | None
+
+    def read_state(self, message: StateMessage, text: str) -> Readings:
+        """One that stopped is closed where the same message says that it is at 0, and else open."""
+        if text not in self.states:
+            return NO_READINGS
+        movement = self.states[text]
+        if movement == "stopped" and self.position is not None and self.state is not None:
+            beside = self.position.text(message) if self.position.topic == self.state.topic else None
+            known = self.read_position(beside).get("position") if beside else None
+            if known is not None:
+                movement = "open" if known else "closed"
+        return {"movement": movement}
+
+    def read_position(self, text: str) -> Readings:
+        """Without a state topic the position tells also whether it is open."""
+        value: object = text
+        found: dict[str, PlainValue] = {}
+        if text.startswith("{"):
+            message = fields_of(text)
+            if "position" not in message:
+                return NO_READINGS
+            found.update(self.read_tilt(message.get("tilt_position")))
+            value = message["position"]
+        number = number_of(value)
+        if number is None:
+            return NO_READINGS
+        percent = min(100.0, max(0.0, self.steps.position.percent(number)))
+        found["position"] = percent
+        if self.state is None:
+            found["movement"] = "open" if percent else "closed"
+        return found
+
+    def read_tilt(self, value: object) -> Readings:
+        number = number_of(value)
+        scale = self.steps.tilt
+        if number is None or not min(scale.zero, scale.full) <= round(number) <= max(scale.zero, scale.full):
+            return NO_READINGS
+        return {"tilt": scale.percent(round(number))}
+
+
+def _mover(config: DiscoveryConfig, command: CommandTopic | None) -> Writer | None:
+    payloads = {
+        movement: payload
+        for movement, (key, default) in _COMMANDS.items()
+        if (payload := config.payload(key, default)) is not None
+    }
+    return partial(_move, command, payloads) if command is not None and payloads else None
+
+
+def _move(
+    command: CommandTopic, payloads: Mapping[str, str], value: PlainValue, _transition: float
+) -> tuple[Publication, ...]:
+    return (command.publication(payloads[require_option("movement", value, payloads)]),)
+
+
+def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Mapping[str, object]) -> Writer | None:
+    """Return what sets a percentage; the template sees it under its own name as well."""
+    if command is None:
+        return None
+    seen_as = "tilt_position" if name == "tilt" else name
+
+    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        percent = round(require_number(name, value, 0, 100, "%"))
+        return (command.publication(round(scale.value(percent)), {seen_as: percent, **variables}),)
+
+    return write

@@ -1,0 +1,90 @@
+"""The component ``sensor``. Pure.
+
+Source: Home Assistant core 2025.4, ``components/mqtt/sensor.py`` and ``components/sensor/__init__.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from functools import partial
+
+from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.description import DescribedPart
+from homebot.conventions.homeassistant.config import DiscoveryConfig
+from homebot.conventions.homeassistant.conversion import read_number
+from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.homeassistant.sensor_tables import is_quantity, quantity_of
+from homebot.conventions.payload import clean_text
+from homebot.conventions.units import Quantity
+
+__all__ = ["build_sensor"]
+
+
+def build_sensor(config: DiscoveryConfig) -> DescribedPart:
+    """Describe a sensor: of numbers where class, unit or statistics say so, and else of texts.
+
+    A number is reported in the unit of the vocabulary; where its own cannot be converted, in that. One of a class that
+    we do not know has a meaning of its own.
+    """
+    source = config.required_source("state_topic").without_payload()
+    device_class = config.clean_text("device_class")
+    if device_class not in _TEXTS and (is_quantity(device_class) or any(config.has(key) for key in _NUMERIC)):
+        quantity = quantity_of(device_class, config.clean_text("unit_of_measurement", _MAX_UNIT))
+        entity = Entity(config, quantity.service_type)
+        if entity.read_text_from(source, partial(_read_number, quantity)):
+            entity.add_capability(quantity.capability, unit=quantity.unit)
+            entity.expire(quantity.capability)
+        return entity.build()
+    entity = Entity(config, "x_sensor")
+    options = config.options("options")
+    read = _MOMENTS.get(device_class) or partial(_read_text, frozenset(options))
+    if entity.read_text_from(source, read):
+        entity.add_capability("value", options=options)
+        entity.expire("value")
+    return entity.build()
+
+
+_TEXTS = frozenset({"date", "enum", "timestamp"})
+_NUMERIC = ("unit_of_measurement", "state_class", "suggested_display_precision")
+_MAX_TEXT = 255
+_MAX_UNIT = 40
+
+
+def _read_number(quantity: Quantity, text: str) -> Readings:
+    return read_number(quantity.capability, text, convert=quantity.value)
+
+
+def _read_text(options: frozenset[str], text: str) -> Readings:
+    if text == "None":
+        return _UNKNOWN
+    if len(text) > _MAX_TEXT or (options and text not in options):
+        return NO_READINGS
+    return {"value": clean_text(text, _MAX_TEXT)}
+
+
+def _read_date(text: str) -> Readings:
+    moment = _moment(text)
+    return {"value": moment.date().isoformat()} if moment else _UNKNOWN
+
+
+def _read_timestamp(text: str) -> Readings:
+    """A moment without time zone tells nothing: nobody knows which it is."""
+    moment = _moment(text)
+    if moment is None:
+        return _UNKNOWN
+    try:
+        return {"value": moment.astimezone(UTC).isoformat(timespec="seconds")} if moment.tzinfo else NO_READINGS
+    except OverflowError:
+        return NO_READINGS
+
+
+def _moment(text: str) -> datetime | None:
+    try:
+        return datetime.fromisoformat(text[:_MAX_TEXT])
+    except ValueError:
+        return None
+
+
+_UNKNOWN: Readings = {"value": None}
+_MOMENTS: Mapping[str, Callable[[str], Readings]] = {"date": _read_date, "timestamp": _read_timestamp}
