@@ -183,17 +183,12 @@ _NAMES = {
     "homebot.messages": "Message ServiceType",
     "homebot.runtime": "Runtime",
 }
-_HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
-
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
 
     def __getattr__(name: str) -> object:
-        if name not in _HOMES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        from importlib import import_module  # noqa: PLC0415 - as above
+        from homebot.lazy_names import lazy_names  # noqa: PLC0415 - for those who ask for something
 
-        found = globals()[name] = getattr(import_module(_HOMES[name]), name)
-        return found
+        return lazy_names(__name__, _NAMES)(name)
 
 
 def __dir__() -> list[str]:

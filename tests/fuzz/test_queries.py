@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.query import parse_query
-from homebot.devices.query.parse import quoted
+from homebot.devices.query.tokens import quoted
 from homebot.discovery import DeviceIndex
 from homebot.errors import UsageError
 

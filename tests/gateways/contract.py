@@ -17,9 +17,9 @@ import pytest
 from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.command import Command, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest
+from homebot.devices.names import text_address
 from homebot.devices.report import Report
 from homebot.devices.services import SubscribeToTopicRequest
-from homebot.devices.text.encode import text_address
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways import Gateway
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from homebot.devices import Device, DevicePart, Endpoint, Fact, Route
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.encode import text_address
 from homebot.errors import WireError
 from homebot.messages import Time
 from homebot.wot import CONTEXT, ClassifiedPart, parts_of, read_thing, to_thing

@@ -7,9 +7,9 @@ from pydantic import BaseModel
 from homebot.apps.base import App
 from homebot.devices import Device, RawMessage
 from homebot.devices.handles import Light
+from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability, Part
 from homebot.devices.text.decode import decode_text
-from homebot.devices.text.encode import read_text_address
 from homebot.devices.text.speaking_part import speaking_part
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError

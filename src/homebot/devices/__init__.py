@@ -1,34 +1,38 @@
 """The vocabulary that gateways, discovery and applications share."""
 
-from homebot.devices.device import (
-    Device,
-    DeviceChange,
-    DevicePart,
-    Endpoint,
-    Fact,
-    Freshness,
-    KeyValue,
-    Reachability,
-    Route,
-    State,
-    StateChange,
-)
-from homebot.devices.devices import Devices
-from homebot.devices.follow import Follow
-from homebot.devices.gateway_state import GatewayState
-from homebot.devices.names import (
-    DEVICE_CHANGES,
-    DEVICE_STATES,
-    FIND_DEVICES,
-    GET_CHANGES,
-    GET_INDEX_DATA,
-    QUERY_DEVICES,
-    GatewayNames,
-    gateway_of,
-)
-from homebot.devices.raw import RawCommand, RawMessage
-from homebot.devices.services import FindDevices, Found, GetChanges, GetIndexData, QueryDevices, SubscribeToTopic
-from homebot.devices.sighting import Sighting
+from homebot.lazy_names import lazy_names
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from homebot.devices.device import (
+        Device,
+        DeviceChange,
+        DevicePart,
+        Endpoint,
+        Fact,
+        Freshness,
+        KeyValue,
+        Reachability,
+        Route,
+        State,
+        StateChange,
+    )
+    from homebot.devices.devices import Devices
+    from homebot.devices.follow import Follow
+    from homebot.devices.gateway_state import GatewayState
+    from homebot.devices.names import (
+        DEVICE_CHANGES,
+        DEVICE_STATES,
+        FIND_DEVICES,
+        GET_CHANGES,
+        GET_INDEX_DATA,
+        QUERY_DEVICES,
+        GatewayNames,
+        gateway_of,
+    )
+    from homebot.devices.raw import RawCommand, RawMessage
+    from homebot.devices.services import FindDevices, Found, GetChanges, GetIndexData, QueryDevices, SubscribeToTopic
+    from homebot.devices.sighting import Sighting
 
 __all__ = [
     "DEVICE_CHANGES",
@@ -63,3 +67,23 @@ __all__ = [
     "SubscribeToTopic",
     "gateway_of",
 ]
+
+if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+    __getattr__ = lazy_names(
+        __name__,
+        {
+            "homebot.devices.device": """
+                Device DeviceChange DevicePart Endpoint Fact Freshness KeyValue Reachability Route State StateChange
+                """,
+            "homebot.devices.devices": "Devices",
+            "homebot.devices.follow": "Follow",
+            "homebot.devices.gateway_state": "GatewayState",
+            "homebot.devices.names": """
+                DEVICE_CHANGES DEVICE_STATES FIND_DEVICES GET_CHANGES GET_INDEX_DATA QUERY_DEVICES GatewayNames
+                gateway_of
+                """,
+            "homebot.devices.raw": "RawCommand RawMessage",
+            "homebot.devices.services": "FindDevices Found GetChanges GetIndexData QueryDevices SubscribeToTopic",
+            "homebot.devices.sighting": "Sighting",
+        },
+    )

@@ -16,6 +16,9 @@ __all__ = [
     "QUERY_DEVICES",
     "GatewayNames",
     "gateway_of",
+    "is_text_address",
+    "read_text_address",
+    "text_address",
 ]
 
 GET_INDEX_DATA = "/getIndexData"
@@ -31,6 +34,7 @@ DIRECTORY_NODE = "/discovery"
 """The node of the directory; nobody else tells of changes."""
 
 _GATEWAYS = "/gateway/"
+_TEXT_SCHEME = "words:"
 
 
 class GatewayNames:
@@ -77,3 +81,31 @@ def gateway_of(node: str) -> str:
     """Return the name of the gateway whose node has the full name *node*; empty where that is no gateway's."""
     name = node.removeprefix(_GATEWAYS)
     return "" if name == node or "/" in name else name
+
+
+def text_address(key: str, part_id: str) -> str:
+    """Return where the part *part_id* of the device that its gateway calls *key* speaks plain words."""
+    if not ("%" in key or "#" in key or "%" in part_id or "#" in part_id):
+        return f"{_TEXT_SCHEME}{key}#{part_id}"
+    return f"{_TEXT_SCHEME}{_escape(key)}#{_escape(part_id)}"
+
+
+def is_text_address(address: str) -> bool:
+    """Tell whether *address* is where a part speaks plain words."""
+    return address.startswith(_TEXT_SCHEME) and address.count("#") == 1
+
+
+def read_text_address(address: str) -> tuple[str, str] | None:
+    """Return key and part of a words address; None for any other address."""
+    if not address.startswith(_TEXT_SCHEME) or address.count("#") != 1:
+        return None
+    key, _, part_id = address[len(_TEXT_SCHEME) :].partition("#")
+    return (_unescape(key), _unescape(part_id)) if "%" in address else (key, part_id)
+
+
+def _escape(text: str) -> str:
+    return text.replace("%", "%25").replace("#", "%23")
+
+
+def _unescape(text: str) -> str:
+    return text.replace("%23", "#").replace("%25", "%")

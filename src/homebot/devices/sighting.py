@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from homebot.devices.device import KeyValue
+from homebot.devices.names import is_text_address
 from homebot.devices.part import Part
-from homebot.devices.text.encode import is_text_address
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 

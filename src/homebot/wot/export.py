@@ -12,8 +12,8 @@ from urllib.parse import quote
 
 from homebot.devices.capabilities import CAPABILITIES, CapabilityType
 from homebot.devices.device import Device, DevicePart, Endpoint
+from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability
-from homebot.devices.text.encode import read_text_address
 from homebot.wot.parse import CONTEXT
 from homebot.wot.vocabulary import CAPABILITY_TYPES, DEVICE_TYPE_NAMES, WEBTHINGS
 

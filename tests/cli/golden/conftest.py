@@ -28,7 +28,7 @@ from homebot.devices import (
     State,
 )
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
-from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE
+from homebot.devices.names import DISCOVERY_HEALTH, FORGET_DEVICE, text_address
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import facets_of, fits, read_terms
 from homebot.devices.services import (
@@ -41,7 +41,6 @@ from homebot.devices.services import (
     QueryDevicesRequest,
     QueryDevicesResponse,
 )
-from homebot.devices.text.encode import text_address
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node, qos_profile_latched

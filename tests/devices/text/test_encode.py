@@ -6,17 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.devices.names import is_text_address, read_text_address, text_address
 from homebot.devices.part import Capability, Part
 from homebot.devices.text.decode import decode_text
-from homebot.devices.text.encode import (
-    decode_command,
-    encode_command,
-    encode_state,
-    is_text_address,
-    main_part,
-    read_text_address,
-    text_address,
-)
+from homebot.devices.text.encode import decode_command, encode_command, encode_state, main_part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from homebot.devices import Device, DevicePart, Endpoint, Route
+from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.encode import text_address
 from homebot.devices.text.route import command_address, others_at
 from homebot.messages import Time
 

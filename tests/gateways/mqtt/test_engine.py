@@ -14,9 +14,9 @@ from tests.gateways.mqtt.conftest import SimpleCodec
 
 from homebot.devices import Devices, RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.device import Device, Endpoint
+from homebot.devices.names import text_address
 from homebot.devices.report import Report
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.devices.text.encode import text_address
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.messages import Time
 from homebot.mqtt.client import MqttSubscription

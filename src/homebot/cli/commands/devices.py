@@ -16,9 +16,9 @@ from homebot.cli.values import life, main_parts, state_text, types
 from homebot.cli.with_client import with_client
 from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.names import read_text_address
 from homebot.devices.query import type_is
 from homebot.devices.query.vocabulary import TYPE_WORDS
-from homebot.devices.text.encode import read_text_address
 from homebot.similar import did_you_mean
 
 __all__ = ["list_devices"]

@@ -17,8 +17,8 @@ from homebot.cli.values import life, span, value_text
 from homebot.cli.with_client import with_client
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.capabilities import EVENTS
+from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability
-from homebot.devices.text.encode import read_text_address
 
 __all__ = ["show"]
 

@@ -1,30 +1,35 @@
 """Questions for devices: what they are made of, how they are spelt, and whether a device fits. Pure."""
 
-from homebot.devices.query.facets import Facets, facets_of
-from homebot.devices.query.matching import PartFacets, fits
-from homebot.devices.query.parse import parse_query, quoted
-from homebot.devices.query.terms import (
-    And,
-    AreaIs,
-    CanDo,
-    FactIs,
-    FreshnessIs,
-    GatewayIs,
-    HasText,
-    InArea,
-    IsDisputed,
-    NameIs,
-    Not,
-    Or,
-    Query,
-    QueryTerm,
-    ReachableIs,
-    StateIs,
-    TypeIs,
-    query_terms,
-    read_terms,
-    type_is,
-)
+from homebot.lazy_names import lazy_names
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from homebot.devices.query.facets import Facets, facets_of
+    from homebot.devices.query.matching import PartFacets, fits
+    from homebot.devices.query.parse import parse_query
+    from homebot.devices.query.terms import (
+        And,
+        AreaIs,
+        CanDo,
+        FactIs,
+        FreshnessIs,
+        GatewayIs,
+        HasText,
+        InArea,
+        IsDisputed,
+        NameIs,
+        Not,
+        Or,
+        Query,
+        QueryTerm,
+        ReachableIs,
+        StateIs,
+        TypeIs,
+        query_terms,
+        read_terms,
+        type_is,
+    )
+    from homebot.devices.query.tokens import quoted
 
 __all__ = [
     "And",
@@ -54,3 +59,18 @@ __all__ = [
     "read_terms",
     "type_is",
 ]
+
+if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+    __getattr__ = lazy_names(
+        __name__,
+        {
+            "homebot.devices.query.facets": "Facets facets_of",
+            "homebot.devices.query.matching": "PartFacets fits",
+            "homebot.devices.query.parse": "parse_query",
+            "homebot.devices.query.terms": """
+                And AreaIs CanDo FactIs FreshnessIs GatewayIs HasText InArea IsDisputed NameIs Not Or Query QueryTerm
+                ReachableIs StateIs TypeIs query_terms read_terms type_is
+                """,
+            "homebot.devices.query.tokens": "quoted",
+        },
+    )

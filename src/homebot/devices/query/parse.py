@@ -39,7 +39,7 @@ from homebot.devices.query.vocabulary import (
 from homebot.errors import UsageError
 from homebot.similar import did_you_mean
 
-__all__ = ["parse_query", "quoted"]
+__all__ = ["parse_query"]
 
 _MAX_DEPTH = 20
 _LONGEST_PHRASE = 4
@@ -53,12 +53,6 @@ def parse_query(text: str) -> Query:
         UsageError: It is no query; says what of it is not understood, and what would be.
     """
     return _Parser(tokens_of(text)).query()
-
-
-def quoted(text: str) -> str:
-    """Return *text* as it can stand in a query where a value stands, whatever is in it."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
 
 
 class _Parser:

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 from homebot.errors import UsageError
 
-__all__ = ["MAX_QUERY", "MAX_TOKENS", "Token", "tokens_of"]
+__all__ = ["MAX_QUERY", "MAX_TOKENS", "Token", "quoted", "tokens_of"]
 
 MAX_QUERY = 1000
 """Characters of a query."""
@@ -43,6 +43,12 @@ _PIECE = re.compile(
     re.VERBOSE | re.DOTALL,
 )
 _SPELT: dict[str, str] = {"==": "=", ":": "=", "≤": "<=", "≥": ">=", "≠": "!="}
+
+
+def quoted(text: str) -> str:
+    """Return *text* as it can stand in a query where a value stands, whatever is in it."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
 
 
 def tokens_of(text: str) -> tuple[Token, ...]:

@@ -29,13 +29,8 @@ __all__ = [
     "decode_command",
     "encode_command",
     "encode_state",
-    "is_text_address",
     "main_part",
-    "read_text_address",
-    "text_address",
 ]
-
-_SCHEME = "words:"
 
 _PHRASES: Mapping[str, tuple[tuple[str, PlainValue], ...]] = {
     "on": (("on_off", True),),
@@ -60,26 +55,6 @@ _NUMBERS = (
     "number",
 )
 """What a bare number is about, the first that the part can be told."""
-
-
-def text_address(key: str, part_id: str) -> str:
-    """Return where the part *part_id* of the device that its gateway calls *key* speaks plain words."""
-    if not ("%" in key or "#" in key or "%" in part_id or "#" in part_id):
-        return f"{_SCHEME}{key}#{part_id}"
-    return f"{_SCHEME}{_escape(key)}#{_escape(part_id)}"
-
-
-def is_text_address(address: str) -> bool:
-    """Tell whether *address* is where a part speaks plain words."""
-    return address.startswith(_SCHEME) and address.count("#") == 1
-
-
-def read_text_address(address: str) -> tuple[str, str] | None:
-    """Return key and part of a words address; None for any other address."""
-    if not address.startswith(_SCHEME) or address.count("#") != 1:
-        return None
-    key, _, part_id = address[len(_SCHEME) :].partition("#")
-    return (_unescape(key), _unescape(part_id)) if "%" in address else (key, part_id)
 
 
 def main_part(parts: tuple[Part, ...]) -> Part | None:
@@ -150,14 +125,6 @@ def encode_command(capability: str, value: PlainValue, part: Part) -> str:
             if _is_understood(said, part, capability, value):
                 return said
     raise RefusedError(f"{capability[:40]} {str(value)[:40]}", f"this part takes {_known(settable)}")
-
-
-def _escape(text: str) -> str:
-    return text.replace("%", "%25").replace("#", "%23")
-
-
-def _unescape(text: str) -> str:
-    return text.replace("%23", "#").replace("%25", "%")
 
 
 def _spoken(name: str, value: PlainValue) -> str | None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device, DevicePart, Endpoint
-from homebot.devices.text.encode import decode_command, is_text_address, text_address
+from homebot.devices.names import is_text_address, text_address
+from homebot.devices.text.encode import decode_command
 from homebot.errors import RefusedError
 
 __all__ = ["command_address", "others_at"]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.names import read_text_address
 from homebot.devices.raw import RawMessage
-from homebot.devices.text.encode import read_text_address
 
 __all__ = ["speaking_part"]
 

@@ -12,9 +12,10 @@ from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command import Command
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
+from homebot.devices.names import text_address
 from homebot.devices.part import Part
 from homebot.devices.report import Reading
-from homebot.devices.text.encode import encode_state, text_address
+from homebot.devices.text.encode import encode_state
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, UnableError
 from homebot.gateways.announced.command_server import CommandServer, Perform

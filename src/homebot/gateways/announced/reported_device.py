@@ -9,8 +9,9 @@ from typing import Literal, TypeAlias
 
 from homebot.conventions.description import TextEndpoint
 from homebot.devices import KeyValue, Sighting
+from homebot.devices.names import text_address
 from homebot.devices.part import Part
-from homebot.devices.text.encode import accepts_text, main_part, text_address
+from homebot.devices.text.encode import accepts_text, main_part
 from homebot.messages import Time
 
 __all__ = ["ReportedDevice", "SightingKind", "sighting_template"]

@@ -6,8 +6,8 @@ from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
+from homebot.devices.names import read_text_address
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.devices.text.encode import read_text_address
 from homebot.errors import HomebotError, LinkError, RefusedError
 from homebot.gateways.announced.command_server import CommandServer
 from homebot.gateways.announced.counters import GatewayCounters

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
-from homebot.devices.text.encode import text_address
+from homebot.devices.names import text_address
 from homebot.gateways.announced.last_messages import PartTexts
 from homebot.gateways.announced.reachability import ReachabilityReader
 from homebot.gateways.announced.reported_device import ReportedDevice, sighting_template

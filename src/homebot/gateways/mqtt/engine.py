@@ -23,7 +23,7 @@ from homebot.conventions.convention import (
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.text.encode import read_text_address
+from homebot.devices.names import read_text_address
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement_limits import RegistryLimits
 from homebot.gateways.announced.command_server import CommandServer

@@ -19,8 +19,8 @@ from pydantic import BaseModel
 
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
+from homebot.devices.names import read_text_address
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.devices.text.encode import read_text_address
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway

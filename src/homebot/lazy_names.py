@@ -1,0 +1,31 @@
+"""Names of a package that are imported when they are first asked for. Who asks for nothing pays for nothing."""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False  # the one of typing would import typing
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+__all__ = ["lazy_names"]
+
+
+def lazy_names(package: str, modules: Mapping[str, str]) -> Callable[[str], object]:
+    """Return the ``__getattr__`` of *package*, in which there are the names of other *modules*.
+
+    Args:
+        package: Its ``__name__``.
+        modules: The names that each module gives, with blanks between them.
+    """
+    homes = {name: module for module, names in modules.items() for name in names.split()}
+
+    def get(name: str) -> object:
+        if name not in homes:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        import sys  # noqa: PLC0415 - as above
+        from importlib import import_module  # noqa: PLC0415 - as above
+
+        found: object = getattr(import_module(homes[name]), name)
+        setattr(sys.modules[package], name, found)
+        return found
+
+    return get
