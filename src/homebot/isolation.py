@@ -10,28 +10,40 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
 
 import anyio
 
 from homebot.errors import AbortError, ExitError
 
-__all__ = ["crash_of", "error_text", "first_cause", "is_cancelled", "is_end_of", "only_cause", "run_as", "uncancel"]
+__all__ = [
+    "crash_of",
+    "error_text",
+    "first_cause",
+    "is_cancelled",
+    "is_end_of",
+    "isolated",
+    "only_cause",
+    "run_as",
+    "uncancel",
+]
 
 
-async def run_as(owner: str, function: Callable[[], Awaitable[None]]) -> None:
-    """Await *function* as the whole of a task in a task group, so that it ends by an error that is one to everybody.
+@contextmanager
+def isolated(owner: str) -> Iterator[None]:
+    """Make sure that the block, the whole of a task in a task group, ends by an error that is one to everybody.
 
     A task group takes a task that ends in a CancelledError, whose ever it is, for one that was cancelled: it ends the
     others too, without a word.
 
     Raises:
-        AbortError: A cancellation came out of *function* although its task is not to end, or a GeneratorExit.
+        AbortError: A cancellation came out of the block although its task is not to end, or a GeneratorExit.
         ExitError: A SystemExit came out of it.
     """
     task = asyncio.current_task()
     try:
-        await function()
+        yield
     except BaseException as exc:
         if is_end_of(task, exc):
             raise
@@ -41,6 +53,12 @@ async def run_as(owner: str, function: Callable[[], Awaitable[None]]) -> None:
         raise crash from exc
     if task is not None and task.cancelling() and not is_cancelled():
         raise crash_of(owner, asyncio.CancelledError())  # by itself, with its last step
+
+
+async def run_as(owner: str, function: Callable[[], Awaitable[None]]) -> None:
+    """Await *function* as the whole of a task in a task group; see :func:`isolated`."""
+    with isolated(owner):
+        await function()
 
 
 def is_cancelled() -> bool:

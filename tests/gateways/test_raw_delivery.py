@@ -52,11 +52,11 @@ def payloads(inbox: Subscription[RawMessage]) -> list[int]:
 async def test_a_full_inbox_holds_the_gateway_up_until_it_is_read() -> None:
     """That is how a burst of QoS 1 loses nothing."""
     house = House()
-    _, publisher, inbox = house.listen("app")
+    _, _, inbox = house.listen("app")
 
     async def deliver() -> None:
         for number in range(10):
-            await house.listeners.deliver(publisher, message(number), wait_if_full=True)
+            await house.listeners.deliver(message(number), wait_if_full=True)
 
     found: list[int] = []
     async with anyio.create_task_group() as tasks:
@@ -70,25 +70,25 @@ async def test_a_full_inbox_holds_the_gateway_up_until_it_is_read() -> None:
 async def test_an_inbox_that_is_never_read_costs_a_moment_a_minute() -> None:
     """Its oldest messages are lost, which is told; the others wait no longer than that."""
     house = House()
-    _, publisher, inbox = house.listen("hanging")
+    _, _, inbox = house.listen("hanging")
     with capture_logs() as lines:
         for number in range(100):
-            await house.listeners.deliver(publisher, message(number), wait_if_full=True)
+            await house.listeners.deliver(message(number), wait_if_full=True)
     assert anyio.current_time() == FULL_INBOX_WAIT
     assert payloads(inbox) == [97, 98, 99]
     assert [line["message"] for line in lines] == ["/hanging/inbox is full and not read: its oldest messages are lost"]
     await anyio.sleep(60)
     for number in range(DEPTH + 1):
-        await house.listeners.deliver(publisher, message(number), wait_if_full=True)
+        await house.listeners.deliver(message(number), wait_if_full=True)
     assert anyio.current_time() == pytest.approx(60 + 2 * FULL_INBOX_WAIT)
 
 
 async def test_a_delivery_without_patience_never_waits() -> None:
     """QoS 0."""
     house = House()
-    _, publisher, inbox = house.listen("app")
+    _, _, inbox = house.listen("app")
     for number in range(10):
-        await house.listeners.deliver(publisher, message(number), wait_if_full=False)
+        await house.listeners.deliver(message(number), wait_if_full=False)
     assert anyio.current_time() == 0
     assert payloads(inbox) == [7, 8, 9]
 
@@ -96,7 +96,7 @@ async def test_a_delivery_without_patience_never_waits() -> None:
 async def test_a_listener_that_leaves_while_it_is_waited_for_ends_the_wait() -> None:
     """And the gateway goes on."""
     house = House()
-    node, publisher, _ = house.listen("app")
+    node, _, _ = house.listen("app")
 
     async def leave() -> None:
         await anyio.sleep(FULL_INBOX_WAIT / 2)
@@ -106,9 +106,9 @@ async def test_a_listener_that_leaves_while_it_is_waited_for_ends_the_wait() -> 
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(leave)
         for number in range(DEPTH + 1):
-            await house.listeners.deliver(publisher, message(number), wait_if_full=True)
+            await house.listeners.deliver(message(number), wait_if_full=True)
         assert anyio.current_time() == FULL_INBOX_WAIT / 2
-    await house.listeners.deliver(publisher, message(0), wait_if_full=True)
+    await house.listeners.deliver(message(0), wait_if_full=True)
 
 
 async def test_who_left_is_forgotten_and_who_stayed_is_not() -> None:
@@ -134,7 +134,7 @@ async def test_a_node_that_comes_back_at_once_is_a_new_one() -> None:
     _, new, inbox = house.listen("app")
     assert house.listeners.drop_nodes_that_left() == ()
     assert house.listeners.of("a") == [new] != [old]
-    await house.listeners.deliver(new, message(1), wait_if_full=True)
+    await house.listeners.deliver(message(1), wait_if_full=True)
     assert payloads(inbox) == [1]
 
 
@@ -158,7 +158,7 @@ async def test_in_mirror_mode_askers_share_the_topic_of_the_device() -> None:
     assert first.topic_name == "/gateway/fake/received_data/a"
     node.close()
     assert house.listeners.drop_nodes_that_left() == ()
-    await house.listeners.deliver(first, message(1), wait_if_full=True)
+    await house.listeners.deliver(message(1), wait_if_full=True)
     assert payloads(inbox) == [1]
 
 

@@ -172,11 +172,12 @@ class Devices:
             RefusedError: The device accepts no commands, or its gateway only observes.
             LinkError: None of its gateways is running; nothing was sent.
         """
-        endpoints = [endpoint for endpoint in device.endpoints if endpoint.command_address]
-        if not endpoints:
-            raise RefusedError(f"a command to {device.id}", "it takes none")
+        gateway = ""
         problem: RefusedError | None = None
-        for endpoint in endpoints:
+        for endpoint in device.endpoints:
+            if not endpoint.command_address:
+                continue
+            gateway = gateway or endpoint.gateway
             try:
                 out = self._out(endpoint)
             except RefusedError as exc:
@@ -185,13 +186,16 @@ class Devices:
             if why_not := self._why_not(endpoint.gateway):
                 raise RefusedError(f"a command to {device.id}", why_not)
             if out.subscription_count:
-                address = command_address(device, endpoint, payload)
+                has_one_way = len(device.parts) == 1 and len(device.parts[0].routes) == 1
+                address = endpoint.command_address if has_one_way else command_address(device, endpoint, payload)
                 await out.send(RawCommand(address=address, payload=payload))
                 if out.subscription_count:  # else the gateway went while its queue was full
-                    return others_at(device, address, payload)
+                    return () if has_one_way else others_at(device, address, payload)
         if problem is not None:
             raise problem
-        raise LinkError(f"{device.id} was not told {payload!r}: its gateway {endpoints[0].gateway} is not running")
+        if not gateway:
+            raise RefusedError(f"a command to {device.id}", "it takes none")
+        raise LinkError(f"{device.id} was not told {payload!r}: its gateway {gateway} is not running")
 
     async def _listen_at(self, endpoint: Endpoint, handler: MessageHandler) -> None:
         _check(endpoint)

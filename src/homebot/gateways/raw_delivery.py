@@ -109,21 +109,22 @@ class RawDelivery:
         if not self._by_address.get(address, True):
             del self._by_address[address]
 
-    async def deliver(self, publisher: Publisher[RawMessage], message: RawMessage, *, wait_if_full: bool) -> None:
-        """Hand *message* over; a *patient* delivery waits a moment for a full inbox rather than losing its oldest.
+    async def deliver(self, message: RawMessage, *, wait_if_full: bool) -> None:
+        """Hand *message* to who listens to its address.
 
-        A listener that let it pass gets no more patience for a minute: one that hangs must not hold up the
-        others for long.
+        With *wait_if_full* it waits a moment for a full inbox rather than losing its oldest. A listener that let that
+        pass is not waited for again for a minute: one that hangs must not hold up the others for long.
         """
-        try:
-            if wait_if_full and publisher.is_full and self._has_patience(publisher.topic_name):
-                with anyio.move_on_after(FULL_INBOX_WAIT):
-                    await publisher.send(message)
-                    return
-                self._lose_patience(publisher.topic_name)
-            publisher.publish(message)
-        except ClosedError:
-            return  # the listener left while somebody was waited for
+        for publisher in tuple(self._by_address.get(message.address, ())):
+            try:
+                if wait_if_full and publisher.is_full and self._has_patience(publisher.topic_name):
+                    with anyio.move_on_after(FULL_INBOX_WAIT):
+                        await publisher.send(message)
+                        continue
+                    self._lose_patience(publisher.topic_name)
+                publisher.publish(message)
+            except ClosedError:
+                continue  # the listener left while somebody was waited for
 
     def drop_nodes_that_left(self) -> tuple[str, ...]:
         """Forget the nodes that are no longer on the graph; return the addresses that nobody listens to any more."""

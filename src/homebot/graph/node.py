@@ -40,7 +40,7 @@ from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_prof
 from homebot.graph.service import Handler, Service
 from homebot.graph.subscription import Callback, Expiring, Subscription
 from homebot.graph.timer import Timer
-from homebot.isolation import crash_of, is_cancelled, only_cause, run_as, uncancel
+from homebot.isolation import crash_of, is_cancelled, isolated, only_cause, uncancel
 from homebot.logger import get_logger
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
@@ -349,7 +349,8 @@ class Node:
             with scope:
                 self._scopes[scope] = None
                 try:
-                    await run_as(self.full_name, function)
+                    with isolated(self.full_name):
+                        await function()
                 finally:
                     self._scopes.pop(scope, None)
         except asyncio.CancelledError:

@@ -74,8 +74,7 @@ class TextService:
 
     async def deliver(self, message: RawMessage) -> None:
         """Deliver *message* to who listens to its address."""
-        for listener in self._listeners.now(message.address):
-            await self._listeners.deliver(listener, message, wait_if_full=True)
+        await self._listeners.deliver(message, wait_if_full=True)
 
     async def _send(self, command: RawCommand) -> None:
         try:

@@ -75,6 +75,7 @@ class AnnouncedDevices:
         commands: Brings commands to them.
         offers: What homebot itself offers to others.
         lease: Says whether another homebot acts instead.
+        read_text: Takes a message as the text that a part says by itself.
         route: Returns who reads a topic; None for nobody.
         secrets: Knows what was sent with a code.
         tick: Lets time have passed; once before each batch of messages.
@@ -117,6 +118,7 @@ class AnnouncedDevices:
         self._states = StateReader(
             self._registry, self._reporter, listeners, self._scheduler, self.quarantine, counters
         )
+        self.read_text = self._states.read_text
         self._subscriber = Subscriber(self._topics, self._registry, conventions, self.quarantine, counters)
         reserved = ReservedTopics(conventions)
         self._announcements = AnnouncementHandler(
@@ -178,8 +180,7 @@ class AnnouncedDevices:
         if route.text is not None:
             raw = False
             if message.payload:
-                self._counters.received += 1
-                await self._states.read_text(message, route.text)
+                await self.read_text(message, route.text)
             else:
                 self._announcements.clear(route.text.stored)
         if not route.announced_parts and not route.availability_readers:
@@ -193,10 +194,9 @@ class AnnouncedDevices:
         if route.announced_parts:
             longest = MAX_LONG_STATE_BYTES if route.conventions else MAX_STATE_BYTES
             await self._states.read(message, route.announced_parts, longest)
-            if raw and (listeners := self._listeners.now(message.topic)):
+            if raw and self._listeners.now(message.topic):
                 raw_text = self._raw(route.announced_parts[0], message.topic, message.payload, retained=message.retain)
-                for listener in listeners:
-                    await self._listeners.deliver(listener, raw_text, wait_if_full=message.qos > 0)
+                await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
 
     async def take(self, message: MqttMessage, route: TopicReaders) -> None:
         """Take a message as nothing but an announcement; what homebot itself offers is none."""

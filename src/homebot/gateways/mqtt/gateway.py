@@ -9,7 +9,6 @@ from __future__ import annotations
 import platform
 import re
 from collections.abc import Iterable
-from functools import partial
 from typing import ClassVar
 
 import anyio
@@ -34,7 +33,7 @@ from homebot.gateways.mqtt.registry import TopicReaders
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.gateways.raw_delivery import RawDelivery, begin_of
 from homebot.graph import Node
-from homebot.isolation import run_as
+from homebot.isolation import isolated, run_as
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.choice import client_maker
 from homebot.mqtt.connection import MqttConnection
@@ -172,20 +171,21 @@ class MqttGateway(Gateway):
                 *(MqttSubscription(one, no_local=True) for one in announcements), every_link=True
             )
             report = LinkReport(self, connection, self._listening_to(), (*texts, *announcements))
-            receive = partial(self._receive, connection)
-            for work in (report.watch, self._described.serve, self._lease.serve, self._listeners.watch_nodes, receive):
+            tasks.start_soon(self._receive, connection)
+            for work in (report.watch, self._described.serve, self._lease.serve, self._listeners.watch_nodes):
                 tasks.start_soon(run_as, self.node.full_name, work)
             await report.wait_for_first_try()
             task_status.started()
 
     async def _receive(self, connection: MqttConnection) -> None:
-        while True:
-            try:
-                batch = await connection.receive()
-            except ClosedError:
-                return
-            await self._handle(batch)
-            connection.ack(batch)
+        with isolated(self.node.full_name):
+            while True:
+                try:
+                    batch = await connection.receive()
+                except ClosedError:
+                    return
+                await self._handle(batch)
+                connection.ack(batch)
 
     def _listening_to(self) -> str:
         return f"home {self._settings.root}" if self._settings.root else "every home"
@@ -210,6 +210,8 @@ class MqttGateway(Gateway):
                 work += await self._take_long(message, route)
             elif route is None:
                 described.offers.take(message)
+            elif route.only_text is not None and message.payload:
+                await described.read_text(message, route.only_text)
             else:
                 work += _ANNOUNCEMENT * len(route.conventions) + len(route.announced_parts)
                 await described.hear(message, route)
@@ -243,10 +245,11 @@ class MqttGateway(Gateway):
 
     async def _send(self, command: RawCommand) -> None:
         try:
-            if (part := read_text_address(command.address)) is not None:
+            address = command.address
+            if address not in self._described.codecs and (part := read_text_address(address)) is not None:
                 await self._described.commands.tell(*part, command.payload)
             else:
-                address, payload = command.address, command.payload.encode()
+                payload = command.payload.encode()
                 self._expect(address, payload)
                 await self._connection.publish(address, payload, qos=command.qos, retain=command.retain)
                 if (route := self._described.route(address)) is not None and route.conventions:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -33,6 +33,7 @@ class TopicReaders:
         conventions: Those that devices announce themselves to there.
         texts: Those that may know who says text there; none as long as one does.
         text: The part that says text there.
+        only_text: The same, where nobody else reads the topic.
         availability_readers: Devices whose availability is told there.
         announced_parts: Parts that speak there, those of one device together, but for that one.
     """
@@ -40,6 +41,7 @@ class TopicReaders:
     conventions: tuple[Convention, ...]
     texts: tuple[Convention, ...] = ()
     text: AnnouncedPart | None = None
+    only_text: AnnouncedPart | None = None
     availability_readers: tuple[AvailabilityReader, ...] = ()
     announced_parts: tuple[AnnouncedPart, ...] = ()
 
@@ -73,6 +75,7 @@ class AnnouncementRegistry:
     Attributes:
         gateway: Its name.
         codecs: How parts say text, by the topics on which they are told.
+        route: Returns who reads a topic; None for nobody.
     """
 
     def __init__(
@@ -98,7 +101,8 @@ class AnnouncementRegistry:
                 self._announcements.add(topic_filter, convention)
         self._readers: FilterIndex[AnnouncedPart | AvailabilityReader] = FilterIndex()
         self._reader_counts: dict[str, int] = {}
-        self._routes: dict[str, TopicReaders | None] = {}
+        self._routes = _Routes(self._find)
+        self.route = self._routes.__getitem__
 
     @property
     def excess(self) -> int:
@@ -126,13 +130,6 @@ class AnnouncementRegistry:
     def is_read(self, topic: str) -> bool:
         """Return whether a part, or an availability reader, reads *topic* now."""
         return topic in self._texts or bool(self._readers.match(topic))
-
-    def route(self, topic: str) -> TopicReaders | None:
-        """Return who reads *topic*; None for nobody."""
-        try:
-            return self._routes[topic]
-        except KeyError:
-            return self._find(topic)
 
     def put(self, described: DeviceAnnounced, length: int = 0) -> RegistryChange:
         """Let *described* stand, in place of an earlier one of the same key.
@@ -260,11 +257,23 @@ class AnnouncementRegistry:
         else:
             availability_readers = tuple(one for one in readers if isinstance(one, AvailabilityReader))
             announced_parts = tuple(one for one in readers if isinstance(one, AnnouncedPart))
-            route = TopicReaders(conventions, texts, text, availability_readers, announced_parts)
+            only_text = None if conventions or readers else text
+            route = TopicReaders(conventions, texts, text, only_text, availability_readers, announced_parts)
         if len(self._routes) >= _MAX_ROUTES:
             self._routes.clear()
         self._routes[topic] = route
         return route
+
+
+class _Routes(dict[str, TopicReaders | None]):
+    """Who reads which topic, found where it is first asked for: whoever has asked before calls no Python."""
+
+    def __init__(self, find: Callable[[str], TopicReaders | None]) -> None:
+        super().__init__()
+        self._find = find
+
+    def __missing__(self, topic: str) -> TopicReaders | None:
+        return self._find(topic)
 
 
 def _who_missed_something(stored: StoredAnnouncement, before: StoredAnnouncement, readers: _Readers) -> _Readers:

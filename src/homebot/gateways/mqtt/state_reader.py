@@ -109,6 +109,7 @@ class StateReader:
 
     async def read_text(self, message: MqttMessage, part: AnnouncedPart) -> None:
         """Take *message* as the text that *part* says by itself, and hand it on as it is."""
+        self._counters.received += 1
         stored, now = part.stored, self._reporter.now
         if not message.retain and (now >= stored.refresh_at or not stored.is_confirmed):
             self._reporter.publish_sighting(stored, "updated", f"message on {message.topic}", confirmed=True)
@@ -125,8 +126,7 @@ class StateReader:
             received_at=self._reporter.stamp,
         )
         part.keep(raw, now, is_event=False)
-        for listener in self._listeners.now(message.topic):
-            await self._listeners.deliver(listener, raw, wait_if_full=message.qos > 0)
+        await self._listeners.deliver(raw, wait_if_full=message.qos > 0)
 
     def _read_availability(
         self, source: AvailabilitySource, stored: StoredAnnouncement, message: MqttMessage
@@ -182,8 +182,7 @@ class StateReader:
     ) -> None:
         raw = self._as_text(announced_part, told, retained=message.retain)
         if raw is not None:
-            for listener in self._listeners.now(announced_part.address):
-                await self._listeners.deliver(listener, raw, wait_if_full=message.qos > 0)
+            await self._listeners.deliver(raw, wait_if_full=message.qos > 0)
 
     def _as_text(
         self, announced_part: AnnouncedPart, told: Mapping[str, PlainValue], *, retained: bool

@@ -37,11 +37,11 @@ from paho.mqtt.reasoncodes import ReasonCode as PahoReason
 from homebot.clock import Clock
 from homebot.errors import InvalidNameError, LinkError, RefusedError
 from homebot.mqtt.client import paho_values as values
-from homebot.mqtt.client.base import BaseClient, ClientLink
+from homebot.mqtt.client.base import BaseClient, ClientLink, check_granted
 from homebot.mqtt.client.paho_socket import PahoSocket
 from homebot.mqtt.client.port import MqttSubscription, SessionGrant
 from homebot.mqtt.client.receiver import Receiver
-from homebot.mqtt.client.refusals import check_granted, disconnect_error, login_error
+from homebot.mqtt.client.refusals import disconnect_error, login_error
 from homebot.mqtt.client.requests import SendWindow
 from homebot.mqtt.client.tcp_transport import dial_error, make_tls_context
 from homebot.mqtt.client.version_choice import MqttVersion, early_end

@@ -22,12 +22,13 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import validate_filter, validate_topic
 
-__all__ = ["BaseClient", "ClientLink"]
+__all__ = ["BaseClient", "ClientLink", "check_granted"]
 
 _GOODBYE: Final = 1.0
 """Seconds that a close in good order may take; the broker may be gone already."""
 
 _FAILED: Final = ReasonCode.UNSPECIFIED_ERROR  # reason codes from here on say no
+_OVERHEAD: Final = 12  # bytes of a PUBLISH besides topic, properties and payload, at most
 _log = get_logger()
 
 
@@ -217,6 +218,31 @@ class BaseClient(ABC):
         if self._link is None:
             raise LinkError(f"not connected to {self._options.url}")
         return self._link
+
+
+def check_granted(session: SessionGrant, topic: str, size: int, qos: int, *, retain: bool) -> None:
+    """Refuse a publish that the broker would answer by closing the link.
+
+    Args:
+        session: What the broker granted.
+        topic: Where to.
+        size: Bytes of payload and properties.
+        qos: 0, 1 or 2.
+        retain: Whether the broker is to store it.
+
+    Raises:
+        RefusedError: The broker does not take such messages.
+    """
+    limit = session.maximum_packet_size
+    if qos > session.maximum_qos:
+        code = ReasonCode.QOS_NOT_SUPPORTED
+    elif retain and not session.retain_available:
+        code = ReasonCode.RETAIN_NOT_SUPPORTED
+    elif limit is not None and len(topic.encode()) + size + _OVERHEAD > limit:
+        code = ReasonCode.PACKET_TOO_LARGE
+    else:
+        return
+    raise RefusedError(f"the publish to {topic!r}", reason_text(code), code)
 
 
 _TAKEN: Final = PublishResult()

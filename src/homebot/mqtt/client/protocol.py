@@ -9,6 +9,7 @@ from typing import Final, final
 import anyio
 
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.mqtt.client.base import check_granted
 from homebot.mqtt.client.incoming import Frame, FrameReader
 from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.client.packet_values import (
@@ -20,7 +21,7 @@ from homebot.mqtt.client.packet_values import (
 )
 from homebot.mqtt.client.port import MqttSubscription, SessionGrant
 from homebot.mqtt.client.receiver import Receiver
-from homebot.mqtt.client.refusals import check_granted, disconnect_error, login_error
+from homebot.mqtt.client.refusals import disconnect_error, login_error
 from homebot.mqtt.client.requests import Answer, Requests, SendWindow
 from homebot.mqtt.client.transport import SEND_BUFFER, ClientTransport, Dial
 from homebot.mqtt.client.version_choice import ClosedEarlyError, early_end
