@@ -5,7 +5,7 @@ from __future__ import annotations
 import anyio
 import pytest
 
-from homebot.testing.background import in_background
+from homebot.testing.contexts import in_background
 
 
 async def test_work_ends_with_the_block() -> None:

@@ -12,9 +12,9 @@ from homebot.errors import UsageError
 from homebot.house.kinds import FAULTS
 from homebot.mqtt.options import MqttOptions
 from homebot.testing import Day, DayEvent, VirtualHouse, live_day, virtual_house_of
-from homebot.testing.day_text import read_time
+from homebot.testing.day_event import read_time
 from homebot.testing.strategies import days, houses
-from homebot.testing.times import parse_time
+from homebot.testing.virtual_house import parse_time
 
 WITH_POWER = houses(faults=set(FAULTS) - {"unplugged"}, max_devices=3)
 HOUSE = Day.parse('rooms.hall.doors = ["outside"]\ndevices.lamp = { kind = "lamp", room = "hall" }').house

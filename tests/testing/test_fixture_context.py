@@ -10,7 +10,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 
-from homebot.testing.fixture_context import hold_open
+from homebot.testing.contexts import hold_open
 
 
 @asynccontextmanager

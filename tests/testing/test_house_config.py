@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.config import parse_config
-from homebot.testing.house_config import house_config, mqtt_gateway_of
+from homebot.testing.house import house_config, mqtt_gateway_of
 
 OURS = "mqtt://127.0.0.1:4711"
 

@@ -9,7 +9,7 @@ import structlog
 
 from homebot.apps import App
 from homebot.testing import VirtualTimeLoop, virtual_house_of
-from homebot.testing.plain_logs import plain_logs
+from homebot.testing.contexts import plain_logs
 
 
 class Broken(App):

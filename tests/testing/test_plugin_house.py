@@ -9,9 +9,10 @@ import pytest
 pytest_plugins = ["pytester"]
 
 # A run inside the process forgets what was imported in it: what is loaded here is loaded once.
-for name in ("event_log", "house_marks", "house_report", "mqtt"):
+for name in ("event_log", "house_marks", "mqtt"):
     import_module(f"homebot.testing.{name}")
-import_module("homebot.apps.light_service")
+for name in ("apps.light_service", "mqtt.client.aiomqtt_adapter"):
+    import_module(f"homebot.{name}")
 
 START = """
 import asyncio, pytest

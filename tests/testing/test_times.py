@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta, timezone
 import pytest
 
 from homebot.errors import UsageError
-from homebot.testing.times import next_moment, parse_time
+from homebot.testing.virtual_house import next_moment, parse_time
 
 NOW = datetime(2026, 1, 1, 12, 0, 30, tzinfo=UTC)
 

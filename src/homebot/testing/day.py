@@ -36,8 +36,7 @@ from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
 from homebot.house.event_log import WorldLog
 from homebot.house.world import World
-from homebot.testing.day_event import DayEvent
-from homebot.testing.day_text import LONGEST, read_time, write_duration, write_tables, write_time
+from homebot.testing.day_event import LONGEST, DayEvent, read_time, write_duration, write_tables, write_time
 from homebot.toml_file import parse_toml, read_toml
 from homebot.units import parse_duration
 

@@ -13,10 +13,8 @@ from homebot.errors import LinkError, UsageError
 from homebot.house.world import World
 from homebot.mqtt.client.memory_transport import MemoryLink
 from homebot.testing.day import Day
-from homebot.testing.day_event import DayEvent
-from homebot.testing.day_text import write_time
-from homebot.testing.times import parse_time
-from homebot.testing.virtual_house import HEARTBEAT, START, VirtualHouse, virtual_house_of
+from homebot.testing.day_event import DayEvent, write_time
+from homebot.testing.virtual_house import HEARTBEAT, START, VirtualHouse, parse_time, virtual_house_of
 from homebot.testing.virtual_time import VirtualTimeLoop
 
 __all__ = ["live", "live_day"]

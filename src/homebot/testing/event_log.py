@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import islice
 from typing import Literal
 
 from homebot.clock import Clock
@@ -17,11 +18,11 @@ from homebot.messages import Message
 from homebot.messages.json import message_to_json
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
-from homebot.testing.background import in_background
+from homebot.testing.contexts import in_background
 from homebot.testing.house import TestHouse
 from homebot.testing.virtual_house import VirtualHouse
 
-__all__ = ["EventLog", "HouseEvent"]
+__all__ = ["EventLog", "HouseEvent", "house_report"]
 
 MAX_EVENTS = 100_000
 
@@ -137,3 +138,21 @@ def _follow(node: Node, log: EventLog, topics: set[str], change: GraphChange) ->
         log.note("topic", info.name, message)
 
     node.create_subscription(message_type, info.name, note, 1000)
+
+
+LINES = 40
+
+
+def house_report(house: TestHouse) -> str:
+    """Return the time in *house*, what crashed, and the newest 40 lines of its log."""
+    now = datetime.fromtimestamp(house.runtime.graph.clock.now(), UTC)
+    events = house.log.events
+    newest = list(islice(reversed(events), LINES))[::-1]
+    older = house.log.lost + len(events) - len(newest)
+    return "\n".join(
+        [
+            f"it is {now:%Y-%m-%d %H:%M:%S} UTC in the house; crashed: {', '.join(house.crashed) or 'nothing'}",
+            *([f"({older} older events: house.log)"] if older else []),
+            *(str(event) for event in newest),
+        ]
+    )

@@ -118,7 +118,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
         item.stash[_FAILED] = True
     houses = item.stash.get(_HOUSES, [])
     if report.failed and houses:
-        from homebot.testing.house_report import house_report  # noqa: PLC0415 - only for those who use it
+        from homebot.testing.event_log import house_report  # noqa: PLC0415 - only for those who use it
 
         report.sections += [(f"what happened in `{name}`", house_report(one)) for name, one in houses]
     return report
@@ -132,7 +132,7 @@ def _shown(
     made: AbstractAsyncContextManager[HouseT],
 ) -> Iterator[HouseT]:
     """Run the house on *loop*, with a log of it for the report of a failed test."""
-    from homebot.testing.fixture_context import hold_open  # noqa: PLC0415 - only for those who use it
+    from homebot.testing.contexts import hold_open  # noqa: PLC0415 - only for those who use it
 
     houses = request.node.stash.setdefault(_HOUSES, [])
     with _explained(), hold_open(loop, _with_log(made)) as house:

@@ -15,8 +15,7 @@ from homebot.errors import UsageError
 from homebot.house import World, thesis_world
 from homebot.house.description import load_world
 from homebot.testing.house import TestHouse, house_of
-from homebot.testing.times import parse_time
-from homebot.testing.virtual_house import VirtualHouse, virtual_house_of
+from homebot.testing.virtual_house import VirtualHouse, parse_time, virtual_house_of
 from homebot.units import parse_duration
 
 __all__ = ["allows_crashes", "config_of", "homebot_of", "house_by_mark"]

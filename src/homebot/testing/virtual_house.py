@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from random import Random
+from typing import Final
 
 import anyio
 
@@ -21,15 +23,54 @@ from homebot.mqtt.hosted_broker import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
-from homebot.testing.background import in_background
-from homebot.testing.house import EVERYTHING, TestHouse
-from homebot.testing.house_config import house_config
-from homebot.testing.plain_logs import plain_logs
-from homebot.testing.times import next_moment, parse_time
+from homebot.testing.contexts import in_background, plain_logs
+from homebot.testing.house import EVERYTHING, TestHouse, house_config
 from homebot.testing.virtual_time import VirtualTimeLoop
 from homebot.units import parse_duration
 
-__all__ = ["START", "VirtualHouse", "virtual_house_of"]
+__all__ = ["START", "VirtualHouse", "next_moment", "parse_time", "virtual_house_of"]
+
+_TIME_OF_DAY: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
+
+
+def parse_time(when: str | datetime) -> datetime:
+    """Return a point in time in UTC.
+
+    Args:
+        when: A date-time, or its text as in ``2026-01-01`` or ``2026-01-01 22:00``; without a time zone it is UTC.
+
+    Raises:
+        UsageError: It cannot be read.
+    """
+    if isinstance(when, str):
+        try:
+            when = datetime.fromisoformat(when.strip())
+        except ValueError:
+            raise UsageError(f"{when!r} is no point in time; write it like 22:00 or 2026-01-01 22:00") from None
+    return when.replace(tzinfo=UTC) if when.tzinfo is None else when.astimezone(UTC)
+
+
+def next_moment(now: datetime, when: str | datetime) -> datetime:
+    """Return the point in time that *when* means, which is later than *now*.
+
+    Args:
+        now: The present, in UTC.
+        when: As :func:`parse_time` takes it, or a time of day such as ``22:00`` or ``22:00:30``: the next one in UTC,
+            which is tomorrow's where it is that time now.
+
+    Raises:
+        UsageError: It cannot be read, or is past.
+    """
+    time_of_day = _TIME_OF_DAY.fullmatch(when.strip()) if isinstance(when, str) else None
+    if time_of_day is not None:
+        hour, minute, second = (int(part or 0) for part in time_of_day.groups())
+        moment = now.replace(hour=hour, minute=minute, second=second, microsecond=0)
+        return moment if moment > now else moment + timedelta(days=1)
+    moment = parse_time(when)
+    if moment < now:
+        raise UsageError(f"{moment:%Y-%m-%d %H:%M:%S} is past: it is {now:%Y-%m-%d %H:%M:%S} in the house")
+    return moment
+
 
 START = "2026-01-01 00:00"
 """When time begins in a virtual house, in UTC, unless told otherwise."""

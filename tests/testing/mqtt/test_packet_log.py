@@ -24,7 +24,7 @@ from homebot.mqtt.packets import (
     Will,
 )
 from homebot.testing.mqtt import PacketLog
-from homebot.testing.mqtt.packet_text import packet_text
+from homebot.testing.mqtt.packet_log import packet_text
 
 
 def test_beyond_a_thousand_the_oldest_packet_is_forgotten_and_counted() -> None:

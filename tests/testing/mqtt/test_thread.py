@@ -11,7 +11,7 @@ import anyio
 import pytest
 
 from homebot.testing.mqtt import BrokerThread, TestBroker, broker_thread
-from homebot.testing.mqtt.recorded_message import RecordedMessage
+from homebot.testing.mqtt.journal import RecordedMessage
 
 
 @pytest.fixture

@@ -1,14 +1,11 @@
 """A real MQTT broker in a test: fresh per test, watched, and ready to fail on demand."""
 
-from homebot.testing.mqtt.blocking_broker import BlockingTestBroker
-from homebot.testing.mqtt.broker import TestBroker
+from homebot.testing.mqtt.broker import BlockingTestBroker, TestBroker, serve_blocking_broker, serve_broker
 from homebot.testing.mqtt.core import ClientView
 from homebot.testing.mqtt.fault_control import BlockingFaults, Faults
 from homebot.testing.mqtt.faults import Fault
-from homebot.testing.mqtt.packet_log import PacketLog, PacketRecord
-from homebot.testing.mqtt.protocol_violation import ProtocolViolation
-from homebot.testing.mqtt.recorded_message import RecordedMessage
-from homebot.testing.mqtt.serve import serve_blocking_broker, serve_broker
+from homebot.testing.mqtt.journal import RecordedMessage
+from homebot.testing.mqtt.packet_log import PacketLog, PacketRecord, ProtocolViolation
 from homebot.testing.mqtt.settings import BrokerSettings
 from homebot.testing.mqtt.thread import BrokerThread, broker_thread
 from homebot.testing.mqtt.tls import TestTls

@@ -1,24 +1,99 @@
-"""Value of the fixtures ``mqtt_broker`` and ``mqtt_broker_session``.
-
-The broker lives on a thread and loop of its own, so it serves whatever loop, or none, a test has, and a test that
-blocks its loop does not silence it.
-"""
+"""Values of the fixtures ``mqtt_broker``, ``mqtt_broker_session`` and ``mqtt_broker_thread``."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 from typing import final
 
 import anyio
 
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 from homebot.mqtt.topics import validate_filter
-from homebot.testing.mqtt.broker_view import BrokerView
-from homebot.testing.mqtt.core import BrokerCore
-from homebot.testing.mqtt.fault_control import Faults
-from homebot.testing.mqtt.recorded_message import Payload, RecordedMessage, Wanted
+from homebot.testing.mqtt.core import BrokerCore, ClientView
+from homebot.testing.mqtt.fault_control import BlockingFaults, Faults
+from homebot.testing.mqtt.journal import Payload, RecordedMessage, Wanted
+from homebot.testing.mqtt.packet_log import PacketLog, ProtocolViolation
+from homebot.testing.mqtt.settings import BrokerSettings
 from homebot.testing.mqtt.thread import BrokerThread
+from homebot.testing.mqtt.tls import TestTls
 
-__all__ = ["TestBroker"]
+__all__ = ["BlockingTestBroker", "BrokerView", "TestBroker", "serve_blocking_broker", "serve_broker"]
+
+
+class BrokerView:
+    """The base of both kinds of brokers that fixtures give."""
+
+    __test__ = False  # no collection of tests, whatever the name
+
+    def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
+        self._core = core
+        self._thread = thread
+
+    @property
+    def host(self) -> str:
+        """The loopback address it listens on."""
+        return self._core.broker.host
+
+    @property
+    def port(self) -> int:
+        """The TCP port; stays the same over :meth:`restart`."""
+        return self._core.broker.port
+
+    @property
+    def url(self) -> str:
+        """Such as ``mqtt://127.0.0.1:34567``; ``mqtts`` with TLS."""
+        return self._core.broker.url
+
+    @property
+    def ca_file(self) -> Path | None:
+        """PEM file of the authority that clients are to trust; None without TLS."""
+        return self._core.ca_file
+
+    @property
+    def settings(self) -> BrokerSettings:
+        """Settings that the test asked for."""
+        return self._core.settings
+
+    @property
+    def clients(self) -> Mapping[str, ClientView]:
+        """The clients the broker knows now by their ids; those away too, while their session is kept."""
+        return self._core.clients
+
+    @property
+    def packet_log(self) -> PacketLog:
+        """The newest packets, which pytest prints when the test fails."""
+        return self._core.log
+
+    @property
+    def protocol_errors(self) -> tuple[ProtocolViolation, ...]:
+        """Violations of MQTT by clients, in their order; the first 20, those that a fault led to left out."""
+        return self._core.breaches.kept
+
+    def forget_protocol_errors(self) -> None:
+        """Forget them: they were what the test is about."""
+        self._core.breaches.clear()
+
+    def forget_messages(self) -> None:
+        """Forget what clients have published so far; for a broker that several tests share."""
+        self._core.journal.clear()
+
+    def assert_not_published(self, filter: str) -> None:  # noqa: A002 - the protocol's own word
+        """Make sure that no client has published on *filter*, messages taken by ``expect`` aside.
+
+        Call ``settle`` first: this looks only at what the broker has got.
+
+        Raises:
+            AssertionError: One has; shows the messages.
+            InvalidNameError: *filter* is no topic filter.
+        """
+        validate_filter(filter)
+        came = self._core.journal.waiting(filter)
+        if came:
+            __tracebackhide__ = True  # pytest then points at the test's line
+            raise AssertionError("\n".join([f"{len(came)} published on {filter}:", *(f"    {each}" for each in came)]))
+
 
 _CALM_ROUNDS = 3  # of both loops without a packet: an answer needs one
 _TIMEOUT = 5.0
@@ -114,3 +189,103 @@ class TestBroker(BrokerView):
             await self._core.turn()  # the same number of turns on this loop
             await self._thread.run(self._core.turn)
             calm = calm + 1 if self._core.log.total == before else 0
+
+
+@final
+class BlockingTestBroker(BrokerView):
+    """As :class:`~homebot.testing.mqtt.TestBroker`, but every method blocks: for tests without an event loop.
+
+    Attributes:
+        faults: What can go wrong.
+    """
+
+    def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
+        super().__init__(core, thread)
+        self.faults = BlockingFaults(core, thread)
+
+    def publish(
+        self,
+        topic: str,
+        payload: Payload = b"",
+        qos: int = 0,
+        retain: bool = False,  # noqa: FBT001, FBT002 - as every MQTT library has it
+        properties: Properties = NO_PROPERTIES,
+    ) -> None:
+        """As :meth:`TestBroker.publish`."""
+        self._thread.call(self._core.publish, topic, payload, qos, retain, properties)
+
+    def expect(self, filter: str, payload: Wanted = None, timeout: float = 1.0) -> RecordedMessage:  # noqa: A002 - as above
+        """As :meth:`TestBroker.expect`."""
+        validate_filter(filter)
+        journal = self._core.journal
+        found = self._thread.call(journal.take, filter, payload, timeout)
+        if found is None:
+            __tracebackhide__ = True  # as above
+            raise AssertionError(journal.near_misses(filter, payload, timeout))
+        return found
+
+    def settle(self, quiet: float = 0.05) -> None:
+        """Return after *quiet* seconds without any packet.
+
+        Raises:
+            AssertionError: There was no rest within 5 seconds.
+        """
+        self._thread.call(self._settle, quiet)
+
+    def restart(self, *, keep_sessions: bool) -> None:
+        """As :meth:`TestBroker.restart`."""
+        self._thread.call(self._core.restart, keep_sessions)
+
+    async def _settle(self, quiet: float) -> None:
+        with anyio.move_on_after(_TIMEOUT + quiet):
+            await self._core.silence(quiet)
+            return
+        raise AssertionError(f"the clients did not come to rest within {_TIMEOUT:g} s")
+
+
+_DEFAULTS = BrokerSettings()
+
+
+@contextmanager
+def serve_broker(
+    thread: BrokerThread, settings: BrokerSettings = _DEFAULTS, tls: TestTls | None = None
+) -> Iterator[TestBroker]:
+    """A fresh broker on *thread*, for tests on an event loop; gone at the end of the block.
+
+    Args:
+        thread: Where it lives.
+        settings: What it is to be like.
+        tls: Needed where *settings* ask for TLS.
+    """
+    with _core(thread, settings, tls) as core:
+        yield TestBroker(core, thread)
+
+
+@contextmanager
+def serve_blocking_broker(
+    thread: BrokerThread, settings: BrokerSettings = _DEFAULTS, tls: TestTls | None = None
+) -> Iterator[BlockingTestBroker]:
+    """As :func:`serve_broker`, for tests that block."""
+    with _core(thread, settings, tls) as core:
+        yield BlockingTestBroker(core, thread)
+
+
+@contextmanager
+def _core(thread: BrokerThread, settings: BrokerSettings, tls: TestTls | None) -> Iterator[BrokerCore]:
+    core = thread.call(_start, settings, tls)
+    try:
+        yield core
+    finally:
+        thread.call(_stop, core)
+
+
+async def _start(settings: BrokerSettings, tls: TestTls | None) -> BrokerCore:
+    core = BrokerCore(settings, tls)
+    await core.broker.start()
+    return core
+
+
+async def _stop(core: BrokerCore) -> None:
+    core.rules.lift_all()
+    await core.turn()  # what clients have sent is heard, so that a breach in it is noticed
+    await core.broker.stop(abrupt=True)

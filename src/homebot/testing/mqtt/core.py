@@ -17,12 +17,8 @@ from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.packets import Packet, Properties, ReasonCode
 from homebot.mqtt.topics import validate_topic
 from homebot.testing.mqtt.faults import Fault, FaultPolicy, FaultRules
-from homebot.testing.mqtt.journal import Journal
-from homebot.testing.mqtt.packet_log import PacketLog
-from homebot.testing.mqtt.packet_text import PROTOCOL_NAMES
-from homebot.testing.mqtt.protocol_violation import ViolationLog
-from homebot.testing.mqtt.pulse_event import PulseEvent
-from homebot.testing.mqtt.recorded_message import Payload, encode_payload
+from homebot.testing.mqtt.journal import Journal, Payload, PulseEvent, encode_payload
+from homebot.testing.mqtt.packet_log import PROTOCOL_NAMES, PacketLog, ViolationLog
 from homebot.testing.mqtt.settings import BrokerSettings
 from homebot.testing.mqtt.tap import Tap, TapDuties
 from homebot.testing.mqtt.tls import TestTls

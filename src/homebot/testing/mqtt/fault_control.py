@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import final
 
+from homebot.errors import UsageError
 from homebot.mqtt.packets import ReasonCode
+from homebot.mqtt.topics import validate_filter
 from homebot.testing.mqtt.core import BrokerCore
-from homebot.testing.mqtt.faults import Fault, FaultRules
+from homebot.testing.mqtt.faults import (
+    DelayedAcks,
+    DroppedAcks,
+    Fault,
+    HalfPacket,
+    RefusedPublish,
+    RefusedSubscribe,
+    SlowReader,
+)
 from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["BlockingFaults", "Faults"]
@@ -19,25 +30,27 @@ class _Rules:
         self._core = core
         self._thread = thread
 
-    @property
-    def _rules(self) -> FaultRules:
-        return self._core.rules
-
     def drop_acks(self, client: str | None = None) -> Fault:
         """Let PUBACK, PUBREC and PUBCOMP vanish on their way to the client (None: to everybody)."""
-        return self._rules.drop_acks(client)
+        return self._core.rules.add(partial(DroppedAcks, client))
 
     def delay_acks(self, seconds: float, client: str | None = None) -> Fault:
-        """Let PUBACK, PUBREC and PUBCOMP come *seconds* late."""
-        return self._rules.delay_acks(seconds, client)
+        """Let PUBACK, PUBREC and PUBCOMP come *seconds* late.
+
+        Raises:
+            UsageError: *seconds* is not above 0.
+        """
+        if not seconds > 0:
+            raise UsageError(f"an acknowledgement cannot be {seconds} s late")
+        return self._core.rules.add(partial(DelayedAcks, client, seconds=seconds))
 
     def half_packet(self, client: str | None = None) -> Fault:
         """Cut the next packet to the client in the middle and close its connection."""
-        return self._rules.half_packet(client)
+        return self._core.rules.add(partial(HalfPacket, client))
 
     def slow_reader(self, client: str | None = None) -> Fault:
         """Let the client take no bytes until the fault is lifted; then it gets all that waited."""
-        return self._rules.slow_reader(client)
+        return self._core.rules.add(partial(SlowReader, client))
 
     def refuse_subscribe(
         self,
@@ -45,8 +58,12 @@ class _Rules:
         client: str | None = None,
         reason: ReasonCode = ReasonCode.NOT_AUTHORIZED,
     ) -> Fault:
-        """Answer subscriptions to exactly this filter with *reason*."""
-        return self._rules.refuse_subscribe(filter, client, reason)
+        """Answer subscriptions to exactly this filter with *reason*.
+
+        Raises:
+            UsageError: *reason* is no failure, or the filter is not valid.
+        """
+        return self._refuse(RefusedSubscribe, client, filter, reason)
 
     def refuse_publish(
         self,
@@ -54,12 +71,22 @@ class _Rules:
         client: str | None = None,
         reason: ReasonCode = ReasonCode.NOT_AUTHORIZED,
     ) -> Fault:
-        """Do not forward messages on topics that match; answer with *reason*, before MQTT 5 with success."""
-        return self._rules.refuse_publish(filter, client, reason)
+        """Do not forward messages on topics that match; answer with *reason*, before MQTT 5 with success.
+
+        Raises:
+            UsageError: *reason* is no failure, or the filter is not valid.
+        """
+        return self._refuse(RefusedPublish, client, filter, reason)
 
     def lift_all(self) -> None:
         """End every fault."""
-        self._rules.lift_all()
+        self._core.rules.lift_all()
+
+    def _refuse(self, kind: type[RefusedSubscribe], client: str | None, filter: str, reason: ReasonCode) -> Fault:  # noqa: A002 - as above
+        validate_filter(filter)
+        if not reason.failed:
+            raise UsageError(f"0x{reason:02x} ({reason.words}) refuses nothing")
+        return self._core.rules.add(partial(kind, client, filter=filter, reason=reason))
 
 
 @final

@@ -9,10 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Self, TypeVar, final
 
-from homebot.errors import UsageError
 from homebot.mqtt.broker import BrokerPolicy
 from homebot.mqtt.packets import ReasonCode
-from homebot.mqtt.topics import topic_matches, validate_filter
+from homebot.mqtt.topics import topic_matches
 
 __all__ = [
     "DelayedAcks",
@@ -130,64 +129,16 @@ class FaultRules:
                 return fault
         return None
 
-    def drop_acks(self, client: str | None = None) -> Fault:
-        """See :class:`DroppedAcks`."""
-        return self._add(DroppedAcks(client, self._lifted))
-
-    def delay_acks(self, seconds: float, client: str | None = None) -> Fault:
-        """See :class:`DelayedAcks`.
-
-        Raises:
-            UsageError: *seconds* is not above 0.
-        """
-        if not seconds > 0:
-            raise UsageError(f"an acknowledgement cannot be {seconds} s late")
-        return self._add(DelayedAcks(client, self._lifted, seconds))
-
-    def half_packet(self, client: str | None = None) -> Fault:
-        """See :class:`HalfPacket`."""
-        return self._add(HalfPacket(client, self._lifted))
-
-    def slow_reader(self, client: str | None = None) -> Fault:
-        """See :class:`SlowReader`."""
-        return self._add(SlowReader(client, self._lifted))
-
-    def refuse_subscribe(
-        self,
-        filter: str,  # noqa: A002 - the protocol's own word
-        client: str | None = None,
-        reason: ReasonCode = ReasonCode.NOT_AUTHORIZED,
-    ) -> Fault:
-        """See :class:`RefusedSubscribe`.
-
-        Raises:
-            UsageError: *reason* is no failure, or the filter is not valid.
-        """
-        _check_refusal(filter, reason)
-        return self._add(RefusedSubscribe(client, self._lifted, filter, reason))
-
-    def refuse_publish(
-        self,
-        filter: str,  # noqa: A002 - the protocol's own word
-        client: str | None = None,
-        reason: ReasonCode = ReasonCode.NOT_AUTHORIZED,
-    ) -> Fault:
-        """See :class:`RefusedPublish`; before MQTT 5 the client hears nothing of it.
-
-        Raises:
-            UsageError: *reason* is no failure, or the filter is not valid.
-        """
-        _check_refusal(filter, reason)
-        return self._add(RefusedPublish(client, self._lifted, filter, reason))
+    def add(self, kind: Callable[[Callable[[Fault], None]], Fault]) -> Fault:
+        """Put in force the fault that *kind* makes of the call for its lifting."""
+        fault = kind(self._lifted)
+        self._faults = (*self._faults, fault)
+        return fault
 
     def lift_all(self) -> None:
         """End every fault."""
         for fault in self._faults:
             fault.lift()
-
-    def _add(self, fault: Fault) -> Fault:
-        self._faults = (*self._faults, fault)
-        return fault
 
     def _lifted(self, fault: Fault) -> None:
         self._faults = tuple(each for each in self._faults if each is not fault)
@@ -223,9 +174,3 @@ def _apply_fault(fault: RefusedSubscribe | None) -> ReasonCode:
         return ReasonCode.SUCCESS
     fault.hits += 1
     return fault.reason
-
-
-def _check_refusal(filter: str, reason: ReasonCode) -> None:  # noqa: A002 - the protocol's own word
-    validate_filter(filter)
-    if not reason.failed:
-        raise UsageError(f"0x{reason:02x} ({reason.words}) refuses nothing")

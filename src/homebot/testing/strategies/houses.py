@@ -13,7 +13,7 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 from homebot.config import Table
 from homebot.errors import UsageError
 from homebot.house.rooms import OUTSIDE
-from homebot.testing.day_text import write_time
+from homebot.testing.day_event import write_time
 from homebot.testing.strategies.choices import MADE, chosen, moments, one_of, optional, several, target
 from homebot.testing.strategies.devices import FAULT_SETTINGS, KIND_SETTINGS, commands, devices
 

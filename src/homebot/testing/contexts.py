@@ -1,0 +1,88 @@
+"""Contexts around a test: work beside it, what its fixtures hold open, and its log."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
+from typing import Any, TypeVar
+
+import anyio
+import structlog
+
+__all__ = ["hold_open", "in_background", "plain_logs"]
+
+
+@asynccontextmanager
+async def in_background(*works: Callable[[], Coroutine[object, object, None]]) -> AsyncIterator[None]:
+    """Run *works* during the block and end them with it.
+
+    An error of the block passes as it is, not in a group: a failed assertion is what a test is about. Errors of *works*
+    come in a group, and end the block.
+    """
+    failure: Exception | None = None
+    async with anyio.create_task_group() as tasks:
+        for work in works:
+            tasks.start_soon(work)
+        try:
+            yield
+        except Exception as error:  # noqa: BLE001 - whatever it is, it is raised again below
+            failure = error
+        tasks.cancel_scope.cancel()
+    if failure is not None:
+        raise failure
+
+
+ValueT = TypeVar("ValueT")
+
+
+@contextmanager
+def hold_open(loop: asyncio.AbstractEventLoop, context: AbstractAsyncContextManager[ValueT]) -> Iterator[ValueT]:
+    """Enter *context* on *loop*, and leave it at the end of the block.
+
+    It is entered and left in one task, as cancel scopes demand; the block's own errors do not reach it. When it ends by
+    itself, because something in it broke, its error is raised at the end of the block.
+
+    Args:
+        loop: It does not run when the block begins, nor when it ends; in between anybody may run it.
+        context: What to hold.
+    """
+    value: asyncio.Future[ValueT] = loop.create_future()
+    leave = asyncio.Event()
+
+    async def hold() -> None:
+        async with context as entered:
+            value.set_result(entered)
+            await leave.wait()
+
+    # A task without a group: none can be open around it while the loop stands still. The end of the block awaits it.
+    holder = loop.create_task(hold(), name="held by a fixture")
+    either: set[asyncio.Future[Any]] = {holder, value}
+    loop.run_until_complete(asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED))
+    if not value.done():
+        value.cancel()
+        holder.result()
+    try:
+        yield value.result()
+    finally:
+        leave.set()
+        loop.run_until_complete(holder)
+
+
+@contextmanager
+def plain_logs() -> Iterator[None]:
+    """Write tracebacks as Python does during the block, unless the program has set up structlog itself.
+
+    Where ``rich`` is installed, structlog's default draws them with the values of all variables: hundreds of lines and
+    a tenth of a second for an app that crashed, and whatever is secret among the values.
+    """
+    if structlog.is_configured():
+        yield
+        return
+    writer = structlog.dev.ConsoleRenderer(colors=False, exception_formatter=structlog.dev.plain_traceback)
+    structlog.configure(processors=[*structlog.get_config()["processors"][:-1], writer])
+    try:
+        yield
+    finally:
+        if structlog.get_config()["processors"][-1] is writer:  # else the program has set it up meanwhile
+            structlog.reset_defaults()
