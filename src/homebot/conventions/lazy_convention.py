@@ -53,12 +53,12 @@ class LazyConvention(ABC, Generic[SettingsT, ReaderT]):
 
     @cached_property
     def reader(self) -> ReaderT:
-        """What reads the messages; loaded when it is first asked for."""
+        """Return the reader of the messages; it is loaded when it is first asked for."""
         return self.load_reader()
 
     @property
     def is_loaded(self) -> bool:
-        """Whether there is a reader, as a message came."""
+        """True once there is a reader, as a message came."""
         return "reader" in self.__dict__
 
     @property

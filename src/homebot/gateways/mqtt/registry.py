@@ -266,7 +266,7 @@ class AnnouncementRegistry:
 
 
 class _Routes(dict[str, TopicReaders | None]):
-    """Who reads which topic, found where it is first asked for: whoever has asked before calls no Python."""
+    """Readers by topic, found where they are first asked for: a topic that was asked for before costs no call."""
 
     def __init__(self, find: Callable[[str], TopicReaders | None]) -> None:
         super().__init__()
