@@ -98,7 +98,7 @@ class Devices:
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
             return (await self._find.call(FindDevicesRequest(service_type=service_type))).devices
-        return await self._typed().find(service_type.wanted(*none, **query))
+        return await self._typed().find(service_type.where(*none, **query))
 
     @overload
     def follow(self, service_type: str = "") -> Follow: ...
@@ -119,7 +119,7 @@ class Devices:
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
             return Follow(self._node, service_type)
-        return FollowHandles(self._node, self._typed(), service_type.wanted(*none, **query))
+        return FollowHandles(self._node, self._typed(), service_type.where(*none, **query))
 
     def offer(self, offer: ExposedDevice, gateway: str = "mqtt") -> Exposure:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.
@@ -211,9 +211,8 @@ class Devices:
             kind: For example :class:`Light`.
             sequence: The ``sequence`` of the :class:`DeviceChange` that *device* came with; 0 if it came with none.
         """
-        typed, wanted = self._typed(), kind.wanted()
-        known = typed.known(device, sequence)
-        return tuple(typed.handle(wanted, known, part) for part in wanted.parts(device))
+        typed, query = self._typed(), kind.where()
+        return tuple(typed.of_parts(query.kind, typed.track(device, sequence), query.parts(device)))
 
     def _typed(self) -> Handles:
         if self._handles is None:

@@ -63,9 +63,9 @@ async def test_a_word_of_a_type_takes_no_conditions(extra: tuple[str, ...], cond
 
 @given(kind=st.sampled_from(KINDS), name=st.text(string.ascii_lowercase + "_", min_size=1, max_size=12))
 def test_every_kind_refuses_every_word_that_it_does_not_take(kind: type[Handle], name: str) -> None:
-    known = {*inspect.signature(kind.wanted).parameters, *CommonFilters.__annotations__} - {"place"}
+    known = {*inspect.signature(kind.where).parameters, *CommonFilters.__annotations__} - {"filters"}
     if name in known:
         return
     arguments: dict[str, Any] = {name: True}
     with pytest.raises(TypeError, match=f"{kind.__name__} cannot be asked for by '{name}'"):
-        kind.wanted(**arguments)
+        kind.where(**arguments)

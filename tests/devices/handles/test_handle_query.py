@@ -83,16 +83,16 @@ def test_whatever_is_wanted_is_found_by_the_query_for_devices(
     """For every kind of question."""
     place: Any = ({"area": area} if area else {}) | ({"category": category} if category else {})
     for wanted in (
-        Handle.wanted(**place),
-        Light.wanted(on=flag, dimmable=can, **place),
-        Closure.wanted(closed=flag, **place),
-        WindowCovering.wanted(closed=flag, **place),
-        ContactSensor.wanted(is_open=flag, **place),
-        TemperatureSensor.wanted(above=number, **place),
-        Thermostat.wanted(mode=mode, **place),
+        Handle.where(**place),
+        Light.where(on=flag, dimmable=can, **place),
+        Closure.where(closed=flag, **place),
+        WindowCovering.where(closed=flag, **place),
+        ContactSensor.where(is_open=flag, **place),
+        TemperatureSensor.where(above=number, **place),
+        Thermostat.where(mode=mode, **place),
     ):
         if list(wanted.parts(device)):
-            query = read_terms(query_terms(wanted.device_query()))
+            query = read_terms(query_terms(wanted.search))
             assert fits(query, facets_of(device)), query
 
 
@@ -101,7 +101,7 @@ def test_every_kind_has_a_query_that_travels() -> None:
     kinds: list[type[Handle]] = [Handle, *_all_kinds(Handle)]
     for kind in kinds:
         assert kind.service_types <= DEVICE_TYPES.keys()
-        query = kind.wanted().device_query()
+        query = kind.where().search
         assert read_terms(query_terms(query)) == query
 
 

@@ -1,25 +1,25 @@
-"""Typed handles: one class for each kind of thing in a house, with what it tells and what it can be told."""
+"""Typed handles: one class for each kind of thing in a house, with its latest values and its commands."""
 
-from homebot.devices.handles.alarm_panel import AlarmPanel
 from homebot.devices.handles.climate import AirConditioner, Thermostat
-from homebot.devices.handles.conditions import ContactSensor, OccupancySensor, SmokeAlarm, WaterLeakDetector
-from homebot.devices.handles.door_lock import DoorLock
-from homebot.devices.handles.fan import Fan
 from homebot.devices.handles.follow import FollowHandles, HandleChange
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, HandleType
 from homebot.devices.handles.handles import Handles
-from homebot.devices.handles.light import Light
-from homebot.devices.handles.measuring import (
+from homebot.devices.handles.opening import Closure, WaterValve, WindowCovering
+from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
+from homebot.devices.handles.security import AlarmPanel, DoorLock
+from homebot.devices.handles.sensors import (
+    ContactSensor,
     ElectricalMeter,
     HumiditySensor,
     LightSensor,
+    OccupancySensor,
     PressureSensor,
+    SmokeAlarm,
     TemperatureSensor,
+    WaterLeakDetector,
 )
-from homebot.devices.handles.opening import Closure, WaterValve, WindowCovering
-from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
-from homebot.devices.handles.switchable import Plug, Siren, Switch
+from homebot.devices.handles.switchable import Fan, Light, Plug, Siren, Switch
 
 __all__ = [
     "AirConditioner",

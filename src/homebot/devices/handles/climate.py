@@ -1,4 +1,4 @@
-"""Thermostats and air conditioners."""
+"""Handles for thermostats and air conditioners."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ class Thermostat(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"thermostat"})
 
     @classmethod
-    def wanted(
+    def where(
         cls,
         *,
         above: float | None = None,
         below: float | None = None,
         mode: str | None = None,
-        **place: Unpack[CommonFilters],
+        **filters: Unpack[CommonFilters],
     ) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
@@ -30,13 +30,13 @@ class Thermostat(Handle):
             above: It measures more than this, in °C.
             below: It measures less than this, in °C.
             mode: The mode that it reports, for example ``heat``.
-            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
+            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
-        return cls._asked(
-            place,
-            cls._is("local_temperature", _celsius(above), ">"),
-            cls._is("local_temperature", _celsius(below), "<"),
-            cls._is("thermostat_mode", mode),
+        return cls._where(
+            filters,
+            states={"thermostat_mode": mode},
+            above={"local_temperature": above},
+            below={"local_temperature": below},
         )
 
     @property
@@ -105,7 +105,3 @@ class AirConditioner(Thermostat):
     """A thermostat that cools, and may dry and ventilate."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"room_air_conditioner"})
-
-
-def _celsius(value: float | None) -> float | None:
-    return None if value is None else float(value)

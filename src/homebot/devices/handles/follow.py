@@ -1,4 +1,4 @@
-"""A live query for handles: those that are wanted now, and then whatever happens to them."""
+"""A live query for handles: those that match now, and then every change of them."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ from homebot.devices.device import State, StateChange
 from homebot.devices.follow import Follow
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
-from homebot.devices.handles.handles import Handles
-from homebot.devices.handles.tracked_device import TrackedDevice
+from homebot.devices.handles.handles import Handles, TrackedDevice
 from homebot.graph import Node
 
 __all__ = ["FollowHandles", "HandleChange"]
@@ -62,16 +61,16 @@ class FollowHandles(Generic[HandleT]):
     Args:
         node: The node that asks; the query ends with it.
         handles: The source of the handles.
-        wanted: The query.
+        query: The query.
 
     Attributes:
         events_lost: Number of events dropped because 1,000 were waiting for the reader.
     """
 
-    def __init__(self, node: Node, handles: Handles, wanted: HandleQuery[HandleT]) -> None:
+    def __init__(self, node: Node, handles: Handles, query: HandleQuery[HandleT]) -> None:
         self._node = node
         self._handles = handles
-        self._wanted = wanted
+        self._query = query
         self._devices: Follow | None = None
         self._known: dict[str, TrackedDevice] = {}
         self._given: dict[str, dict[str, HandleT]] = {}
@@ -84,7 +83,7 @@ class FollowHandles(Generic[HandleT]):
         self._is_touched = anyio.Event()
         self._unwatch: Callable[[], None] | None = None
         self._is_closed = False
-        self._told = 0
+        self._count = 0
 
     def __aiter__(self) -> Self:
         return self
@@ -99,16 +98,16 @@ class FollowHandles(Generic[HandleT]):
             self._devices = devices = Follow(self._node)
             self._unwatch = self._handles.watch(self._on_state)
             self._node.create_task(lambda: self._follow(devices))
-        self._told += 1
-        if self._told % _TURN == 0:
+        self._count += 1
+        if self._count % _TURN == 0:
             await anyio.lowlevel.checkpoint()
         while not self._ready:
             if self._touched:
                 device_id = next(iter(self._touched))
                 del self._touched[device_id]
-                self._look_at(device_id)
+                self._compare(device_id)
             elif self._events:
-                self._tell_event(self._events.popleft())
+                self._report_event(self._events.popleft())
             elif self._is_closed:
                 raise StopAsyncIteration
             else:
@@ -133,9 +132,9 @@ class FollowHandles(Generic[HandleT]):
         try:
             async for change in devices:
                 device = change.device
-                self._known[device.id] = self._handles.known(device, change.sequence, is_gone=change.kind == "removed")
+                self._known[device.id] = self._handles.track(device, change.sequence, is_gone=change.kind == "removed")
                 self._touch(device.id)
-                self._tell_early(device.id)
+                self._add_early(device.id)
         finally:
             self.close()
 
@@ -154,15 +153,15 @@ class FollowHandles(Generic[HandleT]):
         self._events.append(change)
         self._is_touched.set()
 
-    def _tell_early(self, device_id: str) -> None:
-        """Tell what a device did that nobody knew a moment ago."""
+    def _add_early(self, device_id: str) -> None:
+        """Report the events of a device that was not known a moment ago."""
         early, now = self._early, self._clock.monotonic()
         self._early = deque((one for one in early if one[1].device != device_id), maxlen=early.maxlen)
         for at, change in early:
             if change.device == device_id and now - at <= _MOMENT:
                 self._add_event(change)
 
-    def _tell_event(self, change: StateChange) -> None:
+    def _report_event(self, change: StateChange) -> None:
         given = self._given.get(change.device, {})
         if (handle := given.get(change.state.part)) is not None:
             self._ready.append(HandleChange("event", handle, change.state))
@@ -172,18 +171,18 @@ class FollowHandles(Generic[HandleT]):
             self._touched[device_id] = None
             self._is_touched.set()
 
-    def _look_at(self, device_id: str) -> None:
-        """Compare what the reader was given of a device with what is wanted of it now."""
+    def _compare(self, device_id: str) -> None:
+        """Compare the handles of a device that the reader has with those that match now."""
         known = self._known[device_id]
-        wanted = () if known.is_gone else tuple(self._wanted.parts(known.current()))
+        parts = [] if known.is_gone else self._query.parts(known.current())
         given = self._given.get(device_id, {})
-        for part in [part for part in given if part not in wanted]:
+        for part in [part for part in given if part not in parts]:
             self._ready.append(HandleChange("removed", given.pop(part)))
-        for part in wanted:
+        for part in parts:
             if part in given:
                 self._ready.append(HandleChange("changed", given[part]))
             else:
-                given[part] = self._handles.handle(self._wanted, known, part)
+                (given[part],) = self._handles.of_parts(self._query.kind, known, [part])
                 self._ready.append(HandleChange("appeared", given[part]))
         if known.is_gone:
             del self._known[device_id]

@@ -1,16 +1,16 @@
-"""A handle: one part of one device, with what it last told and what it can be told."""
+"""A handle: one part of one device, with its latest values and its commands."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import ClassVar, Literal, Self, Unpack
+from types import MappingProxyType
+from typing import Any, ClassVar, Self, Unpack
 
 from homebot.devices.capabilities import CAPABILITIES, EVENTS
-from homebot.devices.device import Device, Freshness
-from homebot.devices.handles.command_sender import CommandSender
+from homebot.devices.device import Device, DevicePart, Freshness
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Term
-from homebot.devices.handles.tracked_device import TrackedDevice
+from homebot.devices.handles.handles import CommandSender, TrackedDevice
 from homebot.devices.part import Capability
 from homebot.devices.query import CanDo, Not, StateIs
 from homebot.devices.query.folding import fold
@@ -19,6 +19,8 @@ from homebot.errors import RefusedError, UsageError
 from homebot.similar import did_you_mean
 
 __all__ = ["Handle", "plain_value"]
+
+_NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class Handle:
@@ -34,22 +36,22 @@ class Handle:
 
     service_types: ClassVar[frozenset[str]] = frozenset()
 
-    def __init__(self, known: TrackedDevice, part_id: str, commander: CommandSender) -> None:
+    def __init__(self, tracked: TrackedDevice, part_id: str, sender: CommandSender) -> None:
         """Not for use by hand: see :meth:`homebot.devices.Devices.find`."""
-        self._known = known
+        self._tracked = tracked
         self._part_id = part_id
-        self._commander = commander
+        self._sender = sender
 
     @classmethod
-    def wanted(cls, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
+    def where(cls, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
-            place: ``area``: the room; ``name``: a name of the device or part; ``reachable``: whether it can be reached;
-                ``fresh``: whether it reported lately; ``category``: ``config`` for settings or ``diagnostic`` for
-                self-observations, which are left out otherwise.
+            filters: ``area``: the room; ``name``: a name of the device or part; ``reachable``: whether it can be
+                reached; ``fresh``: whether it reported lately; ``category``: ``config`` for settings or ``diagnostic``
+                for self-observations, which are left out otherwise.
         """
-        return HandleQuery(cls, place)
+        return HandleQuery(cls, filters)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Handle) and (self.id, type(self)) == (other.id, type(other))
@@ -63,7 +65,7 @@ class Handle:
     @property
     def id(self) -> str:
         """The id of the device, with ``#`` and the id of the part where it has one; renaming does not change it."""
-        return f"{self._known.device.id}#{self._part_id}" if self._part_id else self._known.device.id
+        return f"{self._tracked.device.id}#{self._part_id}" if self._part_id else self._tracked.device.id
 
     @property
     def part_id(self) -> str:
@@ -73,40 +75,40 @@ class Handle:
     @property
     def name(self) -> str:
         """The name for people: the device's, followed by the part's where it has one."""
-        part = self._known.part(self._part_id)
+        part = self._tracked.part(self._part_id)
         own = part.part.name if part else ""
-        return f"{self._known.device.name} {own}" if own else self._known.device.name
+        return f"{self._tracked.device.name} {own}" if own else self._tracked.device.name
 
     @property
     def area(self) -> str:
         """The room that the device is in; empty where none is known."""
-        return self._known.device.area
+        return self._tracked.device.area
 
     @property
     def device(self) -> Device:
         """The device that it belongs to, as last announced."""
-        return self._known.device
+        return self._tracked.device
 
     @property
     def is_gone(self) -> bool:
         """True once the device was removed or no longer has this part; commands are refused then."""
-        return self._known.is_gone or self._known.part(self._part_id) is None
+        return self._tracked.is_gone or self._tracked.part(self._part_id) is None
 
     @property
     def reachable(self) -> bool | None:
         """True if it can be reached, as the part or else the device reports; None if neither reports it."""
-        device = self._known.device
+        device = self._tracked.device
         return False if self._part_id in device.offline_parts else _REACHABLE[device.reachable.state]
 
     @property
     def freshness(self) -> Freshness:
         """``fresh``, ``unconfirmed`` or ``stale``; see :class:`homebot.devices.Device`."""
-        return self._known.device.freshness
+        return self._tracked.device.freshness
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
         """The capabilities of the part, with units, bounds and options."""
-        part = self._known.part(self._part_id)
+        part = self._tracked.part(self._part_id)
         return part.part.capabilities if part is not None else ()
 
     def can(self, capability: str) -> bool:
@@ -120,7 +122,7 @@ class Handle:
             UsageError: There is no such capability (the message suggests the nearest), or it is an event, not a state.
         """
         self._check_name(capability)
-        return self._known.value(self._part_id, capability)
+        return self._tracked.value(self._part_id, capability)
 
     async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> None:
         """Set *capability* to *value*. Commands are absolute: sending one twice has the effect of sending it once.
@@ -141,13 +143,10 @@ class Handle:
         if not (0 <= transition < math.inf):
             raise RefusedError(f"a transition of {transition} s", "it must be 0 or longer, and end")
         plain = plain_value(value)
-        part = self._known.part(self._part_id)
-        if part is None or self.is_gone:
-            raise RefusedError(f"{capability} of {self.id}", "it is gone")
-        self._check(capability, plain)
+        part = self._settable_part(capability, plain)
         if len(code) > _LONGEST_CODE:
             raise RefusedError(f"a code for {self.id}", f"it has more than {_LONGEST_CODE} characters")
-        await self._commander.send(self._known.device, part, capability, plain, transition, code)
+        await self._sender.send(self._tracked.device, part, capability, plain, transition, code)
 
     def _check_name(self, capability: str) -> None:
         if capability in EVENTS:
@@ -157,17 +156,26 @@ class Handle:
             hint = did_you_mean(capability, CAPABILITIES, f"{self.id} tells {known}", cutoff=0.7)
             raise UsageError(f"{capability!r} is no capability; {hint}")
 
-    def _check(self, capability: str, value: PlainValue) -> None:
-        what = f"{capability} of {self.id}"
-        found = next((one for one in self.capabilities if one.name == capability and one.settable), None)
-        if found is None:
-            known = ", ".join(dict.fromkeys(one.name for one in self.capabilities if one.settable))
-            raise RefusedError(what, f"it can be told {known}" if known else "it takes no commands")
-        bounds = found.bounds or (CAPABILITIES[capability].bounds if capability in CAPABILITIES else ())
+    def _settable_part(self, capability: str, value: PlainValue) -> DevicePart:
+        """Return the part, if *capability* of it can be set to *value*."""
+        part = None if self._tracked.is_gone else self._tracked.part(self._part_id)
+        if part is None:
+            raise RefusedError(f"{capability} of {self.id}", "it is gone")
+        for one in part.part.capabilities:
+            if one.name == capability and one.settable:
+                if not isinstance(value, bool):
+                    self._check_value(one, value)
+                return part
+        known = ", ".join(dict.fromkeys(one.name for one in part.part.capabilities if one.settable))
+        raise RefusedError(f"{capability} of {self.id}", f"it can be told {known}" if known else "it takes no commands")
+
+    def _check_value(self, capability: Capability, value: PlainValue) -> None:
+        name = capability.name
+        bounds = capability.bounds or (CAPABILITIES[name].bounds if name in CAPABILITIES else ())
         if isinstance(value, float) and not (math.isfinite(value) and (not bounds or bounds[0] <= value <= bounds[1])):
-            raise RefusedError(f"{value:g} as {what}", f"it takes {_span(bounds, found)}")
-        if isinstance(value, str) and found.options and value not in found.options:
-            raise RefusedError(f"{value[:40]!r} as {what}", f"it takes {', '.join(found.options)}")
+            raise RefusedError(f"{value:g} as {name} of {self.id}", f"it takes {_span(bounds, capability)}")
+        if isinstance(value, str) and capability.options and value not in capability.options:
+            raise RefusedError(f"{value[:40]!r} as {name} of {self.id}", f"it takes {', '.join(capability.options)}")
 
     def _flag(self, capability: str) -> bool | None:
         value = self.value(capability)
@@ -181,7 +189,7 @@ class Handle:
         """As :meth:`_number`; where the part cannot tell, what the only part of the device tells that can."""
         if any(one.name == capability for one in self.capabilities):
             return self._number(capability)
-        value = self._known.only_value(capability)
+        value = self._tracked.only_value(capability)
         return value if isinstance(value, float) else None
 
     def _text(self, capability: str) -> str | None:
@@ -189,21 +197,39 @@ class Handle:
         return value if isinstance(value, str) else None
 
     @classmethod
-    def _asked(cls, place: CommonFilters, *terms: Term | None) -> HandleQuery[Self]:
-        return HandleQuery(cls, place, tuple(one for one in terms if one is not None))
+    def _where(
+        cls,
+        filters: CommonFilters,
+        *terms: Term,
+        states: Mapping[str, PlainValue] = _NONE,
+        above: Mapping[str, float | None] = _NONE,
+        below: Mapping[str, float | None] = _NONE,
+        settable: Mapping[str, bool | None] = _NONE,
+    ) -> HandleQuery[Self]:
+        """Return the query with conditions by capability; those that are None are not asked for.
 
-    @staticmethod
-    def _is(capability: str, value: PlainValue, operator: Literal["=", "!=", "<", ">"] = "=") -> StateIs | None:
-        """The term that a state is *value*; none where nothing is asked."""
-        if value is None:
-            return None
-        return StateIs(capability, operator, fold(value) if isinstance(value, str) else plain_value(value))
-
-    @staticmethod
-    def _can(capability: str, *, wanted: bool | None) -> Term | None:
-        """The term that it can be told *capability*, or cannot; none where nothing is asked."""
-        can = CanDo(capability, settable=True)
-        return None if wanted is None else can if wanted else Not(can)
+        Args:
+            filters: The conditions that every kind has.
+            terms: Further conditions.
+            states: The value that is reported.
+            above: The number that the value exceeds.
+            below: The number that exceeds the value.
+            settable: Whether it can be set.
+        """
+        found = list(terms)
+        for name, value in states.items():
+            if value is not None:
+                found.append(StateIs(name, "=", fold(value) if isinstance(value, str) else plain_value(value)))
+        for name, limit in above.items():
+            if limit is not None:
+                found.append(StateIs(name, ">", float(limit)))
+        for name, limit in below.items():
+            if limit is not None:
+                found.append(StateIs(name, "<", float(limit)))
+        for name, can in settable.items():
+            if can is not None:
+                found.append(CanDo(name, settable=True) if can else Not(CanDo(name, settable=True)))
+        return HandleQuery(cls, filters, tuple(found))
 
 
 _REACHABLE: Mapping[str, bool | None] = {"yes": True, "no": False, "unknown": None}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar
+import inspect
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final, Generic, ParamSpec, Protocol, TypeAlias, TypedDict, TypeVar, get_args
 
-from homebot.devices.device import Device, DevicePart
-from homebot.devices.handles.arguments import check_place, check_state
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device import Device
 from homebot.devices.part import Category
 from homebot.devices.query import (
     And,
@@ -25,6 +25,7 @@ from homebot.devices.query import (
     fits,
 )
 from homebot.devices.query.folding import fold
+from homebot.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices.handles.handle import Handle
@@ -35,17 +36,20 @@ HandleT = TypeVar("HandleT", bound="Handle")
 P = ParamSpec("P")
 
 Term: TypeAlias = CanDo | Not | StateIs
-"""What can be asked of a part."""
+"""A condition on a part."""
+
+_CUTOFF = 0.7
+_CATEGORIES = get_args(Category)
 
 
 class CommonFilters(TypedDict, total=False):
     """Filters that apply to every kind.
 
     Attributes:
-        area: The room it is in, whatever the case and accents.
-        name: What its device or the part is called, likewise.
-        reachable: Whether it can be reached, as far as it says.
-        fresh: Whether it spoke itself and is not silent for too long.
+        area: The room of the device, whatever the case and accents.
+        name: A name of the device or part, likewise.
+        reachable: Whether it reports that it can be reached.
+        fresh: Whether it reported lately.
         category: ``"config"`` for settings and ``"diagnostic"`` for self-observations instead of what devices are there
             for: nobody who turns off all switches means the one of a lamp's own indicator.
     """
@@ -57,95 +61,108 @@ class CommonFilters(TypedDict, total=False):
     category: Category
 
 
-@dataclass(frozen=True, slots=True)
+_FILTER_TYPES: Mapping[str, type] = {"area": str, "name": str, "reachable": bool, "fresh": bool, "category": str}
+
+
 class HandleQuery(Generic[HandleT]):
-    """The handles of a kind, of which something must be true.
+    """A query for the handles of a kind.
+
+    Args:
+        kind: The class of the handles.
+        filters: The conditions that every kind has.
+        terms: Conditions on the part itself.
 
     Attributes:
         kind: The class of the handles.
-        place: What must be true of the device.
-        terms: What must be true of the part itself.
-        device_terms: All that must be true of the device.
-        part_terms: All that must be true of the part.
+        search: The query for the devices that may have such parts; :meth:`parts` decides.
 
     Raises:
-        TypeError: A condition is unknown, or its value is of another type.
-        ValueError: The category is none.
+        TypeError: A filter is unknown, or a value is of another type.
+        ValueError: There is no such category.
     """
 
-    kind: type[HandleT]
-    place: CommonFilters
-    terms: tuple[Term, ...] = ()
-    device_terms: tuple[Query, ...] = field(init=False)
-    part_terms: tuple[Query, ...] = field(init=False)
+    __slots__ = ("_category", "_device_terms", "_part_terms", "kind", "search")
 
-    def __post_init__(self) -> None:
-        check_place(self.kind.__name__, self.kind.wanted, self.place)
-        for term in self.terms:
-            if isinstance(term, StateIs):
-                check_state(term)
-        object.__setattr__(self, "device_terms", _device_terms(self.place))
-        object.__setattr__(self, "part_terms", (*_part_terms(self.kind.service_types, self.place), *self.terms))
+    def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
+        _check(kind, filters, terms)
+        found: list[Query] = [term for term in terms if not isinstance(term, Not)]  # another part may match that
+        device_terms: list[Query] = []
+        part_terms: list[Query] = []
+        self._category: Final = filters.get("category", "")
+        if kind.service_types:
+            part_terms.append(TypeIs("", kind.service_types, by_word=False))
+        found += [FactIs("category", self._category)] if self._category else part_terms  # such parts give no type
+        if "area" in filters:
+            area = AreaIs(fold(filters["area"]))
+            device_terms.append(area)
+            found += [area] if area.area else []
+        if "fresh" in filters:
+            fresh = FreshnessIs("fresh")
+            device_terms.append(fresh if filters["fresh"] else Not(fresh))
+        if "name" in filters:
+            part_terms.append(NameIs(fold(filters["name"])))
+        if "reachable" in filters:
+            part_terms.append(ReachableIs("yes" if filters["reachable"] else "no"))
+        self._device_terms: Final = device_terms
+        self._part_terms: Final = (*part_terms, *terms)
+        self.kind: Final = kind
+        self.search: Final[Query] = And(tuple(found))
 
-    def parts(self, device: Device) -> Iterator[str]:
-        """Yield the ids of the parts of *device* that are wanted."""
+    def parts(self, device: Device) -> list[str]:
+        """Return the ids of the parts of *device* that match.
+
+        Settings and self-observations count unasked only where there is nothing else.
+        """
+        matching: list[str] = []
         if not device.parts:
-            return
+            return matching
         facets = PartFacets(device)
-        for term in self.device_terms:
+        for term in self._device_terms:
             if not fits(term, facets):
-                return
-        for part in _parts_in(device, self.place.get("category", "")):
+                return matching
+        parts = [part for part in device.parts if part.part.category == self._category]
+        for part in parts if parts or self._category else device.parts:
             facets.part = part
-            for term in self.part_terms:
+            for term in self._part_terms:
                 if not fits(term, facets):
                     break
             else:
-                yield part.id
-
-    def device_query(self) -> Query:
-        """Return what narrows the search for devices down; what it finds beyond, :meth:`parts` leaves out."""
-        terms: list[Query] = [term for term in self.terms if not isinstance(term, Not)]  # another part may be so
-        if category := self.place.get("category", ""):
-            terms.append(FactIs("category", category))  # devices are not found by the types of such parts
-        elif self.kind.service_types:
-            terms.append(_type_term(self.kind.service_types))
-        if area := fold(self.place.get("area", "")):
-            terms.append(AreaIs(area))
-        return And(tuple(terms))
+                matching.append(part.id)
+        return matching
 
 
 class HandleType(Protocol[P, HandleT]):
-    """A class of handles, as ``find`` and ``follow`` take it: its ``wanted`` says what can be asked of it."""
+    """A class of handles, as ``find`` and ``follow`` take it: its ``where`` names its conditions."""
 
-    def wanted(self, *args: P.args, **kwargs: P.kwargs) -> HandleQuery[HandleT]:
-        """Return what is asked for."""
+    def where(self, *args: P.args, **kwargs: P.kwargs) -> HandleQuery[HandleT]:
+        """Return the query with these conditions."""
         ...
 
 
-def _parts_in(device: Device, category: Category) -> list[DevicePart]:
-    """Settings and self-observations count unasked only where there is nothing else."""
-    found = [one for one in device.parts if one.part.category == category]
-    return found if found or category else list(device.parts)
+def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) -> None:
+    """Refuse an unknown condition, which would otherwise find the whole house."""
+    for name, value in filters.items():
+        if name not in _FILTER_TYPES:
+            raise TypeError(f"{kind.__name__} cannot be asked for by {name!r}: {_hint(kind, name)}")
+        if not isinstance(value, _FILTER_TYPES[name]):
+            raise TypeError(f"{name} is {_called(_FILTER_TYPES[name])}, not {value!r}")
+    if (category := filters.get("category", "")) not in _CATEGORIES:
+        known = " or ".join(repr(one) for one in _CATEGORIES if one)
+        raise ValueError(f"category is {known}, not {category!r}")
+    for term in terms:
+        if isinstance(term, StateIs) and (capability := CAPABILITIES.get(term.capability)) is not None:
+            expected = {"bool": bool, "number": float, "text": str}.get(capability.kind, tuple)
+            if not isinstance(term.value, expected):
+                raise TypeError(f"{term.capability} is {_called(expected)}, not {term.value!r}")
 
 
-def _device_terms(place: CommonFilters) -> tuple[Query, ...]:
-    terms: list[Query] = []
-    if "area" in place:
-        terms.append(AreaIs(fold(place["area"])))
-    if "fresh" in place:
-        terms.append(FreshnessIs("fresh") if place["fresh"] else Not(FreshnessIs("fresh")))
-    return tuple(terms)
+def _hint(kind: type[Handle], name: str) -> str:
+    from homebot.devices.query.vocabulary import FIELDS  # noqa: PLC0415  # for the error alone
+
+    known = [one for one in inspect.signature(kind.where).parameters if one != "filters"] + list(_FILTER_TYPES)
+    meant = [FIELDS[name]] if FIELDS.get(name) in known else known
+    return did_you_mean(FIELDS.get(name, name), meant, f"it takes {', '.join(sorted(known))}", _CUTOFF)
 
 
-def _part_terms(service_types: frozenset[str], place: CommonFilters) -> list[Query]:
-    terms: list[Query] = [_type_term(service_types)] if service_types else []
-    if "name" in place:
-        terms.append(NameIs(fold(place["name"])))
-    if "reachable" in place:
-        terms.append(ReachableIs("yes" if place["reachable"] else "no"))
-    return terms
-
-
-def _type_term(service_types: frozenset[str]) -> TypeIs:
-    return TypeIs("", service_types, by_word=False)
+def _called(kind: type) -> str:
+    return {str: "a text", bool: "True or False", float: "a number", tuple: "several numbers"}[kind]

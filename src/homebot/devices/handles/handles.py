@@ -1,83 +1,213 @@
-"""Factory of an application's handles."""
+"""Factory of an application's handles: the devices that they track, and the sender of their commands."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 from weakref import WeakValueDictionary
 
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.device import Device, DeviceChange, StateChange
-from homebot.devices.handles.command_sender import CommandSender
-from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.handle_query import HandleQuery
-from homebot.devices.handles.tracked_device import TrackedDevice
-from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
+from homebot.devices.command import Command, SendCommand, SendCommandResponse
+from homebot.devices.device import EVERYTHING, Device, DeviceChange, DevicePart, State, StateChange
+from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, GatewayNames
 from homebot.devices.query import query_terms
 from homebot.devices.services import FindDevices, FindDevicesRequest
-from homebot.graph import Node
+from homebot.devices.value import PlainValue, Value
+from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError
+from homebot.graph import Client, Node
 
-__all__ = ["Handles", "Watcher"]
+if TYPE_CHECKING:
+    from homebot.devices.handles.handle import Handle
+    from homebot.devices.handles.handle_query import HandleQuery
 
-HandleT = TypeVar("HandleT", bound=Handle)
-Watcher = Callable[[StateChange], None]
-"""Is told what devices tell."""
+__all__ = ["CommandSender", "Handles", "TrackedDevice", "Watcher"]
+
+HandleT = TypeVar("HandleT", bound="Handle")
+Watcher: TypeAlias = Callable[[StateChange], None]
+"""Called with each new value and event."""
+
+
+class TrackedDevice:
+    """The known state of one device, shared by all handles of its parts.
+
+    Args:
+        device: The device.
+        sequence: Number of the last change in it; see :class:`DeviceChange`.
+        is_gone: Whether it was removed.
+
+    Attributes:
+        device: Its newest description.
+        is_gone: Whether it was removed.
+    """
+
+    def __init__(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
+        self.device = device
+        self.is_gone = is_gone
+        self._sequence = sequence
+        self._states = {(state.part, state.capability): (sequence, state) for state in device.states}
+
+    def update(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
+        """Store a description; one older than the stored one changes nothing."""
+        if sequence < self._sequence:
+            return
+        self._sequence, self.device, self.is_gone = sequence, device, is_gone
+        parts = {part.id for part in device.parts}
+        self._states = {name: stored for name, stored in self._states.items() if stored[1].part in parts}
+        for state in device.states:
+            self._put(state, sequence)
+
+    def update_state(self, change: StateChange) -> None:
+        """Store a state; one older than the stored one changes nothing, and an event is no state."""
+        if change.state.capability not in EVENTS:
+            self._put(change.state, change.sequence)
+
+    def part(self, part_id: str) -> DevicePart | None:
+        """Return the part, or None where the device has none of that id, or no longer."""
+        for part in self.device.parts:
+            if part.id == part_id:
+                return part
+        return None
+
+    def value(self, part_id: str, capability: str) -> PlainValue:
+        """Return the latest value of the part; None where it reported none, or that it does not know."""
+        stored = self._states.get((part_id, capability))
+        return None if stored is None else stored[1].value.plain()
+
+    def only_value(self, capability: str) -> PlainValue:
+        """Return the latest value of the only part with *capability*; None where there is none, or are several."""
+        parts = [part.id for part in self.device.parts if any(one.name == capability for one in part.part.capabilities)]
+        return self.value(parts[0], capability) if len(parts) == 1 else None
+
+    def current(self) -> Device:
+        """Return the device with the newest values of its parts."""
+        return self.device.model_copy(update={"states": tuple(state for _, state in self._states.values())})
+
+    def _put(self, state: State, sequence: int) -> None:
+        """By its number: its stamp is that of a clock that may have been set back."""
+        stored = self._states.get((state.part, state.capability))
+        if stored is None or stored[0] <= sequence:
+            self._states[state.part, state.capability] = sequence, state
+
+
+class CommandSender:
+    """Sends commands by the best route that accepts them.
+
+    Args:
+        node: The node that sends them.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._clients: dict[str, Client[Command, SendCommandResponse]] = {}
+
+    async def send(
+        self, device: Device, part: DevicePart, capability: str, value: PlainValue, transition: float, code: str = ""
+    ) -> None:
+        """Set *capability* to *value* within *transition* seconds; return when the network has accepted the command.
+
+        Where a route cannot do that, and sent nothing, the next one is tried; what a gateway refuses to do at all is
+        not done by another route.
+
+        Raises:
+            RefusedError: The gateway or the part refuses, or the part is disputed.
+            LinkError: No gateway of the part is running and connected; it may work later.
+        """
+        if not part.routes:
+            why = "; ".join(device.conflicts) or "no way to it is known"
+            raise RefusedError(f"a command to {device.id}", why)
+        takes = [route for route in part.routes if capability in route.takes or route.takes == EVERYTHING]
+        routes = takes or part.routes
+        problem, unable = f"its gateway {routes[0].gateway} is not running", ""
+        is_away = False
+        sent = Value.of(value)
+        for route in routes:
+            response = await self._call(
+                route.gateway,
+                Command(
+                    key=route.key, part=route.part, capability=capability, value=sent, transition=transition, code=code
+                ),
+            )
+            if response.success:
+                return
+            if response.problem == "unreachable":
+                is_away, problem = True, response.message or problem
+            elif not response.unable:
+                raise RefusedError(f"{capability} of {device.id}", response.message)
+            else:
+                unable = unable or response.message
+        if unable and not is_away:
+            raise RefusedError(f"{capability} of {device.id}", unable)
+        raise LinkError(f"{device.id} was not told {capability}: {problem}")
+
+    async def _call(self, gateway: str, command: Command) -> SendCommandResponse:
+        client = self._clients.get(gateway)
+        try:
+            if client is None:
+                client = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
+                self._clients[gateway] = client
+            if client.service_is_ready():
+                return await client.call(command)
+        except InvalidNameError as exc:
+            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
+        except ServiceError as exc:
+            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
+        return SendCommandResponse(success=False, problem="unreachable")
 
 
 class Handles:
     """Makes the handles of one node, and keeps them up to date for as long as somebody holds them.
 
     Args:
-        node: Whose they are; they are kept up to date until it ends.
+        node: The node; the handles are kept up to date until it ends.
     """
 
     def __init__(self, node: Node) -> None:
-        self._commander = CommandSender(node)
+        self._sender = CommandSender(node)
         self._find = node.create_client(FindDevices, FIND_DEVICES)
-        self._known: WeakValueDictionary[str, TrackedDevice] = WeakValueDictionary()
+        self._tracked: WeakValueDictionary[str, TrackedDevice] = WeakValueDictionary()
         self._watchers: list[Watcher] = []
         node.create_subscription(DeviceChange, DEVICE_CHANGES, self._on_change, 1, from_node=DIRECTORY_NODE)
         node.create_subscription(StateChange, DEVICE_STATES, self._on_state, 1, from_node=DIRECTORY_NODE)
 
-    async def find(self, wanted: HandleQuery[HandleT]) -> tuple[HandleT, ...]:
-        """Return the handles that are *wanted*, sorted by id.
+    async def find(self, query: HandleQuery[HandleT]) -> tuple[HandleT, ...]:
+        """Return the handles that match *query*, sorted by id.
 
         Raises:
             ServiceError: The directory does not answer.
         """
-        answer = await self._find.call(FindDevicesRequest(query=query_terms(wanted.device_query())))
-        return tuple(
-            self.handle(wanted, self.known(device, answer.sequence), part)
-            for device in answer.devices
-            for part in wanted.parts(device)
-        )
+        answer = await self._find.call(FindDevicesRequest(query=query_terms(query.search)))
+        found: list[HandleT] = []
+        for device in answer.devices:
+            if parts := query.parts(device):
+                found += self.of_parts(query.kind, self.track(device, answer.sequence), parts)
+        return tuple(found)
 
-    def handle(self, wanted: HandleQuery[HandleT], known: TrackedDevice, part: str) -> HandleT:
-        """Return the handle of a part."""
-        return wanted.kind(known, part, self._commander)
+    def of_parts(self, kind: type[HandleT], device: TrackedDevice, parts: list[str]) -> list[HandleT]:
+        """Return the handles of *parts* of a device."""
+        return [kind(device, part, self._sender) for part in parts]
 
-    def known(self, device: Device, sequence: int, *, is_gone: bool = False) -> TrackedDevice:
-        """Return what all handles of *device* share, after it has taken this description of it."""
-        known = self._known.get(device.id)
-        if known is None:
-            known = self._known[device.id] = TrackedDevice(device, sequence, is_gone=is_gone)
+    def track(self, device: Device, sequence: int, *, is_gone: bool = False) -> TrackedDevice:
+        """Return the state that all handles of *device* share, updated with this description."""
+        tracked = self._tracked.get(device.id)
+        if tracked is None:
+            tracked = self._tracked[device.id] = TrackedDevice(device, sequence, is_gone=is_gone)
         else:
-            known.take(device, sequence, is_gone=is_gone)
-        return known
+            tracked.update(device, sequence, is_gone=is_gone)
+        return tracked
 
     def watch(self, watcher: Watcher) -> Callable[[], None]:
-        """Call *watcher* whenever a device tells something that somebody holds a handle of; return how to end that."""
+        """Call *watcher* with each new value and event of a device that has a handle; return the function to stop."""
         self._watchers.append(watcher)
         return lambda: self._watchers.remove(watcher)
 
     def _on_change(self, change: DeviceChange) -> None:
-        if (known := self._known.get(change.device.id)) is not None:
-            known.take(change.device, change.sequence, is_gone=change.kind == "removed")
+        if (tracked := self._tracked.get(change.device.id)) is not None:
+            tracked.update(change.device, change.sequence, is_gone=change.kind == "removed")
 
     def _on_state(self, change: StateChange) -> None:
-        known = self._known.get(change.device)
-        if known is not None:
-            known.take_state(change)
-        if known is not None or change.state.capability in EVENTS:
+        tracked = self._tracked.get(change.device)
+        if tracked is not None:
+            tracked.update_state(change)
+        if tracked is not None or change.state.capability in EVENTS:
             for watcher in self._watchers:
                 watcher(change)

@@ -15,14 +15,15 @@ class _Opening(Handle):
     moves_by: ClassVar[str] = "movement"
 
     @classmethod
-    def wanted(cls, *, closed: bool | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
+    def where(cls, *, closed: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
             closed: Whether it reports that it is closed; one whose state is unknown matches neither.
-            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
+            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
-        return cls._asked(place, None if closed is None else StateIs(cls.moves_by, "=" if closed else "!=", "closed"))
+        is_closed = StateIs(cls.moves_by, "=" if closed else "!=", "closed")
+        return cls._where(filters, *(() if closed is None else (is_closed,)))
 
     @property
     def position(self) -> float | None:

@@ -1,4 +1,4 @@
-"""Robots that clean floors and mow lawns."""
+"""Handles for robots that clean floors and mow lawns."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ class RoboticVacuumCleaner(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"robotic_vacuum_cleaner"})
 
     @classmethod
-    def wanted(cls, *, state: str | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
+    def where(cls, *, state: str | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
             state: The activity that it reports; see :attr:`state`.
-            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
+            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
-        return cls._asked(place, cls._is("vacuum", state))
+        return cls._where(filters, states={"vacuum": state})
 
     @property
     def state(self) -> str | None:
@@ -78,14 +78,14 @@ class LawnMower(Handle):
     service_types: ClassVar[frozenset[str]] = frozenset({"x_lawn_mower"})
 
     @classmethod
-    def wanted(cls, *, state: str | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
+    def where(cls, *, state: str | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
             state: The activity that it reports: ``mowing``, ``paused``, ``docked``, ``returning`` or ``error``.
-            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
+            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
-        return cls._asked(place, cls._is("mower", state))
+        return cls._where(filters, states={"mower": state})
 
     @property
     def state(self) -> str | None:

@@ -1,25 +1,151 @@
-"""Devices that are on or off: plugs, switches, sirens."""
+"""Handles for what is turned on and off: lights, plugs, switches, sirens and fans."""
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar, Self, Unpack
 
-from homebot.devices.handles.handle import Handle
+from homebot.devices.handles.handle import Handle, plain_value
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 
-__all__ = ["Plug", "Siren", "Switch"]
+__all__ = ["Fan", "Light", "Plug", "Siren", "Switch"]
+
+_HUE = 360.0
+_SATURATION = 100.0
+_OFF = "off"
 
 
-class _Switchable(Handle):
+class Light(Handle):
+    """A lamp that is on or off and, if it supports it, has a brightness, a colour temperature and a colour."""
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"light"})
+
     @classmethod
-    def wanted(cls, *, on: bool | None = None, **place: Unpack[CommonFilters]) -> HandleQuery[Self]:
+    def where(
+        cls,
+        *,
+        on: bool | None = None,
+        dimmable: bool | None = None,
+        tunable: bool | None = None,
+        colored: bool | None = None,
+        **filters: Unpack[CommonFilters],
+    ) -> HandleQuery[Self]:
         """Return the query that ``find`` and ``follow`` make of these arguments.
 
         Args:
             on: Whether it reports that it is on; one whose state is unknown matches neither.
-            place: The conditions that every kind has, such as ``area``; see :class:`Handle`.
+            dimmable: Whether its brightness can be set.
+            tunable: Whether its colour temperature can be set.
+            colored: Whether its colour can be set.
+            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
         """
-        return cls._asked(place, cls._is("on_off", on))
+        settable = {"level": dimmable, "color_temperature": tunable, "color": colored}
+        return cls._where(filters, states={"on_off": on}, settable=settable)
+
+    @property
+    def on(self) -> bool | None:
+        """True if it is on; None if unknown."""
+        return self._flag("on_off")
+
+    @property
+    def level(self) -> float | None:
+        """The brightness in percent, 0 to 100; 0 only if it is off. None if unknown."""
+        return self._number("level")
+
+    @property
+    def kelvin(self) -> float | None:
+        """The colour temperature in kelvin; None if unknown."""
+        return self._number("color_temperature")
+
+    @property
+    def color(self) -> tuple[float, float] | None:
+        """The hue in degrees, 0 to 360, and the saturation in percent, 0 to 100; None if unknown."""
+        match self.value("color"):
+            case (float(hue), float(saturation)):
+                return hue, saturation
+            case _:
+                return None
+
+    @property
+    def effect(self) -> str | None:
+        """The name of the effect that is running; None if unknown or none."""
+        return self._text("effect")
+
+    async def turn_on(
+        self,
+        *,
+        level: float | None = None,
+        kelvin: float | None = None,
+        color: tuple[float, float] | None = None,
+        effect: str | None = None,
+        transition: float = 0.0,
+    ) -> None:
+        """Turn it on. Settings that are not given stay as they are.
+
+        Args:
+            level: The brightness in percent, above 0 and up to 100.
+            kelvin: The colour temperature in kelvin, within the bounds of the lamp's ``color_temperature``.
+            color: The hue in degrees, 0 to 360, and the saturation in percent, 0 to 100.
+            effect: One of the options of its ``effect``.
+            transition: Seconds that the change takes, where the lamp supports that; 0 or more.
+
+        Raises:
+            RefusedError: It does not support one of these or a value is out of range, and nothing was sent; or its
+                gateway refused.
+            LinkError: None of its gateways is running and connected; it may work later.
+        """
+        if level is not None and not 0 < level <= 100:
+            raise RefusedError(f"{level:g} as level of {self.id}", "turned on, it takes above 0 to 100 %")
+        settings: dict[str, PlainValue] = {"level": level, "color_temperature": kelvin}
+        settings["color"] = None if color is None else self._checked_color(color)
+        settings["effect"] = effect
+        settings = {name: value for name, value in settings.items() if value is not None} or {"on_off": True}
+        if len(settings) > 1:  # all of them, or nothing is sent
+            for name, value in settings.items():
+                self._settable_part(name, plain_value(value))
+        for name, value in settings.items():
+            await self.command(name, value, transition=transition)
+
+    async def turn_off(self, *, transition: float = 0.0) -> None:
+        """Turn it off.
+
+        Raises:
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
+        """
+        await self.command("on_off", False, transition=transition)  # noqa: FBT003  # the value
+
+    async def set_level(self, level: float, *, transition: float = 0.0) -> None:
+        """Set the brightness to *level* percent; 0 turns it off.
+
+        Raises:
+            RefusedError: It cannot be dimmed, or the level is not in 0 to 100.
+            LinkError: None of its gateways is running and connected; it may work later.
+        """
+        if level == 0:
+            await self.turn_off(transition=transition)
+        else:
+            await self.command("level", level, transition=transition)
+
+    def _checked_color(self, color: tuple[float, float]) -> tuple[float, float]:
+        hue, saturation = float(color[0]), float(color[1])
+        if not (math.isfinite(hue) and 0 <= hue <= _HUE and 0 <= saturation <= _SATURATION):
+            raise RefusedError(f"{color} as color of {self.id}", "it takes hue 0 to 360 and saturation 0 to 100")
+        return hue, saturation
+
+
+class _Switchable(Handle):
+    @classmethod
+    def where(cls, *, on: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
+        """Return the query that ``find`` and ``follow`` make of these arguments.
+
+        Args:
+            on: Whether it reports that it is on; one whose state is unknown matches neither.
+            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
+        """
+        return cls._where(filters, states={"on_off": on})
 
     @property
     def on(self) -> bool | None:
@@ -66,3 +192,83 @@ class Siren(_Switchable):
     """A siren."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"siren"})
+
+
+class Fan(Handle):
+    """A fan, an air purifier or an extractor hood."""
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"fan"})
+
+    @classmethod
+    def where(cls, *, on: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
+        """Return the query that ``find`` and ``follow`` make of these arguments.
+
+        Args:
+            on: Whether it reports that it is on; one whose state is unknown matches neither.
+            filters: The conditions that every kind has, such as ``area``; see :class:`Handle`.
+        """
+        return cls._where(filters, states={"on_off": on})
+
+    @property
+    def on(self) -> bool | None:
+        """True if it is on; None if unknown. A fan that reports only its speed is off at 0."""
+        if (on := self._flag("on_off")) is not None:
+            return on
+        if self.speed is not None:
+            return self.speed > 0
+        return None if self.mode is None else self.mode.casefold() != _OFF
+
+    @property
+    def speed(self) -> float | None:
+        """The speed in percent, 0 to 100; None if unknown."""
+        return self._number("fan_speed")
+
+    @property
+    def mode(self) -> str | None:
+        """The selected preset, one of the options of its ``fan_mode``; None if unknown."""
+        return self._text("fan_mode")
+
+    async def turn_on(self, *, speed: float | None = None) -> None:
+        """Turn it on.
+
+        Args:
+            speed: The speed in percent, 0 to 100; by default it stays as it is.
+
+        Raises:
+            RefusedError: It does not support this, and nothing was sent; or its gateway refused.
+            LinkError: None of its gateways is running and connected; it may work later.
+        """
+        if speed is not None:
+            self._settable_part("fan_speed", float(speed))
+        if speed is None or self.can("on_off"):
+            await self.command("on_off", True)  # noqa: FBT003  # the value
+        if speed is not None:
+            await self.command("fan_speed", speed)
+
+    async def turn_off(self) -> None:
+        """Turn it off, by its speed or preset if it has no switch.
+
+        Raises:
+            RefusedError: It takes no such command.
+            LinkError: None of its gateways is running and connected; it may work later.
+        """
+        if not self.can("on_off") and (mode := self._mode_off()) is not None:
+            await self.command("fan_mode", mode)
+        elif not self.can("on_off") and self.can("fan_speed"):
+            await self.command("fan_speed", 0.0)
+        else:
+            await self.command("on_off", False)  # noqa: FBT003  # the value
+
+    async def set_speed(self, speed: float) -> None:
+        """Set the speed to *speed* percent, 0 to 100.
+
+        Raises:
+            RefusedError: Its speed cannot be set, or the value is out of range.
+            LinkError: None of its gateways is running and connected; it may work later.
+        """
+        await self.command("fan_speed", speed)
+
+    def _mode_off(self) -> str | None:
+        """Return the one of its own speeds that is off; None where there is none."""
+        options = [word for one in self.capabilities if one.name == "fan_mode" and one.settable for word in one.options]
+        return next((word for word in options if word.casefold() == _OFF), None)
