@@ -1,6 +1,6 @@
 """Texts and JSON in what a device says."""
 
-from homebot.conventions.decode import to_json, to_text
+from homebot.conventions.payload import to_json, to_text
 
 
 def test_what_is_no_text_or_json_is_none() -> None:

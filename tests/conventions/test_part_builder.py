@@ -1,9 +1,8 @@
 """A part in the making: what it collects, and what becomes of it."""
 
-from homebot.conventions.decode import JsonMessage, Readings
 from homebot.conventions.description import AutoExpiry, Publication
-from homebot.conventions.part_builder import JsonPart, PartBuilder, with_own_ids
-from homebot.conventions.table_codec import json_object
+from homebot.conventions.part_builder import JsonPart, with_own_ids
+from homebot.conventions.payload import JsonMessage, Readings
 from homebot.devices.value import PlainValue
 
 ASK = Publication("t/get", b"")
@@ -18,9 +17,7 @@ def write(value: PlainValue, transition: float) -> tuple[Publication, ...]:
 
 
 def part() -> JsonPart:
-    made = PartBuilder(
-        json_object, "id", "light", name="n", advertised="lamp", tag="x", category="config", guessed=True
-    )
+    made = JsonPart("id", "light", name="n", advertised="lamp", tag="x", category="config", guessed=True)
     made.read_from("t", read_state)
     made.read_events_from("t/event", lambda message: {"press": str(message.get("action"))})
     made.add_capability("on_off", writer=write)
@@ -59,7 +56,7 @@ def test_equal_capabilities_are_one_value() -> None:
 
 def test_many_options_are_not_kept_for_others() -> None:
     long = tuple(f"effect {index}" for index in range(200))
-    made = [PartBuilder(json_object, "id", "light") for _ in range(2)]
+    made = [JsonPart("id", "light") for _ in range(2)]
     for one in made:
         one.add_capability("effect", options=long)
     first, second = (one.build().part.capabilities[0] for one in made)
@@ -68,10 +65,10 @@ def test_many_options_are_not_kept_for_others() -> None:
 
 
 def test_a_part_that_can_do_nothing_says_so() -> None:
-    assert PartBuilder(json_object, "", "x_unknown").is_empty
+    assert JsonPart("", "x_unknown").is_empty
     assert not part().is_empty
 
 
 def test_parts_with_one_id_are_numbered_and_cut() -> None:
-    parts = [PartBuilder(json_object, part_id, "light").build() for part_id in ("a", "a", "a_2", "a", "b")]
+    parts = [JsonPart(part_id, "light").build() for part_id in ("a", "a", "a_2", "a", "b")]
     assert [one.part.id for one in with_own_ids(parts, 4)] == ["a", "a_2", "a_2_2", "a_3"]

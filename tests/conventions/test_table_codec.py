@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from homebot.conventions.decode import JsonMessage
 from homebot.conventions.description import Publication
+from homebot.conventions.payload import JsonMessage
 from homebot.conventions.table_codec import TableCodec, json_object, raw_bytes
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

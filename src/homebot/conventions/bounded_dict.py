@@ -1,4 +1,4 @@
-"""Devices in the making, with room for so many. Pure."""
+"""A dictionary with room for so many values, of which some are kept for good. Pure."""
 
 from __future__ import annotations
 

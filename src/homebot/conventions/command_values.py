@@ -1,15 +1,23 @@
-"""Checks of a command's value against what the part can do. Pure."""
+"""Checks of a command's value against what the part can do, and writers of commands made of them. Pure."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import TypeAlias
 
+from homebot.conventions.description import Publication
 from homebot.conventions.payload import shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 __all__ = [
+    "Publications",
+    "Writer",
+    "bool_writer",
+    "number_writer",
+    "option_writer",
+    "push_writer",
     "require_bool",
     "require_color",
     "require_number",
@@ -17,6 +25,11 @@ __all__ = [
     "require_option",
     "require_transition",
 ]
+
+Publications: TypeAlias = tuple[Publication, ...]
+
+Writer: TypeAlias = Callable[[PlainValue, float], Publications]
+"""The publications for a value and a transition in seconds; raises RefusedError."""
 
 _MOST_NAMED = 20
 _HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
@@ -94,3 +107,32 @@ def require_option(capability: str, value: PlainValue, options: Iterable[str]) -
         return value
     named = ", ".join(known[:_MOST_NAMED]) + (", …" if len(known) > _MOST_NAMED else "")
     raise RefusedError(f"{capability} {shown(value)}", f"it takes {named}" if known else "it takes none")
+
+
+def bool_writer(capability: str, publish: Callable[[bool], Publications]) -> Writer:
+    """Return a writer of true and false without transition."""
+    return lambda value, _transition: publish(require_bool(capability, value))
+
+
+def number_writer(
+    capability: str, bounds: tuple[float, ...], unit: str, publish: Callable[[float], Publications]
+) -> Writer:
+    """Return a writer of numbers within the *bounds*, a smallest and a largest, without transition."""
+    least, most = bounds
+    return lambda value, _transition: publish(require_number(capability, value, least, most, unit))
+
+
+def option_writer(capability: str, options: Iterable[str], publish: Callable[[str], Publications]) -> Writer:
+    """Return a writer of one of the *options* without transition."""
+    return lambda value, _transition: publish(require_option(capability, value, options))
+
+
+def push_writer(capability: str, publish: Callable[[], Publications]) -> Writer:
+    """Return a writer of true alone: the part does something, and keeps no state."""
+
+    def write(value: PlainValue, _transition: float) -> Publications:
+        if value is not True:
+            raise RefusedError(f"{capability} {shown(value)}", "it takes true")
+        return publish()
+
+    return write

@@ -20,6 +20,7 @@ __all__ = [
     "DeviceAnnounced",
     "DeviceRequest",
     "DeviceWithdrawn",
+    "LastWillAvailability",
     "Publication",
     "TakesCode",
     "TextEndpoint",
@@ -132,6 +133,25 @@ class AvailabilitySource(Protocol):
     def read(self, payload: bytes) -> bool | None:
         """Return whether it can, or None when *payload* says neither."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class LastWillAvailability:
+    """The topic of a device's last will, and the two payloads there; see :class:`AvailabilitySource`.
+
+    Attributes:
+        topic: The topic.
+        online: The payload of a device that can be reached.
+        offline: The payload of one that cannot.
+    """
+
+    topic: str
+    online: bytes
+    offline: bytes
+
+    def read(self, payload: bytes) -> bool | None:
+        """Return whether the device can be reached, or None when *payload* says neither."""
+        return True if payload == self.online else False if payload == self.offline else None
 
 
 @dataclass(frozen=True, slots=True)

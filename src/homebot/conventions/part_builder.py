@@ -1,4 +1,4 @@
-"""A part in the making: what it can do, collected by whoever describes it. Pure."""
+"""Builder of a part: its capabilities, with what reads and writes them, become its description. Pure."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
-from typing import Generic, TypeAlias, TypeVar
+from typing import Generic, TypeVar
 
-from homebot.conventions.decode import JsonMessage
+from homebot.conventions.command_values import Writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
-from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, TableCodec, Writer
+from homebot.conventions.payload import JsonMessage
+from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, TableCodec, json_object, raw_bytes
 from homebot.devices.part import Capability, Category, Part
 
 __all__ = ["BytesPart", "JsonPart", "PartBuilder", "with_own_ids"]
@@ -21,14 +22,16 @@ MessageT = TypeVar("MessageT")
 class PartBuilder(Generic[MessageT]):
     """Collects what one part can do, and becomes its description.
 
-    Args:
-        parse_payload: What its readers are given of a payload.
-        part_id: See :class:`homebot.devices.part.Part`, as are the others.
+    Its arguments are fields of :class:`homebot.devices.part.Part`.
+
+    Attributes:
+        parse_payload: Makes of a payload what the readers are given.
     """
+
+    parse_payload: PayloadParser[MessageT]
 
     def __init__(
         self,
-        parse_payload: PayloadParser[MessageT],
         part_id: str,
         service_type: str,
         *,
@@ -38,7 +41,6 @@ class PartBuilder(Generic[MessageT]):
         category: Category = "",
         guessed: bool = False,
     ) -> None:
-        self._parse_payload = parse_payload
         self._about = (part_id, service_type, name, advertised, tag, category, guessed)
         self._capabilities: dict[str, Capability] = {}
         self._readers: dict[str, tuple[Reader[MessageT], ...]] = {}
@@ -108,7 +110,7 @@ class PartBuilder(Generic[MessageT]):
     def build(self) -> DescribedPart:
         """Return the finished part."""
         part_id, service_type, name, advertised, tag, category, guessed = self._about
-        codec = TableCodec(self._parse_payload, self._readers, self._event_readers, self._writers, self._coded_writers)
+        codec = TableCodec(self.parse_payload, self._readers, self._event_readers, self._writers, self._coded_writers)
         part = Part(
             id=part_id,
             name=name,
@@ -127,11 +129,16 @@ class PartBuilder(Generic[MessageT]):
         )
 
 
-JsonPart: TypeAlias = PartBuilder[JsonMessage]
-"""A part whose readers are given a JSON object."""
+class JsonPart(PartBuilder[JsonMessage]):
+    """A part whose readers are given a JSON object."""
 
-BytesPart: TypeAlias = PartBuilder[bytes]
-"""A part whose readers are given the payload."""
+    parse_payload = staticmethod(json_object)
+
+
+class BytesPart(PartBuilder[bytes]):
+    """A part whose readers are given the payload."""
+
+    parse_payload = staticmethod(raw_bytes)
 
 
 def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPart, ...]:

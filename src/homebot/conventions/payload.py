@@ -1,29 +1,44 @@
-"""The border for what strangers say: JSON and texts, checked and bounded. Pure."""
+"""Payloads of devices: bounded JSON and texts, and the readings taken from them. Pure."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import NoReturn
+from functools import lru_cache
+from types import MappingProxyType
+from typing import NoReturn, TypeAlias, TypeVar
 
+from homebot.devices.text.vocabulary import says_unknown
+from homebot.devices.value import PlainValue
 from homebot.errors import WireError
+from homebot.numbers import to_number
 from homebot.strict_json import object_noting
 
 __all__ = [
     "MAX_ANNOUNCEMENT_BYTES",
     "MAX_LONG_STATE_BYTES",
     "MAX_STATE_BYTES",
+    "NO_READINGS",
+    "JsonMessage",
+    "Readings",
     "clean_text",
+    "is_unknown",
+    "meaning_reader",
     "noting_duplicates",
     "parse_json",
     "parse_list",
     "parse_object",
+    "percent_of",
+    "read_number",
     "shown",
+    "to_json",
+    "to_text",
 ]
+
 
 MAX_ANNOUNCEMENT_BYTES = 256 * 1024
 """Longest announcement of one device; one with a hundred parts has about 100 kB."""
@@ -230,3 +245,76 @@ def _check_surrogates(value: object) -> None:
         json.dumps(value, ensure_ascii=False).encode()
     except UnicodeEncodeError:
         raise WireError("a text in the JSON has half a surrogate pair") from None
+
+
+Readings: TypeAlias = Mapping[str, PlainValue]
+"""Values by capability; see :meth:`homebot.conventions.description.Codec.read`."""
+
+JsonMessage: TypeAlias = Mapping[str, object]
+"""One message: a JSON object. Nobody changes it, because all parts that read it share it."""
+
+TextT = TypeVar("TextT", str, bytes)
+
+NO_READINGS: Readings = MappingProxyType({})
+
+
+@lru_cache(maxsize=8)
+def to_text(payload: bytes) -> str | None:
+    """Return the text that *payload* is; None where it is none, or longer than what is looked at."""
+    if len(payload) > MAX_STATE_BYTES:
+        return None
+    try:
+        return payload.decode()
+    except UnicodeDecodeError:
+        return None
+
+
+@lru_cache(maxsize=2)  # all parts of a device read the same message, one after the other
+def to_json(payload: bytes) -> object:
+    """Return what *payload* says in JSON, not to be changed; None where that is nothing."""
+    try:
+        return parse_json(payload)
+    except WireError:
+        return None
+
+
+def is_unknown(value: object) -> bool:
+    """Tell whether *value*, in the place of a number, says that the device does not know it.
+
+    That is null, a number that is none or has no end, and the words that firmware has for these.
+    """
+    if isinstance(value, str):
+        return says_unknown(value)
+    return value is None or (isinstance(value, float) and not math.isfinite(value))
+
+
+def read_number(
+    capability: str, value: object, convert: Callable[[float], float | None] = float, unknown: object = None
+) -> Readings:
+    """Return what *value* tells of *capability*: a number, that it is unknown, or nothing.
+
+    Args:
+        capability: What the number is.
+        value: What the message has in its place.
+        convert: Makes the value of the number; None where that cannot be.
+        unknown: The device's own word for a number that it does not know, beside those of :func:`is_unknown`.
+    """
+    if value == unknown:
+        return {capability: None}
+    number = to_number(value)
+    if number is None:
+        return {capability: None} if is_unknown(value) else NO_READINGS
+    outside = convert(number)
+    return NO_READINGS if outside is None else {capability: outside}
+
+
+def meaning_reader(capability: str, meanings: Mapping[TextT, PlainValue]) -> Callable[[TextT], Readings]:
+    """Return a reader of *capability* by a table of the texts, or payloads, that mean something."""
+    readings: Mapping[TextT, Readings] = {text: {capability: value} for text, value in meanings.items()}
+    return lambda text: readings.get(text, NO_READINGS)
+
+
+def percent_of(value: object) -> float | None:
+    """Return the number from 0 to 100 that *value* is; None, unknown, for anything else."""
+    number = to_number(value)
+    return number if number is not None and 0 <= number <= 100 else None

@@ -6,25 +6,20 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Generic, Never, Protocol, TypeAlias, TypeVar
 
-from homebot.conventions.command_values import require_transition
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, to_json
+from homebot.conventions.command_values import Writer, require_transition
 from homebot.conventions.description import Publication
-from homebot.conventions.payload import shown
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, shown, to_json
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["CodedWriter", "PayloadParser", "Reader", "TableCodec", "Writer", "json_object", "raw_bytes"]
+__all__ = ["CodedWriter", "PayloadParser", "Reader", "TableCodec", "json_object", "raw_bytes"]
 
 MessageT = TypeVar("MessageT")
 MessageT_co = TypeVar("MessageT_co", covariant=True)
 
 Reader: TypeAlias = Callable[[MessageT], Readings]
 """The readings of one parsed message. Never raises."""
-
-Writer: TypeAlias = Callable[[PlainValue, float], tuple[Publication, ...]]
-"""The publications for a value and a transition in seconds; raises RefusedError."""
-
 
 CodedWriter: TypeAlias = Callable[[PlainValue, str], tuple[Publication, ...]]
 """The publications for a value and a code, which is empty where none was given; raises RefusedError."""

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
-from homebot.wot.scale import bounds_of
+from homebot.wot.scale import bounds_of, unit_of
 from homebot.wot.thing import Affordance, DataSchema, Form, Thing
-from homebot.wot.units import unit_of
 from homebot.wot.vocabulary import CAPABILITY_TYPES, LONE_TYPES, NAMES, OWNED, THING_TYPES
 
 __all__ = ["ClassifiedPart", "observe_form", "parts_of", "write_form"]

@@ -7,10 +7,17 @@ import math
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.wot.thing import Affordance
-from homebot.wot.units import unit_of
+from homebot.wot.thing import Affordance, DataSchema
+from homebot.wot.vocabulary import UNITS
 
-__all__ = ["bounds_of", "canonical", "on_the_wire"]
+__all__ = ["bounds_of", "canonical", "on_the_wire", "unit_of"]
+
+
+def unit_of(schema: DataSchema) -> str:
+    """Return the unit of a schema, as the vocabulary spells it: ``celsius`` and ``unit:DegreeCelsius`` are ``°C``."""
+    bare = schema.unit.rpartition("/")[2].rpartition(":")[2] if ":" in schema.unit else schema.unit
+    return UNITS.get(bare.casefold().strip(), schema.unit)
+
 
 _FRACTIONS = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
 """Capabilities that go from nothing to all, whatever the thing calls the two ends."""

@@ -2,8 +2,8 @@ import json
 
 import pytest
 
-from homebot.conventions.homie.document import Document, parse_document
-from homebot.conventions.homie.formats import Range
+from homebot.conventions.homie.model import Range
+from homebot.conventions.homie.version5 import Document, parse_document
 from homebot.errors import WireError
 
 GOOD = {"datatype": "integer", "format": "0:100:5", "unit": "%", "settable": True, "retained": False, "name": "Dim"}

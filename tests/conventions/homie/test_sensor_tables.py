@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.conventions.homie.sensor_tables import condition_of, quantity_of
+from homebot.conventions.homie.node_types import condition_of, quantity_of
 from homebot.conventions.units import conversion_of
 
 NONE: frozenset[str] = frozenset()

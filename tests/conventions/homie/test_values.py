@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.homie.formats import Range, parse_options, parse_range
-from homebot.conventions.homie.model import HomieProperty
+from homebot.conventions.homie.model import HomieProperty, Range, parse_options, parse_range
 from homebot.conventions.homie.values import publication, read_color, read_plain, spell_color, spell_plain
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 
 from homebot.conventions.jinja import TemplateError, compile_template
-from homebot.conventions.jinja.path import Path
-from homebot.conventions.jinja.payload_context import PayloadContext
 from homebot.conventions.jinja.syntax import parse
+from homebot.conventions.jinja.template import Path, PayloadContext
 
 ENVIRONMENT = ImmutableSandboxedEnvironment(extensions=["jinja2.ext.loopcontrols"])
 

@@ -5,9 +5,14 @@ from typing import Any
 
 import pytest
 
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
+from homebot.conventions.description import (
+    AnnouncementEvent,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+    LastWillAvailability,
+)
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
-from homebot.conventions.tasmota.reader import MAX_DEVICES, MAX_WAITING, WillAvailability
+from homebot.conventions.tasmota.reader import MAX_DEVICES, MAX_WAITING
 from homebot.errors import WireError
 
 MAC = "2462AB000011"
@@ -179,7 +184,7 @@ def test_the_last_will_tells_whether_it_can_be_reached() -> None:
     availability = one(take(discovery(), "config", config(onln="Da", ofln="Weg"))).availability
     assert availability is not None
     (will,) = availability.sources
-    assert will == WillAvailability("tele/tasmota_000011/LWT", b"Da", b"Weg")
+    assert will == LastWillAvailability("tele/tasmota_000011/LWT", b"Da", b"Weg")
     assert [will.read(word) for word in (b"Da", b"Weg", b"Online")] == [True, False, None]
 
 

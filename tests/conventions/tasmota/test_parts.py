@@ -7,10 +7,9 @@ import pytest
 
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
 from homebot.conventions.tasmota.config import read_config
-from homebot.conventions.tasmota.fade_speed import FadeTarget, LampState, speed_for
-from homebot.conventions.tasmota.parts import build_parts
+from homebot.conventions.tasmota.light import FadeTarget, LampState, speed_for
+from homebot.conventions.tasmota.parts import build_parts, count_shutters
 from homebot.conventions.tasmota.sensors import MOST_SENSORS, read_leaves
-from homebot.conventions.tasmota.shutter import count_shutters
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

@@ -7,7 +7,7 @@ import pytest
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
-from homebot.conventions.zigbee2mqtt.availability import StateAvailability
+from homebot.conventions.zigbee2mqtt.bridge_device import StateAvailability
 from homebot.conventions.zigbee2mqtt.reader import MAX_DEVICES, _read
 from homebot.errors import WireError
 

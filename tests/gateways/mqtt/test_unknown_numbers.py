@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.conventions.convention import Convention
-from homebot.conventions.decode import is_unknown, read_number
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.conventions.homie import Homie, HomieSettings
+from homebot.conventions.payload import is_unknown, read_number
 from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.conventions.thesis.parts import thesis_part

@@ -15,7 +15,6 @@ from typing import Annotated, ClassVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from homebot.conventions.command_values import require_bool, require_number
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import (
     AnnouncementEvent,
     DescribedPart,
@@ -24,7 +23,7 @@ from homebot.conventions.description import (
     Publication,
 )
 from homebot.conventions.part_builder import BytesPart
-from homebot.conventions.table_codec import raw_bytes
+from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.identity import identifiers
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -101,7 +100,7 @@ _STATE = re.compile(rb"(on|off)(?: (\d{1,3}))?")
 
 def _lamp(base: str, info: _Info) -> DescribedPart:
     lamp = _Lamp(f"{base}/set")
-    part = BytesPart(raw_bytes, "light", "light")
+    part = BytesPart("light", "light")
     part.read_from(f"{base}/state", lamp.read)
     part.add_command_topics(lamp.topic)
     part.add_state_request(Publication(f"{base}/get", b""))

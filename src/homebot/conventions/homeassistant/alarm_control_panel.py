@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 from hmac import compare_digest
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic
+from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.payload import NO_READINGS, Readings
 
 __all__ = ["CONDITION_CLASSES", "build_binary_sensor"]
 

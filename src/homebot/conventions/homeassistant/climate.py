@@ -8,7 +8,6 @@ from __future__ import annotations
 from functools import partial
 
 from homebot.conventions.command_values import require_bool
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, add_choice, add_number
@@ -19,7 +18,7 @@ from homebot.conventions.homeassistant.temperature import (
     source_of,
 )
 from homebot.conventions.homeassistant.topics import CommandTopic
-from homebot.conventions.payload import shown
+from homebot.conventions.payload import NO_READINGS, Readings, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

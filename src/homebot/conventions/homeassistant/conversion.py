@@ -5,36 +5,20 @@ Source of the rounding: Home Assistant core 2025.4, ``util/scaling.py`` and ``ut
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from homebot.conventions import decode
-from homebot.conventions.decode import Readings
 from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
 from homebot.numbers import to_number
 
-__all__ = ["Scale", "fields_of", "number_of", "numbers_of", "read_number", "whole_of"]
+__all__ = ["Scale", "fields_of", "number_of", "numbers_of", "whole_of"]
 
 
 def number_of(value: object) -> float | None:
     """Return the number that a text or a JSON value is; None where it is none. As in Python, true is 1."""
     return float(value) if isinstance(value, bool) else to_number(value)
-
-
-def read_number(
-    capability: str, text: str, *, unknown: str = "None", convert: Callable[[float], float | None] = float
-) -> Readings:
-    """Return the number that *text* tells of *capability*; nothing where it tells none.
-
-    Args:
-        capability: What the number is.
-        text: What the device says.
-        unknown: The word which says that it is unknown, beside those that always do.
-        convert: Makes the outside number of what the device says; None where that cannot be.
-    """
-    return {capability: None} if text == unknown else decode.read_number(capability, text, convert)
 
 
 def whole_of(text: str) -> int | None:

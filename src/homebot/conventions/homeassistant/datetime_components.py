@@ -10,11 +10,10 @@ from datetime import date, datetime, time
 from types import MappingProxyType
 from typing import TypeAlias
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import shown
+from homebot.conventions.payload import NO_READINGS, Readings, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

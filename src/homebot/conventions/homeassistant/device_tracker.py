@@ -5,11 +5,10 @@ Source: Home Assistant core 2025.4, ``components/mqtt/device_tracker.py``.
 
 from __future__ import annotations
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text
 from homebot.errors import WireError
 
 __all__ = ["build_device_tracker"]

@@ -7,13 +7,11 @@ from functools import partial
 from typing import TypeVar
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import AutoExpiry, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import read_number
 from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
 from homebot.conventions.part_builder import PartBuilder
-from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, read_number, shown
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
@@ -33,9 +31,10 @@ class Entity(PartBuilder[StateMessage]):
         tag: What kind it is of its type; by default its ``device_class``.
     """
 
+    parse_payload = StateMessage
+
     def __init__(self, config: DiscoveryConfig, service_type: str, tag: str | None = None) -> None:
         super().__init__(
-            StateMessage,
             clean_text(config.text("unique_id") or config.discovery_id, _MAX_ID),
             service_type,
             name=config.clean_text("name"),

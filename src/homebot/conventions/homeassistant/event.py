@@ -7,13 +7,12 @@ Source: Home Assistant core 2025.4, ``components/mqtt/event.py``, ``device_trigg
 
 from __future__ import annotations
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import fields_of
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import StateMessage
-from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
 from homebot.errors import WireError
 
 __all__ = ["build_event", "build_tag", "build_trigger"]

@@ -8,13 +8,12 @@ from __future__ import annotations
 import math
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import Scale, whole_of
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic
-from homebot.conventions.payload import shown
+from homebot.conventions.payload import NO_READINGS, Readings, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 

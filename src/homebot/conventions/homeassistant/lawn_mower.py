@@ -6,10 +6,10 @@ Source: Home Assistant core 2025.4, ``components/mqtt/lawn_mower.py``.
 from __future__ import annotations
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.value import PlainValue
 
 __all__ = ["build_lawn_mower"]

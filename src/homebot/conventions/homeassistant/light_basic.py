@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import number_of, numbers_of, whole_of
@@ -17,7 +16,7 @@ from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.light_command import LightCommand, LightFeatures, read_white_range
 from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.light_color import CHANNELS, Channels, kelvin_mired, to_hue_saturation, white_kelvin
-from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 

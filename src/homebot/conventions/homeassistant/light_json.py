@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import number_of
@@ -24,7 +23,7 @@ from homebot.conventions.light_color import (
     to_hue_saturation,
     white_kelvin,
 )
-from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 

@@ -6,11 +6,10 @@ Source: Home Assistant core 2025.4, ``components/mqtt/lock.py``.
 from __future__ import annotations
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import shown
+from homebot.conventions.payload import NO_READINGS, Readings, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
 

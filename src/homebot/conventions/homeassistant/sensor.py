@@ -9,14 +9,11 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from functools import partial
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import read_number
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.sensor_tables import is_quantity, quantity_of
-from homebot.conventions.payload import clean_text
-from homebot.conventions.units import Quantity
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, read_number
 
 __all__ = ["build_sensor"]
 
@@ -32,7 +29,7 @@ def build_sensor(config: DiscoveryConfig) -> DescribedPart:
     if device_class not in _TEXTS and (is_quantity(device_class) or any(config.has(key) for key in _NUMERIC)):
         quantity = quantity_of(device_class, config.clean_text("unit_of_measurement", _MAX_UNIT))
         entity = Entity(config, quantity.service_type)
-        if entity.read_text_from(source, partial(_read_number, quantity)):
+        if entity.read_text_from(source, partial(read_number, quantity.capability, convert=quantity.value)):
             entity.add_capability(quantity.capability, unit=quantity.unit)
             entity.expire(quantity.capability)
         return entity.build()
@@ -49,10 +46,6 @@ _TEXTS = frozenset({"date", "enum", "timestamp"})
 _NUMERIC = ("unit_of_measurement", "state_class", "suggested_display_precision")
 _MAX_TEXT = 255
 _MAX_UNIT = 40
-
-
-def _read_number(quantity: Quantity, text: str) -> Readings:
-    return read_number(quantity.capability, text, convert=quantity.value)
 
 
 def _read_text(options: frozenset[str], text: str) -> Readings:

@@ -6,10 +6,10 @@ Source: Home Assistant core 2025.4, ``components/mqtt/switch.py``.
 from __future__ import annotations
 
 from homebot.conventions.command_values import require_bool
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.value import PlainValue
 
 __all__ = ["build_switch"]

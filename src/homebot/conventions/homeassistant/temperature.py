@@ -11,13 +11,11 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from homebot.conventions.command_values import require_number
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.conversion import read_number
 from homebot.conventions.homeassistant.entity import Entity, add_number
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
-from homebot.conventions.payload import shown
+from homebot.conventions.payload import NO_READINGS, Readings, read_number, shown
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError

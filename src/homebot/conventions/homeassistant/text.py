@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

@@ -9,12 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import Codec, DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import fields_of
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 

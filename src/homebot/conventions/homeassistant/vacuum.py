@@ -9,13 +9,12 @@ from collections.abc import Mapping
 from functools import partial
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.decode import Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.conversion import fields_of, number_of
 from homebot.conventions.homeassistant.entity import Entity, add_push
 from homebot.conventions.homeassistant.topics import CommandTopic
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import Readings, clean_text
 from homebot.devices.value import PlainValue
 
 __all__ = ["build_vacuum"]

@@ -6,8 +6,7 @@ Source: the words and forms that Homie devices commonly use.
 from __future__ import annotations
 
 from homebot.conventions.homie.model import HomieNode, HomieProperty
-from homebot.conventions.homie.node_types import tokens_in
-from homebot.conventions.homie.qualifiers import is_beside, is_setting
+from homebot.conventions.homie.node_types import is_beside, is_setting, tokens_in
 
 __all__ = ["guess_role", "is_moving", "is_opening", "is_speed"]
 

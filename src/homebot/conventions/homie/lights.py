@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_bool, require_color, require_number
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.homie.model import HomieProperty
 from homebot.conventions.homie.property_codecs import add_flag, percent_of, percent_written
 from homebot.conventions.homie.values import publication, read_color, read_plain, spell_color, spell_plain
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
 from homebot.conventions.part_builder import BytesPart
+from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.value import PlainValue
 
 __all__ = ["LIGHT_ROLES", "add_light"]

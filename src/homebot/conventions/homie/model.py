@@ -1,13 +1,117 @@
-"""A device as Homie describes it, whatever the version. Pure values."""
+"""A device as Homie describes it, whatever the version, with the formats of its properties. Pure values.
+
+Source: Homie convention 5, Payload and Property Formats, Device Lifecycle; Homie 4.0, Property Attributes.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
-from homebot.conventions.homie.formats import Range
+from homebot.conventions.description import Availability
+from homebot.conventions.payload import shown
+from homebot.errors import WireError
+from homebot.numbers import to_number
 
-__all__ = ["MAX_PROPERTIES", "HomieDevice", "HomieNode", "HomieProperty"]
+__all__ = [
+    "COLOR_FORMS",
+    "DATATYPES",
+    "MAX_OPTIONS",
+    "MAX_PROPERTIES",
+    "STATES",
+    "HomieDevice",
+    "HomieNode",
+    "HomieProperty",
+    "Range",
+    "StateTopic",
+    "availability_of",
+    "parse_options",
+    "parse_range",
+]
+
+
+DATATYPES = frozenset({"integer", "float", "boolean", "string", "enum", "color", "datetime", "duration", "json"})
+"""Every datatype of versions 3 to 5."""
+
+COLOR_FORMS = ("hsv", "rgb", "xyz")
+"""The forms of a colour, the one that loses least first."""
+
+MAX_OPTIONS = 200
+"""Words that an enum may have."""
+
+_LONGEST_OPTION = 255
+_FIELDS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """A range of numbers that a property takes.
+
+    Attributes:
+        least: Smallest; None where there is none.
+        most: Largest; None where there is none.
+        step: Distance of the numbers it takes; None for all between.
+    """
+
+    least: float | None = None
+    most: float | None = None
+    step: float | None = None
+
+    def holds(self, number: float) -> bool:
+        """Return whether *number* lies within."""
+        return (self.least is None or number >= self.least) and (self.most is None or number <= self.most)
+
+    def kept(self, number: float) -> float:
+        """Return *number*, or the end that it lies beyond."""
+        number = number if self.least is None else max(number, self.least)
+        return number if self.most is None else min(number, self.most)
+
+    def nearest(self, number: float) -> float:
+        """Return the number that it takes nearest to *number*; steps count from the smallest, or else the largest."""
+        if not self.step:
+            return number
+        base = self.least if self.least is not None else self.most if self.most is not None else 0.0
+        steps = math.floor((number - base) / self.step + 0.5)
+        nearest = round(base + steps * self.step, 9)
+        return nearest if self.most is None or nearest <= self.most else round(nearest - self.step, 9)
+
+
+def parse_range(text: str) -> Range:
+    """Return the range that *text* spells: ``[least]:[most]`` and perhaps ``:step``; empty for any number.
+
+    Raises:
+        WireError: It spells none, or one that holds no number.
+    """
+    if not text:
+        return Range()
+    fields = text.split(":")
+    numbers = [to_number(one) if one else None for one in fields]
+    is_spelled = 1 < len(fields) <= _FIELDS and all(
+        number is not None or not one for number, one in zip(numbers, fields, strict=True)
+    )
+    found = Range(*numbers) if is_spelled else None
+    if found is None or (found.step is not None and found.step <= 0):
+        raise WireError(f"format {shown(text)} is no range")
+    if found.least is not None and found.most is not None and found.least > found.most:
+        raise WireError(f"format {shown(text)} holds no number")
+    return found
+
+
+def parse_options(text: str) -> tuple[str, ...]:
+    """Return the words of an enum; blanks count.
+
+    Raises:
+        WireError: There is none, an empty one, one twice, too many, or one too long.
+    """
+    options = tuple(text.split(",", MAX_OPTIONS + 1))
+    if len(options) > MAX_OPTIONS or not all(0 < len(one) <= _LONGEST_OPTION for one in options):
+        raise WireError(f"format {shown(text)} is no list of words")
+    if len(set(options)) != len(options):
+        raise WireError(f"format {shown(text)} has a word twice")
+    return options
+
 
 MAX_PROPERTIES = 500
 """Properties of one device that are looked at."""
@@ -86,3 +190,37 @@ class HomieDevice:
     nodes: tuple[HomieNode, ...]
     root: str = ""
     facts: Mapping[str, str] = field(default_factory=dict)
+
+
+STATES: Mapping[str, bool | None] = MappingProxyType(
+    {"init": None, "ready": True, "sleeping": True, "alert": True, "disconnected": False, "lost": False}
+)
+"""Reachability of a device by its state; a sleeping one takes commands when it wakes, one that starts says neither."""
+
+
+@dataclass(frozen=True, slots=True)
+class StateTopic:
+    """See :class:`homebot.conventions.description.AvailabilitySource`.
+
+    Attributes:
+        topic: The topic.
+    """
+
+    topic: str
+
+    def read(self, payload: bytes) -> bool | None:
+        """Return whether the device can be reached, or None when *payload* says neither."""
+        return STATES.get(payload.decode(errors="replace")) if len(payload) <= _LONGEST else None
+
+
+_LONGEST = max(map(len, STATES))
+
+
+def availability_of(topic: str, root: str) -> Availability:
+    """Return how the device at *topic* tells whether it can be reached. One whose root is lost is lost.
+
+    Args:
+        topic: What its topics begin with.
+        root: What those of its root begin with; empty where it has none.
+    """
+    return Availability(tuple(StateTopic(f"{one}/$state") for one in (topic, root) if one), "all")

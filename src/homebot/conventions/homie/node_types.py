@@ -1,6 +1,10 @@
-"""Types of nodes, and the meaning of their properties. Tables, pure.
+"""Types of nodes, quantities and conditions, by units and by words. Tables, pure.
 
-Source: hc-smarthome v2 and v1 (homie-homecontrol/hc-homie5-smarthome); homie5-device-profiles, draft.
+A guess needs both: words that speak for it and a form that fits. A qualifier beside them speaks against it: a child
+lock locks no door, a water tank does not leak.
+
+Source: hc-smarthome v2 and v1 (homie-homecontrol/hc-homie5-smarthome); homie5-device-profiles, draft; Homie
+convention 5, Units.
 """
 
 from __future__ import annotations
@@ -12,7 +16,20 @@ from types import MappingProxyType
 
 from homebot.conventions.homie.model import HomieNode
 
-__all__ = ["KINDS", "Kind", "declared_class", "declared_kind", "guessed_kinds", "tokens_in"]
+__all__ = [
+    "CONDITIONS",
+    "KINDS",
+    "Kind",
+    "condition_of",
+    "declared_class",
+    "declared_kind",
+    "guessed_kinds",
+    "is_beside",
+    "is_object",
+    "is_setting",
+    "quantity_of",
+    "tokens_in",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,3 +128,232 @@ def guessed_kinds(node: HomieNode, around: frozenset[str]) -> tuple[str, ...]:
 def tokens_in(*texts: str) -> frozenset[str]:
     """Return the words of *texts* in small letters."""
     return frozenset(token for text in texts for token in _TOKEN.findall(text[:_LONGEST].casefold()))
+
+
+_BESIDE = frozenset(
+    {"alarm", "auto", "automatic", "away", "backlight", "beep", "behavior", "behaviour", "boost", "button", "buzzer"}
+    | {"calibration", "child", "comfort", "correction", "day", "default", "delay", "delta", "detection", "difference"}
+    | {
+        "display",
+        "duration",
+        "eco",
+        "enable",
+        "enabled",
+        "firmware",
+        "frost",
+        "holiday",
+        "humidity",
+        "hysteresis",
+        "identify",
+    }
+    | {
+        "indicator",
+        "interval",
+        "key",
+        "keypad",
+        "keys",
+        "limit",
+        "lockout",
+        "max",
+        "maximum",
+        "memory",
+        "min",
+        "minimum",
+    }
+    | {
+        "mute",
+        "night",
+        "offset",
+        "panel",
+        "protection",
+        "ramp",
+        "rate",
+        "reset",
+        "restart",
+        "runtime",
+        "schedule",
+        "screen",
+    }
+    | {
+        "sensitivity",
+        "sound",
+        "speaker",
+        "standby",
+        "startup",
+        "status",
+        "threshold",
+        "time",
+        "timeout",
+        "timer",
+        "travel",
+    }
+    | {"tone", "transition", "update", "vibration", "volume", "water"}
+)
+"""A property of these is a setting, or of something else than its node is there for."""
+
+_SETTINGS = frozenset(
+    {
+        "backlight",
+        "calibration",
+        "child",
+        "display",
+        "firmware",
+        "hysteresis",
+        "identify",
+        "indicator",
+        "keypad",
+        "keys",
+    }
+    | {"lockout", "offset", "reset", "schedule", "screen", "sensitivity", "threshold", "update"}
+)
+"""A node of these is there for setting up."""
+
+_OBJECTS = frozenset(
+    {"attached", "bell", "boiler", "box", "button", "connected", "dock", "empty", "enabled", "filter", "full", "grade"}
+    | {
+        "heater",
+        "heating",
+        "hot",
+        "installed",
+        "level",
+        "light",
+        "lock",
+        "locked",
+        "low",
+        "meter",
+        "mode",
+        "mop",
+        "opener",
+    }
+    | {"pump", "supply", "tank", "temperature", "usage", "valve", "watertank"}
+)
+"""Things that can have water, gas or a door without that being a condition of them."""
+
+
+def is_beside(tokens: frozenset[str]) -> bool:
+    """Return whether *tokens* of a property say that it is not what its node is there for."""
+    return not tokens.isdisjoint(_BESIDE)
+
+
+def is_object(tokens: frozenset[str]) -> bool:
+    """Return whether *tokens* of a property name a thing, so that a condition among them is only part of its name."""
+    return not tokens.isdisjoint(_OBJECTS)
+
+
+def is_setting(tokens: frozenset[str]) -> bool:
+    """Return whether *tokens* of a node say that nothing of it is what its device is there for."""
+    return not tokens.isdisjoint(_SETTINGS)
+
+
+_BY_UNIT: Mapping[str, str] = MappingProxyType(
+    {
+        "°C": "temperature",
+        "°F": "temperature",
+        "C": "temperature",
+        "F": "temperature",
+        "W": "power",
+        "kW": "power",
+        "mW": "power",
+        "kWh": "energy",
+        "Wh": "energy",
+        "MWh": "energy",
+        "V": "voltage",
+        "mV": "voltage",
+        "A": "current",
+        "mA": "current",
+        "kA": "current",
+        "Hz": "frequency",
+        "lx": "illuminance",
+        "hPa": "pressure",
+        "mbar": "pressure",
+        "Pa": "pressure",
+        "kPa": "pressure",
+        "bar": "pressure",
+        "psi": "pressure",
+        "dBm": "signal_strength",
+        "m³/h": "flow",
+        "L/h": "flow",
+        "L/min": "flow",
+    }
+)
+
+_BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
+    ("battery", "battery", frozenset({"", "%"})),
+    ("humidity", "humidity", frozenset({"", "%"})),
+    ("moisture", "soil_moisture", frozenset({"%"})),
+    ("temperature", "temperature", frozenset({""})),
+    ("illuminance", "illuminance", frozenset({""})),
+    ("lux", "illuminance", frozenset({""})),
+    ("pressure", "pressure", frozenset({""})),
+    ("co2", "carbon_dioxide", frozenset({"", "ppm"})),
+    ("dioxide", "carbon_dioxide", frozenset({"", "ppm"})),
+    ("monoxide", "carbon_monoxide", frozenset({"", "ppm"})),
+    ("co", "carbon_monoxide", frozenset({"ppm"})),
+    ("pm25", "pm25", frozenset({"", "µg/m³"})),
+    ("pm10", "pm10", frozenset({"", "µg/m³"})),
+    ("voc", "volatile_organic_compounds", frozenset({"µg/m³"})),
+    ("rssi", "signal_strength", frozenset({""})),
+)
+
+_NO_MEASURE = frozenset({"color", "colour", "count", "cycles", "health", "time"})
+"""Beside these a number is not what another word names: the temperature of a colour, the cycles of a battery."""
+
+_SHORT = 4
+"""A longer word also counts where another begins with it, as ``battery`` in ``batterystate``."""
+
+CONDITIONS: Mapping[str, str] = MappingProxyType(
+    {
+        "motion": "occupancy",
+        "occupancy": "occupancy",
+        "presence": "occupancy",
+        "contact": "contact",
+        "door": "contact",
+        "window": "contact",
+        "open": "contact",
+        "water": "water_leak",
+        "leak": "water_leak",
+        "flood": "water_leak",
+        "smoke": "smoke",
+        "co": "carbon_monoxide_alarm",
+        "gas": "gas",
+        "vibration": "vibration",
+        "tamper": "tamper",
+        "sabotage": "tamper",
+        "rain": "rain",
+    }
+)
+"""Capabilities of boolean properties, by a token of their name."""
+
+
+def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
+    """Return the capability of a number with *unit* near *tokens*, and whether that is a guess."""
+    unit = unit.strip()
+    if unit in _BY_UNIT:
+        return _BY_UNIT[unit], False
+    if not tokens.isdisjoint(_NO_MEASURE):
+        return "measurement", False
+    for token, capability, units in _BY_TOKEN:
+        if unit in units and any(one.startswith(token) if len(token) > _SHORT else one == token for one in tokens):
+            return capability, True
+    return "measurement", False
+
+
+def condition_of(tokens: frozenset[str], around: frozenset[str]) -> str:
+    """Return the capability of a truth; ``state`` where nothing tells.
+
+    Args:
+        tokens: Of the property. One of a thing, such as a water tank, is no condition.
+        around: Of its node; they count where the property's own say nothing.
+    """
+    if is_object(tokens):
+        return "state"
+    counted = tokens if tokens & CONDITIONS.keys() or not tokens <= _NEUTRAL else around
+    if counted is around and is_object(around):
+        return "state"
+    return next((capability for token, capability in CONDITIONS.items() if token in counted), "state")
+
+
+_NEUTRAL = frozenset(
+    {"active", "alarm", "alert", "detected", "detection", "detector", "sensor", "state", "status", "triggered", "value"}
+)
+"""Words that say of a truth nothing but that it is one."""

@@ -1,6 +1,6 @@
-"""Parts of a Homie device. Pure.
+"""Parts of a Homie device, and the device as the gateway takes it. Pure.
 
-Each node's controls are one part, each value that it only tells another, and each further value that can be set a
+Each node's controls are one part, each value that it only reports another, and each further value that can be set a
 setting. The switch, the brightness and the colour of a lamp are one part, although they are nodes of their own. Of a
 robot that cleans, the nodes that declare no other kind are settings: the power of its fan makes it no fan.
 """
@@ -9,25 +9,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from homebot.conventions.description import DescribedPart
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.homie.controls import (
     add_cover,
     add_fan,
     add_lock,
     add_thermostat,
     add_valve,
+    build_vacuum,
+    find_vacuum,
 )
 from homebot.conventions.homie.lights import LIGHT_ROLES, add_light
-from homebot.conventions.homie.model import HomieDevice, HomieProperty
-from homebot.conventions.homie.node_part import node_part
+from homebot.conventions.homie.model import HomieDevice, HomieProperty, availability_of
 from homebot.conventions.homie.node_types import KINDS, declared_class, tokens_in
 from homebot.conventions.homie.property_codecs import add_flag
 from homebot.conventions.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, as_settings, find_roles
-from homebot.conventions.homie.simple_parts import build_meters, build_singles
-from homebot.conventions.homie.vacuum import build_vacuum, find_vacuum
+from homebot.conventions.homie.simple_parts import build_meters, build_singles, node_part
 from homebot.conventions.part_builder import BytesPart
+from homebot.devices.identity import identifiers
 
-__all__ = ["build_parts"]
+__all__ = ["build_parts", "describe"]
 
 
 def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
@@ -152,3 +153,28 @@ _NEEDED: Mapping[str, frozenset[str]] = {
     "fan": frozenset({"fan_mode", "fan_speed", "on_off"}),
     "switch": frozenset({"on_off"}),
 }
+
+
+def describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnnounced | None:
+    """Return the description of *device*; None where it offers nothing itself, as a bridge does.
+
+    Who it is, is its id in its domain: a hardware address counts where the id ends with one. The ``$mac`` of version 4
+    is that of the computer that speaks for it, and perhaps for many.
+    """
+    parts = build_parts(device)
+    if not parts:
+        return None
+    return DeviceAnnounced(
+        key=device.topic,
+        convention="homie",
+        native=True,
+        whole_device=True,
+        identifiers=identifiers((f"{domain}/{device.id}",)),
+        name=device.name,
+        parts=parts,
+        topic=f"{device.topic}/$state",
+        facts={**device.facts, **({"type": device.type} if device.type else {})},
+        availability=availability_of(device.topic, device.root),
+        owns=(device.topic,),
+        implies_alive=is_alive,
+    )

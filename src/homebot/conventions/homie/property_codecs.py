@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from homebot.conventions.command_values import require_bool, require_number
-from homebot.conventions.decode import NO_READINGS, Readings
+from homebot.conventions.command_values import Writer, require_bool, require_number
 from homebot.conventions.description import Publication
 from homebot.conventions.homie.model import HomieProperty
 from homebot.conventions.homie.values import is_unknown_number, publication, read_plain, spell_plain
 from homebot.conventions.part_builder import BytesPart
-from homebot.conventions.payload import shown
-from homebot.conventions.table_codec import Writer
+from homebot.conventions.payload import NO_READINGS, Readings, shown
 from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

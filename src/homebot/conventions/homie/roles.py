@@ -10,8 +10,14 @@ from dataclasses import dataclass, replace
 
 from homebot.conventions.homie.heuristics import guess_role, is_opening, is_speed
 from homebot.conventions.homie.model import HomieNode, HomieProperty
-from homebot.conventions.homie.node_types import KINDS, declared_kind, guessed_kinds, tokens_in
-from homebot.conventions.homie.sensor_tables import condition_of, quantity_of
+from homebot.conventions.homie.node_types import (
+    KINDS,
+    condition_of,
+    declared_kind,
+    guessed_kinds,
+    quantity_of,
+    tokens_in,
+)
 
 __all__ = ["CONTROLS", "THERMOSTAT_ROLES", "NodeRoles", "Role", "as_settings", "find_roles"]
 

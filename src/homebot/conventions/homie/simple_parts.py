@@ -2,17 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from homebot.conventions.homie.model import HomieNode, HomieProperty
-from homebot.conventions.homie.node_part import node_part
 from homebot.conventions.homie.property_codecs import add_plain, add_press, add_temperature
 from homebot.conventions.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, Role
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.units import SENSOR_TYPES
 from homebot.devices.part import Category
 
-__all__ = ["build_meters", "build_singles"]
+__all__ = ["build_meters", "build_singles", "node_part"]
+
+
+def node_part(
+    node: HomieNode,
+    service_type: str,
+    *,
+    suffix: str = "",
+    name: str = "",
+    tag: str = "",
+    category: Category = "",
+    guessed: bool = False,
+) -> BytesPart:
+    """Return a part of *node* without capabilities.
+
+    Args:
+        node: The node.
+        service_type: See :class:`homebot.devices.part.Part`, as are the last three.
+        suffix: Tells it from other parts of the same node; empty for the main one.
+        name: What it is called besides the node.
+        tag: What kind it is of its type.
+        category: Whether it is there for use, for setting up or for diagnosis.
+        guessed: Whether its type was guessed.
+    """
+    return BytesPart(
+        "/".join(_filled((node.id, suffix))),
+        service_type,
+        name=" ".join(dict.fromkeys(_filled((node.name, name)))),
+        advertised=node.type,
+        tag=tag,
+        category=category,
+        guessed=guessed,
+    )
+
+
+def _filled(texts: Iterable[str]) -> tuple[str, ...]:
+    return tuple(text for text in texts if text)
+
 
 _ELECTRICAL = frozenset({"power", "energy", "voltage", "current", "frequency"})
 _DIAGNOSTIC = frozenset({"battery", "battery_low", "signal_strength"})

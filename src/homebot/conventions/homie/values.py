@@ -12,12 +12,10 @@ import math
 import re
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.decode import is_unknown, to_text
 from homebot.conventions.description import Publication
-from homebot.conventions.homie.formats import COLOR_FORMS
-from homebot.conventions.homie.model import HomieProperty
+from homebot.conventions.homie.model import COLOR_FORMS, HomieProperty
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
-from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.payload import clean_text, is_unknown, shown, to_text
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.numbers import to_number

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from datetime import datetime
 from typing import final
 
-from homebot.conventions.jinja.errors import TemplateError
-from homebot.conventions.jinja.limits import MAX_NUMBER_BITS, MAX_STEPS, MAX_TEXT
-from homebot.conventions.jinja.undefined import UNDEFINED
-from homebot.conventions.jinja.values import text, weigh
+from homebot.conventions.jinja.limits import MAX_NUMBER_BITS, MAX_STEPS, MAX_TEXT, TemplateError
+from homebot.conventions.jinja.values import UNDEFINED, text, weigh
 
 __all__ = ["Run"]
 

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
-from homebot.conventions.jinja.arithmetic import BINARY, ORDER
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.methods import method_of
-from homebot.conventions.jinja.undefined import Undefined
-from homebot.conventions.jinja.values import item, text, whole
+from homebot.conventions.jinja.numbers import BINARY, ORDER
+from homebot.conventions.jinja.values import Undefined, item, text, whole
 
 __all__ = [
     "Evaluate",

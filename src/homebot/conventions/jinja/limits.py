@@ -1,8 +1,10 @@
-"""Limits on the size, the work and the output of a template. What real devices announce stays far below all of it."""
+"""Limits of what a stranger's template may take, and the errors that say what it did wrong. Pure."""
 
 from __future__ import annotations
 
 from typing import Final
+
+from homebot.errors import WireError
 
 __all__ = [
     "MAX_DEPTH",
@@ -14,7 +16,23 @@ __all__ = [
     "MAX_STEPS",
     "MAX_TEXT",
     "MAX_TOKENS",
+    "NotDefinedError",
+    "TemplateError",
+    "UndefinedValueError",
 ]
+
+
+class TemplateError(WireError):
+    """A template gives no text: it is unsupported, or fails with these values, or would do too much work."""
+
+
+class UndefinedValueError(TemplateError):
+    """A template does something with a value that is not there; Jinja's ``UndefinedError``."""
+
+
+class NotDefinedError(UndefinedValueError):
+    """A message lacks what the template asks for with ``is_defined``: it is not meant for this reader, and no fault."""
+
 
 MAX_SOURCE: Final = 8192
 """Longest source, in characters."""

@@ -6,13 +6,11 @@ import re
 from collections.abc import Callable
 from typing import Final
 
-from homebot.conventions.jinja.errors import TemplateError
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.limits import MAX_ITEMS
+from homebot.conventions.jinja.limits import MAX_ITEMS, TemplateError
 from homebot.conventions.jinja.methods import join
 from homebot.conventions.jinja.tests import CHECKS
-from homebot.conventions.jinja.undefined import UNDEFINED, Undefined
-from homebot.conventions.jinja.values import item, text, whole
+from homebot.conventions.jinja.values import UNDEFINED, Undefined, item, text, whole
 
 __all__ = ["LIST_FILTERS", "LIST_FUNCTIONS", "attribute_of", "values_of"]
 

@@ -13,9 +13,8 @@ import re
 import warnings
 from functools import lru_cache
 
-from homebot.conventions.jinja.errors import TemplateError
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.limits import MAX_TEXT
+from homebot.conventions.jinja.limits import MAX_TEXT, TemplateError
 from homebot.conventions.jinja.values import text, whole
 
 __all__ = ["find_all", "find_all_index", "matches", "replaces", "searches"]

@@ -1,20 +1,21 @@
-"""Statements of a template: each function here makes one that, given a run, writes or assigns."""
+"""Statements of a template, each made to write or to assign in a run, and the program that they are."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TypeAlias
+from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
+from typing import TypeAlias, final
 
-from homebot.conventions.jinja.errors import TemplateError
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.expressions import Evaluate
+from homebot.conventions.jinja.limits import TemplateError
 from homebot.conventions.jinja.lists import values_of
-from homebot.conventions.jinja.undefined import UNDEFINED
-from homebot.conventions.jinja.values import Namespace
+from homebot.conventions.jinja.values import UNDEFINED, Namespace
 
 __all__ = [
     "Assign",
     "Execute",
+    "Program",
     "assignment",
     "block_assignment",
     "break_loop",
@@ -26,6 +27,7 @@ __all__ = [
     "to_name",
     "to_several",
 ]
+
 
 Execute: TypeAlias = Callable[[Run], None]
 Assign: TypeAlias = Callable[[Run, object], None]
@@ -191,3 +193,40 @@ def _position(values: list[object], index: int) -> dict[str, object]:
         "previtem": values[index - 1] if index else UNDEFINED,
         "nextitem": values[index + 1] if index < count - 1 else UNDEFINED,
     }
+
+
+@final
+class Program:
+    """A template that was read.
+
+    Args:
+        body: What it does.
+        names: The names whose meaning it asks for.
+        weight: The work of going through all of it once, in steps.
+    """
+
+    __slots__ = ("_body", "_weight", "names")
+
+    def __init__(self, body: Sequence[Execute], names: frozenset[str], weight: int) -> None:
+        self._body = tuple(body)
+        self._weight = weight
+        self.names = names
+
+    def render(self, variables: Mapping[str, object], now: datetime | None) -> str:
+        """Return the text that it writes; see :meth:`Template.render`."""
+        run = Run(variables, now)
+        try:
+            run.spend(self._weight)
+            for statement in self._body:
+                statement(run)
+        except RecursionError:
+            raise TemplateError("a value is nested too deeply") from None
+        except (TypeError, ArithmeticError) as error:
+            raise TemplateError(f"the values do not fit the template: {str(error)[:_MOST_SHOWN]}") from error
+        except (ValueError, LookupError, AttributeError) as error:
+            # Their messages may show a value, which may be the code of a lock.
+            raise TemplateError(f"the values do not fit the template: {type(error).__name__}") from None
+        return run.written()
+
+
+_MOST_SHOWN = 80

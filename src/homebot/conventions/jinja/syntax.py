@@ -16,15 +16,13 @@ import jinja2
 from jinja2 import nodes
 
 from homebot.conventions.jinja import expressions, statements
-from homebot.conventions.jinja.errors import TemplateError
 from homebot.conventions.jinja.expressions import Evaluate
 from homebot.conventions.jinja.functions import CONSTANTS, FILTERS, FUNCTIONS, HOME_ASSISTANT
-from homebot.conventions.jinja.limits import MAX_DEPTH, MAX_FOR_DEPTH, MAX_TOKENS
+from homebot.conventions.jinja.limits import MAX_DEPTH, MAX_FOR_DEPTH, MAX_TOKENS, TemplateError
 from homebot.conventions.jinja.methods import METHODS
-from homebot.conventions.jinja.program import Program
-from homebot.conventions.jinja.statements import Assign, Execute
+from homebot.conventions.jinja.statements import Assign, Execute, Program
 from homebot.conventions.jinja.tests import CHECKS
-from homebot.conventions.jinja.undefined import UNDEFINED
+from homebot.conventions.jinja.values import UNDEFINED
 
 __all__ = ["parse"]
 

@@ -2,20 +2,104 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from datetime import datetime
 from functools import lru_cache
 from typing import TYPE_CHECKING, final
 
-from homebot.conventions.jinja.errors import TemplateError
-from homebot.conventions.jinja.limits import MAX_SOURCE, MAX_TEXT
-from homebot.conventions.jinja.path import Path
-from homebot.conventions.jinja.payload_context import PayloadContext
+from homebot.conventions.jinja.limits import MAX_SOURCE, MAX_TEXT, NotDefinedError, TemplateError
+from homebot.conventions.jinja.values import UNDEFINED, item, text
+from homebot.conventions.payload import MAX_LONG_STATE_BYTES, parse_json
+from homebot.errors import WireError
 
 if TYPE_CHECKING:
-    from homebot.conventions.jinja.program import Program
+    from homebot.conventions.jinja.statements import Program
 
-__all__ = ["Template", "compile_template"]
+__all__ = ["Path", "PayloadContext", "Template", "compile_template"]
+
+
+@final
+class PayloadContext:
+    """The variables ``value`` and ``value_json`` of one message, to be shared by all templates that read it.
+
+    Args:
+        value: The text of the message.
+    """
+
+    __slots__ = ("_json", "value")
+
+    def __init__(self, value: str) -> None:
+        self.value = value
+        self._json: object = _UNREAD
+
+    @property
+    def value_json(self) -> object:
+        """JSON value of the text; :data:`UNDEFINED` where it is none that our border lets in."""
+        if self._json is _UNREAD:
+            try:
+                self._json = parse_json(self.value, MAX_LONG_STATE_BYTES)
+            except WireError:
+                self._json = UNDEFINED
+        return self._json
+
+
+_UNREAD = object()
+
+
+@final
+class Path:
+    """A template that is nothing but a variable, or a path into one: ``value`` or ``value_json``.
+
+    Args:
+        name: The variable.
+        keys: The path.
+        must_be: Whether the template ends in ``| is_defined``.
+    """
+
+    __slots__ = ("_keys", "_must_be", "name")
+
+    def __init__(self, name: str, keys: tuple[str | int, ...], *, must_be: bool) -> None:
+        self.name = name
+        self._keys = keys
+        self._must_be = must_be
+
+    @classmethod
+    def parse(cls, source: str) -> Path | None:
+        """Return the path that *source* is, or None when it is another kind of template."""
+        match = _PATH.fullmatch(source)
+        if match is None:
+            return None
+        keys = tuple(
+            int(index) if index else attribute or double or single
+            for attribute, double, single, index in _KEY.findall(match["keys"])
+        )
+        return cls(match["name"], keys, must_be=match["must_be"] is not None)
+
+    def render(self, variables: Mapping[str, object]) -> str:
+        """Return the text of what is there in *variables*; see :meth:`Template.render`."""
+        return self._text(variables.get(self.name, UNDEFINED))
+
+    def render_payload(self, payload: PayloadContext) -> str:
+        """Return the text of what is there in *payload*."""
+        return self._text(payload.value if self.name == "value" else payload.value_json)
+
+    def _text(self, value: object) -> str:
+        for key in self._keys:
+            value = value.get(key, UNDEFINED) if type(value) is dict else item(value, key)
+        if self._must_be and value is UNDEFINED:
+            raise NotDefinedError("the message lacks the value that the template asks for")
+        return text(value)
+
+
+_NAME, _DOUBLE, _SINGLE, _INDEX = "[A-Za-z_][A-Za-z0-9_]*", r'"([^"\\]*)"', r"'([^'\\]*)'", "0|[1-9][0-9]{0,4}"
+_KEY = re.compile(rf"\s*(?:\.\s*({_NAME})|\[\s*(?:{_DOUBLE}|{_SINGLE}|({_INDEX}))\s*\])", re.ASCII)
+_PATH = re.compile(
+    r"\{\{-?\s*(?P<name>value_json|value)"
+    rf"(?P<keys>(?:\s*(?:\.\s*{_NAME}|\[\s*(?:{_DOUBLE}|{_SINGLE}|{_INDEX})\s*\]))*)"
+    r"\s*(?P<must_be>\|\s*is_defined\s*)?-?\}\}",
+    re.ASCII,
+)
 
 
 @final

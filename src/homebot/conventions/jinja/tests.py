@@ -6,12 +6,10 @@ from collections.abc import Callable
 from datetime import datetime
 from typing import Final
 
-from homebot.conventions.jinja.arithmetic import BINARY, ORDER
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.numbers import is_number
+from homebot.conventions.jinja.numbers import BINARY, ORDER, is_number
 from homebot.conventions.jinja.patterns import matches, searches
-from homebot.conventions.jinja.undefined import Undefined
-from homebot.conventions.jinja.values import text
+from homebot.conventions.jinja.values import Undefined, text
 
 __all__ = ["CHECKS"]
 

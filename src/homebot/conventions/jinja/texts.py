@@ -10,12 +10,10 @@ import struct
 from collections.abc import Callable
 from typing import Final
 
-from homebot.conventions.jinja.errors import NotDefinedError, TemplateError
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.formatting import percent
-from homebot.conventions.jinja.methods import METHODS, replace
-from homebot.conventions.jinja.undefined import Undefined
-from homebot.conventions.jinja.values import text, whole
+from homebot.conventions.jinja.limits import NotDefinedError, TemplateError
+from homebot.conventions.jinja.methods import METHODS, percent, replace
+from homebot.conventions.jinja.values import Undefined, text, whole
 from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
 

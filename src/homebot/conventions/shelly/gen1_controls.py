@@ -1,82 +1,236 @@
-"""Relays and rollers of Shelly's first generation. Pure.
+"""Relays, rollers, inputs and lamps of Shelly's first generation. Pure.
 
-Source: Shelly Gen1 API, MQTT of Shelly1, Shelly2.5 and Plug.
+Source: Shelly Gen1 API, MQTT of Shelly1, Shelly2.5, Plug, Dimmer, Duo, Bulb and RGBW2, and of ``input/<i>`` and
+``input_event/<i>``; ``transition`` is in milliseconds.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
-from types import MappingProxyType
+from dataclasses import dataclass
+from functools import partial
 
-from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, Readings, to_text
+from homebot.conventions.command_values import (
+    Publications,
+    bool_writer,
+    number_writer,
+    option_writer,
+    require_bool,
+    require_color,
+    require_number,
+)
 from homebot.conventions.description import Publication
-from homebot.conventions.part_builder import BytesPart, PartBuilder
-from homebot.conventions.shelly.gen1_topics import Gen1Topics
-from homebot.conventions.table_codec import raw_bytes
+from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
+from homebot.conventions.part_builder import BytesPart
+from homebot.conventions.payload import NO_READINGS, Readings, meaning_reader, percent_of, to_json, to_text
+from homebot.conventions.shelly.gen1_models import Gen1Topics
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
 
-__all__ = ["SWITCHED", "build_relay", "build_roller"]
+__all__ = ["Presses", "build_input", "build_light", "build_relay", "build_roller"]
 
-SWITCHED: Mapping[str, Readings] = MappingProxyType(
-    {"on": {"on_off": True}, "off": {"on_off": False}, "overpower": {"on_off": False}}
-)
-"""Readings of the payloads of a relay or light; one that drew too much power was switched off."""
 
-_MOVEMENTS: Mapping[str, Readings] = MappingProxyType(
-    {
-        "open": {"movement": "opening"},
-        "close": {"movement": "closing"},
-        "stop": {"movement": "stopped"},
-    }
-)
-_ORDERS = {"open": b"open", "closed": b"close", "stopped": b"stop"}
-_FULLY_OPEN = 100
+_SWITCHED: Mapping[bytes, PlainValue] = {b"on": True, b"off": False, b"overpower": False}
+"""The payloads of a relay or light; one that drew too much power was switched off."""
+_MOVEMENTS: Mapping[bytes, PlainValue] = {b"open": "opening", b"close": "closing", b"stop": "stopped"}
+_COMMANDS = {"open": b"open", "closed": b"close", "stopped": b"stop"}
+_PERCENT = (0.0, 100.0)
 
 
 def build_relay(topics: Gen1Topics, index: int, *, is_plug: bool) -> BytesPart:
     """Describe a relay: a plug where it is a socket."""
     topic = topics.at(f"relay/{index}")
 
-    def read(payload: bytes) -> Readings:
-        return SWITCHED.get(to_text(payload) or "", NO_READINGS)
+    def switch(on: bool) -> Publications:  # noqa: FBT001 - it is what the payload says
+        return (Publication(f"{topic}/command", b"on" if on else b"off"),)
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (Publication(f"{topic}/command", b"on" if require_bool("on_off", value) else b"off"),)
-
-    part = PartBuilder(raw_bytes, f"relay:{index}", "plug" if is_plug else "switch", advertised="relay")
-    part.read_from(topic, read)
+    part = BytesPart(f"relay:{index}", "plug" if is_plug else "switch", advertised="relay")
+    part.read_from(topic, meaning_reader("on_off", _SWITCHED))
     part.add_command_topics(f"{topic}/command")
-    part.add_capability("on_off", writer=write)
+    part.add_capability("on_off", writer=bool_writer("on_off", switch))
     return part
 
 
 def build_roller(topics: Gen1Topics, index: int) -> BytesPart:
-    """Describe a roller. One that was never calibrated does not know its position, and says -1."""
+    """Describe a roller. One that was never calibrated does not know its position, and reports -1."""
     topic = topics.at(f"roller/{index}")
-
-    def read(payload: bytes) -> Readings:
-        return _MOVEMENTS.get(to_text(payload) or "", NO_READINGS)
 
     def read_position(payload: bytes) -> Readings:
         position = to_number(to_text(payload))
-        if position is None:
-            return NO_READINGS
-        return {"position": position if 0 <= position <= _FULLY_OPEN else None}
+        return NO_READINGS if position is None else {"position": percent_of(position)}
 
-    def move(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return (Publication(f"{topic}/command", _ORDERS[require_option("movement", value, _ORDERS)]),)
+    def move(movement: str) -> Publications:
+        return (Publication(f"{topic}/command", _COMMANDS[movement]),)
 
-    def go(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        position = round(require_number("position", value, 0, _FULLY_OPEN, "%"))
-        return (Publication(f"{topic}/command/pos", b"%d" % position),)
+    def set_position(percent: float) -> Publications:
+        return (Publication(f"{topic}/command/pos", b"%d" % round(percent)),)
 
-    part = PartBuilder(raw_bytes, f"roller:{index}", "window_covering", advertised="roller")
-    part.read_from(topic, read)
+    part = BytesPart(f"roller:{index}", "window_covering", advertised="roller")
+    part.read_from(topic, meaning_reader("movement", _MOVEMENTS))
     part.read_from(f"{topic}/pos", read_position)
-    part.add_command_topics(f"{topic}/command")
-    part.add_command_topics(f"{topic}/command/pos")
-    part.add_capability("movement", writer=move, options=("open", "closed", "opening", "closing", "stopped"))
-    part.add_capability("position", writer=go)
+    part.add_command_topics(f"{topic}/command", f"{topic}/command/pos")
+    part.add_capability(
+        "movement",
+        writer=option_writer("movement", _COMMANDS, move),
+        options=("open", "closed", "opening", "closing", "stopped"),
+    )
+    part.add_capability("position", writer=number_writer("position", _PERCENT, "%", set_position))
     return part
+
+
+_PRESSES = {
+    "S": "single",
+    "SS": "double",
+    "SSS": "triple",
+    "L": "long",
+    "SL": "short_long",
+    "LS": "long_short",
+}
+
+
+class Presses:
+    """Tells a new press from one that the device only repeats, by the counter beside it.
+
+    A device that was asked for its state tells its last press again. So the first one that is heard only sets the
+    counter, but for a device that wakes up to tell it. It outlives a description, which a device that is heard on one
+    more topic gets anew.
+    """
+
+    __slots__ = ("_count",)
+
+    def __init__(self) -> None:
+        self._count: object = None
+
+    def read(self, payload: bytes, *, counts_first: bool) -> Readings:
+        """Return the press that *payload* tells, if it is a new one; the first counts where *counts_first* says so."""
+        message = to_json(payload)
+        if not isinstance(message, dict):
+            return NO_READINGS
+        event, count = message.get("event"), message.get("event_cnt")
+        if not isinstance(count, int) or isinstance(count, bool):
+            count = None
+        is_first = self._count is None
+        is_new = (count is None or count != self._count) and (counts_first or not is_first)
+        self._count = 0 if count is None else count
+        press = _PRESSES.get(event) if isinstance(event, str) else None
+        return {"press": press} if is_new and press is not None else NO_READINGS
+
+
+def build_input(
+    topics: Gen1Topics, index: int, presses: Presses, *, has_state: bool, has_events: bool, counts_first: bool
+) -> BytesPart:
+    """Describe an input: a button where it tells presses.
+
+    Args:
+        topics: Those of the device.
+        index: Number of the input.
+        presses: Its presses so far.
+        has_state: Whether it tells if it is on.
+        has_events: Whether it tells presses.
+        counts_first: Whether the first press that is heard is a new one.
+    """
+    part = BytesPart(f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input")
+    if has_state:
+        part.read_from(topics.at(f"input/{index}"), meaning_reader("state", {b"0": False, b"1": True}))
+        part.add_capability("state")
+    if has_events:
+        part.read_events_from(topics.at(f"input_event/{index}"), partial(presses.read, counts_first=counts_first))
+        part.add_capability("press", options=tuple(_PRESSES.values()))
+    return part
+
+
+_WHITES: Mapping[str, tuple[int, int]] = {"SHBDUO-1": (2700, 6500), "SHBLB-1": (3000, 6500), "SHCB-1": (3000, 6500)}
+"""Warmest and coldest white in kelvin of the models that can change it."""
+
+_ANY_WHITE = (2000, 6500)
+_LONGEST_TRANSITION = 5000
+_CHANNELS = ("red", "green", "blue")
+
+
+def build_light(topics: Gen1Topics, kind: str, index: int, model: str) -> BytesPart:
+    """Describe a lamp.
+
+    Args:
+        topics: Those of its device.
+        kind: ``light``, ``color`` or ``white``: below which topic it is.
+        index: Its channel.
+        model: Number of its device's model; empty where that is not known.
+    """
+    lamp = _Gen1Lamp(topics.at(f"{kind}/{index}"), kind, _WHITES.get(model))
+    part = BytesPart(f"{kind}:{index}", "light", advertised=kind)
+    part.read_from(lamp.topic, meaning_reader("on_off", _SWITCHED))
+    part.read_from(f"{lamp.topic}/status", lamp.read)
+    part.add_command_topics(f"{lamp.topic}/command", f"{lamp.topic}/set")
+    part.add_capability("on_off", writer=lamp.switch)
+    part.add_capability("level", writer=lamp.dim)
+    if lamp.white is not None:
+        part.add_capability("color_temperature", writer=lamp.warm, bounds=tuple(map(float, lamp.white)))
+    if kind == "color":
+        part.add_capability("color", writer=lamp.paint)
+    return part
+
+
+@dataclass(frozen=True, slots=True)
+class _Gen1Lamp:
+    topic: str
+    kind: str
+    white: tuple[int, int] | None
+
+    def read(self, payload: bytes) -> Readings:
+        message = to_json(payload)
+        if not isinstance(message, dict):
+            return NO_READINGS
+        is_color = self.kind == "color" and message.get("mode", "color") == "color"
+        found: dict[str, PlainValue] = {}
+        if isinstance(on := message.get("ison"), bool):
+            found["on_off"] = on
+        level = to_number(message.get("gain" if is_color else "brightness"))
+        if level is not None and 0 <= level <= 100:
+            found["level"] = level
+        kelvin = to_number(message.get("temp"))
+        if self.white is not None and kelvin is not None:
+            found["color_temperature"] = None if is_color or kelvin <= 0 else kelvin
+        if self.kind == "color":
+            found["color"] = _color(message) if is_color else None
+        return found
+
+    def switch(self, value: PlainValue, transition: float) -> Publications:
+        turn = "on" if require_bool("on_off", value) else "off"
+        if transition or self.kind == "white":
+            return self._set({"turn": turn}, transition)
+        return (Publication(f"{self.topic}/command", turn.encode()),)
+
+    def dim(self, value: PlainValue, transition: float) -> Publications:
+        level = require_number("level", value, 0, 100, "%")
+        if level == 0:
+            return self.switch(value=False, transition=transition)
+        percent = max(1, round(level))
+        if self.kind != "color":
+            return self._set({"turn": "on", "brightness": percent}, transition)
+        both = {"gain": percent} if self.white is None else {"gain": percent, "brightness": percent}
+        return self._set({"turn": "on", **both}, transition)
+
+    def warm(self, value: PlainValue, transition: float) -> Publications:
+        warmest, coldest = self.white or _ANY_WHITE
+        kelvin = round(require_number("color_temperature", value, warmest, coldest, "K"))
+        mode = {"mode": "white"} if self.kind == "color" else {}
+        return self._set({"turn": "on", **mode, "temp": kelvin}, transition)
+
+    def paint(self, value: PlainValue, transition: float) -> Publications:
+        hue, saturation = require_color(value)
+        rgb = from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)
+        mode = {} if self.white is None else {"mode": "color"}
+        channels = {name: int(one) for name, one in zip(_CHANNELS, rgb, strict=True)}
+        return self._set({"turn": "on", **mode, **channels, "white": 0}, transition)
+
+    def _set(self, fields: Mapping[str, object], transition: float) -> Publications:
+        if transition:
+            fields = {**fields, "transition": min(round(transition * 1000), _LONGEST_TRANSITION)}
+        return (Publication(f"{self.topic}/set", json.dumps(fields, separators=(",", ":")).encode()),)
+
+
+def _color(message: Mapping[str, object]) -> tuple[float, ...] | None:
+    channels = [to_number(message.get(name)) for name in _CHANNELS]
+    known = tuple(one for one in channels if one is not None and 0 <= one <= 255)
+    return to_hue_saturation("rgb", known, _ANY_WHITE) if len(known) == len(_CHANNELS) else None

@@ -1,4 +1,4 @@
-"""Topics that each model of Shelly's first generation publishes from the start. A table, pure.
+"""Models of Shelly's first generation: the topics that each publishes from the start. A table, pure.
 
 What only appears with an accessory, such as ``ext_temperature/0``, is not here: it is taken when it is heard.
 
@@ -11,7 +11,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-__all__ = ["MODELS", "Gen1Model", "find_model"]
+__all__ = ["MODELS", "Gen1Model", "Gen1Topics", "find_model"]
+
+
+@dataclass(frozen=True, slots=True)
+class Gen1Topics:
+    """The topics of one device.
+
+    Attributes:
+        name: What the device is called there, for example ``shellyplug-s-122881``.
+    """
+
+    name: str
+
+    @property
+    def topic(self) -> str:
+        """The topic that all of its topics are below."""
+        return f"shellies/{self.name}"
+
+    def at(self, suffix: str) -> str:
+        """Return the topic *suffix* of the device."""
+        return f"shellies/{self.name}/{suffix}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,13 +12,9 @@ from dataclasses import dataclass
 
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.part_builder import BytesPart
-from homebot.conventions.shelly.gen1_controls import build_relay, build_roller
-from homebot.conventions.shelly.gen1_inputs import Presses, build_input
-from homebot.conventions.shelly.gen1_lights import build_light
-from homebot.conventions.shelly.gen1_models import Gen1Model
-from homebot.conventions.shelly.gen1_sensors import SENSORS, build_meter, build_sensor
-from homebot.conventions.shelly.gen1_status import build_motion, build_valve
-from homebot.conventions.shelly.gen1_topics import Gen1Topics
+from homebot.conventions.shelly.gen1_controls import Presses, build_input, build_light, build_relay, build_roller
+from homebot.conventions.shelly.gen1_models import Gen1Model, Gen1Topics
+from homebot.conventions.shelly.gen1_sensors import SENSORS, build_meter, build_motion, build_sensor, build_valve
 
 __all__ = ["MAX_CHANNELS", "build_parts", "is_known_topic"]
 

@@ -11,13 +11,18 @@ Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
 from __future__ import annotations
 
 from homebot.conventions.bounded_dict import BoundedDict
-from homebot.conventions.decode import to_json
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn
-from homebot.conventions.payload import parse_object, shown
-from homebot.conventions.shelly.gen2_answers import is_config_change, is_prefix, kind_of, mac_in, text_of
-from homebot.conventions.shelly.gen2_component import Fields
-from homebot.conventions.shelly.gen2_device import Gen2Device, looks
-from homebot.conventions.shelly.rpc import call
+from homebot.conventions.payload import parse_object, shown, to_json
+from homebot.conventions.shelly.gen2_component import Fields, call
+from homebot.conventions.shelly.gen2_device import (
+    Gen2Device,
+    is_config_change,
+    is_prefix,
+    kind_of,
+    looks,
+    mac_in,
+    text_of,
+)
 from homebot.errors import WireError
 
 __all__ = ["MAX_ANSWER_BYTES", "Gen2"]

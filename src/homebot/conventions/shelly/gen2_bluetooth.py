@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, measured
 from homebot.conventions.shelly.gen2_sensors import PRESSES
 from homebot.conventions.units import SENSOR_TYPES

@@ -1,28 +1,35 @@
-"""One component of a Shelly of the second generation: where it speaks, and a part made of it. Pure.
+"""One component of a Shelly of the second generation: its topics, its calls, and a part made of it. Pure.
 
-What a component tells comes on three topics: all of it on ``<prefix>/status/<component>`` and in the answer to
+What a component reports comes on three topics: all of it on ``<prefix>/status/<component>`` and in the answer to
 ``Shelly.GetStatus``, and what changed on ``<prefix>/events/rpc``.
 
-Source: Shelly Gen2+ API, General, Notifications; MQTT.
+Source: Shelly Gen2+ API, General, RPC Protocol, RPC Channels (MQTT), Notifications.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TypeAlias
 
-from homebot.conventions.decode import NO_READINGS, Readings, read_number
 from homebot.conventions.description import Publication
-from homebot.conventions.part_builder import JsonPart, PartBuilder
-from homebot.conventions.payload import clean_text
-from homebot.conventions.shelly.rpc import call
-from homebot.conventions.table_codec import json_object
+from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, read_number
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 
-__all__ = ["Fields", "Gen2Topics", "ShellyComponent", "StatusDecoder", "flag", "measured"]
+__all__ = ["Fields", "Gen2Topics", "ShellyComponent", "StatusDecoder", "call", "flag", "measured"]
+
+
+def call(prefix: str, source: str, method: str, params: Mapping[str, object] | None = None) -> Publication:
+    """Return the call of *method* of the device at *prefix*; it answers on ``<source>/rpc``."""
+    frame: dict[str, object] = {"id": 1, "src": source, "method": method}
+    if params is not None:
+        frame["params"] = params
+    return Publication(f"{prefix}/rpc", json.dumps(frame, separators=(",", ":"), ensure_ascii=False).encode())
+
 
 Fields: TypeAlias = Mapping[str, object]
 """A status or a configuration, or a part of one."""
@@ -92,9 +99,7 @@ class ShellyComponent:
             category: See :attr:`homebot.devices.Part.category`.
         """
         part_id = f"{self.key}/{suffix}" if suffix else self.key
-        return PartBuilder(
-            json_object, part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category
-        )
+        return JsonPart(part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category)
 
     def read_status(self, part: JsonPart, decode: StatusDecoder, key: str = "") -> None:
         """Have *part* read the component, or the one called *key*, with *decode*."""

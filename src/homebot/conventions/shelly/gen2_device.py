@@ -1,21 +1,161 @@
-"""One Shelly of the second generation or later: what it answered, and its description made of that. Pure."""
+"""One Shelly of the second generation or later: its answers, and its description made of them. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from homebot.conventions.description import Availability, DeviceAnnounced
+from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, LastWillAvailability
+from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import clean_text
-from homebot.conventions.shelly.gen2_answers import fields_in, mac_in, sleeps, text_of
-from homebot.conventions.shelly.gen2_component import Fields, Gen2Topics
-from homebot.conventions.shelly.gen2_parts import MAX_COMPONENTS, build_parts
-from homebot.conventions.shelly.online import OnlineTopic
+from homebot.conventions.shelly.gen2_bluetooth import build_bluetooth_device, build_bluetooth_sensor
+from homebot.conventions.shelly.gen2_component import Fields, Gen2Topics, ShellyComponent, call
+from homebot.conventions.shelly.gen2_controls import (
+    LIGHTS,
+    build_cover,
+    build_light,
+    build_radiator_valve,
+    build_switch,
+    build_thermostat,
+)
+from homebot.conventions.shelly.gen2_sensors import (
+    SENSORS,
+    build_input,
+    build_meters,
+    build_own_temperature,
+    build_power,
+    build_sensor,
+)
+from homebot.conventions.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
 from homebot.numbers import to_number
 
-__all__ = ["Gen2Device", "looks"]
+__all__ = [
+    "MAX_COMPONENTS",
+    "Gen2Device",
+    "build_parts",
+    "fields_in",
+    "is_config_change",
+    "is_prefix",
+    "kind_of",
+    "looks",
+    "mac_in",
+    "sleeps",
+    "text_of",
+]
+
+
+_OWN_ID = re.compile(r"shelly[a-z0-9]{0,40}-([0-9a-f]{12})", re.IGNORECASE)
+_LONGEST_PREFIX = 200
+_MOST_EVENTS = 32
+_CHANGES = frozenset({"component_added", "component_removed", "config_changed"})
+
+
+def is_prefix(prefix: str) -> bool:
+    """Return whether topics may begin with *prefix*."""
+    return 0 < len(prefix) <= _LONGEST_PREFIX and prefix.isprintable() and not set(prefix) & set("+#$")
+
+
+def kind_of(result: Fields) -> str:
+    """Return the question that *result* answers; empty for another, such as a command."""
+    if "mac" in result and "id" in result:
+        return "info"
+    system = fields_in(result, "sys")
+    if "device" in system:
+        return "config"
+    is_status = "mac" in system or "uptime" in system or any(":" in key for key in result)
+    return "status" if is_status else ""
+
+
+def mac_in(prefix: str) -> str:
+    """Return the hardware address in a *prefix* that is the device's own id, as it is by default; empty for another."""
+    match = _OWN_ID.fullmatch(prefix)
+    return match[1].upper() if match else ""
+
+
+def is_config_change(params: Fields) -> bool:
+    """Return whether the *params* of an event say that the device is set up anew."""
+    events = params.get("events")
+    listed = events[:_MOST_EVENTS] if isinstance(events, list) else ()
+    return any(isinstance(one, dict) and one.get("event") in _CHANGES for one in listed if _is_named(one))
+
+
+def sleeps(status: Fields) -> bool:
+    """Return whether a device is off the network most of the time, so that silence says nothing."""
+    period = to_number(fields_in(status, "sys").get("wakeup_period"))
+    external = fields_in(fields_in(status, "devicepower:0"), "external")
+    runs_on_battery = "devicepower:0" in status and external.get("present") is not True
+    return runs_on_battery or (period is not None and period > 0)
+
+
+def fields_in(fields: Fields, name: str) -> Fields:
+    """Return the object *name*; empty where there is none."""
+    inner = fields.get(name)
+    return inner if isinstance(inner, dict) else {}
+
+
+def text_of(value: object) -> str:
+    """Return *value* fit to be shown; empty where it is no text."""
+    return clean_text(value) if isinstance(value, str) else ""
+
+
+def _is_named(event: object) -> bool:
+    return isinstance(event, dict) and isinstance(event.get("event"), str)
+
+
+MAX_COMPONENTS = 300
+"""Components of one device that are looked at; a gateway with all the sensors it takes has about 150."""
+
+
+def build_parts(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[DescribedPart, ...]:
+    """Return the parts of the device at *topics*; first what it is there for.
+
+    Args:
+        topics: Its topics.
+        status: By component, as it answers ``Shelly.GetStatus``.
+        config: By component, as it answers ``Shelly.GetConfig``; empty where it did not.
+    """
+    parts: list[JsonPart] = []
+    for component in _components(topics, status, config):
+        for build in _BUILDERS[component.kind]:
+            parts.extend(build(component))
+    for part in parts[:1]:
+        part.add_state_request(call(topics.prefix, topics.answers.removesuffix("/rpc"), "Shelly.GetStatus"))
+    return tuple(part.build() for part in parts)
+
+
+_KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
+_Build = Callable[[ShellyComponent], tuple[JsonPart, ...]]
+_LOAD: tuple[_Build, ...] = (build_meters, build_own_temperature)
+_BUILDERS: Mapping[str, tuple[_Build, ...]] = {
+    "thermostat": (build_thermostat,),
+    "switch": (build_switch, *_LOAD),
+    "cover": (build_cover, *_LOAD),
+    **dict.fromkeys(LIGHTS, (build_light, *_LOAD)),
+    **dict.fromkeys(("pm1", "em", "em1"), (build_meters,)),
+    **dict.fromkeys(SENSORS, (build_sensor,)),
+    "blutrv": (build_radiator_valve,),
+    "bthomesensor": (build_bluetooth_sensor,),
+    "bthomedevice": (build_bluetooth_device,),
+    "input": (build_input,),
+    "devicepower": (build_power,),
+    **dict.fromkeys(VIRTUAL, (build_virtual,)),
+    "button": (build_virtual_button,),
+}
+_ORDER = {kind: topics for topics, kind in enumerate(_BUILDERS)}
+
+
+def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
+    found: list[ShellyComponent] = []
+    for key, fields in status.items():
+        if len(found) >= MAX_COMPONENTS:
+            break
+        if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _ORDER:
+            settings = config.get(key)
+            found.append(ShellyComponent(topics, key, fields, settings if isinstance(settings, dict) else {}))
+    return tuple(sorted(found, key=lambda one: (_ORDER[one.kind], one.index)))
 
 
 @dataclass(slots=True)
@@ -104,7 +244,9 @@ class Gen2Device:
             parts=build_parts(topics, self.status, self.config),
             topic=topic if self.described is None else self.described.topic,
             facts=self._facts(),
-            availability=None if sleeps(self.status) else Availability((OnlineTopic(f"{self.prefix}/online"),)),
+            availability=None
+            if sleeps(self.status)
+            else Availability((LastWillAvailability(f"{self.prefix}/online", b"true", b"false"),)),
             owns=(self.prefix,),
             implies_alive=True,
         )

@@ -9,10 +9,9 @@ import re
 from collections.abc import Mapping
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

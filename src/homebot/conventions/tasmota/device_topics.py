@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import require_bool
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.tasmota.config import TasmotaConfig
 from homebot.devices.value import PlainValue
 

@@ -8,11 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from functools import partial
 
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import AutoExpiry, DescribedPart
-from homebot.conventions.part_builder import PartBuilder
-from homebot.conventions.payload import clean_text
-from homebot.conventions.table_codec import json_object
+from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
 from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
 
 __all__ = ["describe_inputs"]
@@ -77,9 +75,7 @@ def _switch_name(topics: TasmotaTopics, index: int) -> str:
 
 def _contact(topics: TasmotaTopics, index: int, mode: int) -> DescribedPart:
     name = _switch_name(topics, index)
-    part = PartBuilder(
-        json_object, f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch"
-    )
+    part = JsonPart(f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch")
     read = partial(_read_state, topics.config.state_texts[0], topics.config.state_texts[1], name)
     part.add_capability("state")
     if mode in _PULSES:
@@ -110,7 +106,7 @@ def _button_actions(topics: TasmotaTopics) -> Mapping[str, str]:
 
 
 def _presses(topics: TasmotaTopics, part_id: str, name: str, actions: Mapping[str, str]) -> DescribedPart:
-    part = PartBuilder(json_object, part_id, "generic_switch", name=clean_text(name), advertised="button")
+    part = JsonPart(part_id, "generic_switch", name=clean_text(name), advertised="button")
     part.read_events_from(topics.states[0], partial(_read_press, name, actions))
     part.add_capability("press", options=tuple(dict.fromkeys(actions.values())))
     return part.build()

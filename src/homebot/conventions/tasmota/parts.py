@@ -1,25 +1,166 @@
 """The parts of a Tasmota device: lamps, relays, shutters, a fan, inputs and sensors. Pure.
 
-Source: hatasmota 0.10.2, ``discovery.py``.
+Source: tasmota.github.io/docs, Commands > FanSpeed, and Blinds and Shutters; hatasmota 0.10.2, ``discovery.py``,
+``fan.py`` and ``shutter.py``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import chain
 
-from homebot.conventions.description import DescribedPart
-from homebot.conventions.part_builder import PartBuilder, with_own_ids
-from homebot.conventions.table_codec import json_object
-from homebot.conventions.tasmota.config import LIGHT, RELAY, TasmotaConfig
-from homebot.conventions.tasmota.device_topics import TasmotaTopics
-from homebot.conventions.tasmota.fan import add_fan
+from homebot.conventions.command_values import require_bool, require_number, require_option
+from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.part_builder import JsonPart, with_own_ids
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
+from homebot.conventions.tasmota.config import LIGHT, RELAY, SHUTTER, TasmotaConfig, Tilt
+from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
 from homebot.conventions.tasmota.inputs import describe_inputs
 from homebot.conventions.tasmota.light import add_light
 from homebot.conventions.tasmota.sensors import Leaf, describe_sensors
-from homebot.conventions.tasmota.shutter import add_shutter, count_shutters
+from homebot.devices.value import PlainValue
+from homebot.numbers import finite_number
 
-__all__ = ["build_parts"]
+__all__ = ["add_fan", "add_shutter", "build_parts", "count_shutters"]
+
+
+def add_fan(part: JsonPart, topics: TasmotaTopics) -> None:
+    """Have *part* be the fan."""
+    fan = _Fan(topics)
+    for topic in topics.states:
+        part.read_from(topic, fan.read)
+    part.add_capability("on_off", writer=fan.switch)
+    part.add_capability("fan_speed", writer=fan.set_speed)
+    part.add_command_topics(topics.topic(_COMMAND))
+    part.add_state_request(*topics.state_requests)
+
+
+_COMMAND = "FanSpeed"
+_PERCENTS = (0.0, 33.0, 66.0, 100.0)
+"""Of each speed: the largest percentage that it stands for."""
+
+_MIDDLE = 2
+
+
+class _Fan:
+    """The state and the commands of a fan.
+
+    It has no command for the speed from before, so the last one that it told is remembered.
+    """
+
+    __slots__ = ("_speed", "_topics")
+
+    def __init__(self, topics: TasmotaTopics) -> None:
+        self._topics = topics
+        self._speed = _MIDDLE
+
+    def read(self, message: JsonMessage) -> Readings:
+        speed = message.get(_COMMAND)
+        if type(speed) is not int or not 0 <= speed < len(_PERCENTS):
+            return NO_READINGS
+        self._speed = speed or self._speed
+        return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
+
+    def switch(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return self._topics.publish(_COMMAND, self._speed if require_bool("on_off", value) else 0)
+
+    def set_speed(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        percent = require_number("fan_speed", value, 0, 100, "%")
+        return self._topics.publish(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))
+
+
+def count_shutters(outputs: tuple[int, ...]) -> int:
+    """Return how many shutters there are: each has two outputs, one after the other. None where one has no partner."""
+    pairs, index = 0, 0
+    while index < len(outputs):
+        if outputs[index] != SHUTTER:
+            index += 1
+            continue
+        if outputs[index : index + 2] != (SHUTTER, SHUTTER):
+            return 0
+        pairs += 1
+        index += 2
+    return pairs
+
+
+def add_shutter(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
+    """Have *part* be the shutter *index*."""
+    config = topics.config
+    options = config.shutter_options[index] if index < len(config.shutter_options) else 0
+    tilt = config.tilts[index] if index < len(config.tilts) else None
+    shutter = _Shutter(topics, index + 1, bool(options & _INVERTED), tilt)
+    for topic in (topics.states[0], *topics.sensors):
+        part.read_from(topic, shutter.read)
+    part.add_capability("movement", writer=shutter.move)
+    part.add_capability("position", writer=shutter.set_position)
+    if tilt is not None:
+        part.add_capability("tilt", writer=shutter.set_tilt)
+    part.add_command_topics(*(topics.topic(f"Shutter{name}{index + 1}") for name in (*_COMMANDS.values(), "Position")))
+    if tilt is not None:
+        part.add_command_topics(topics.topic(f"ShutterTilt{index + 1}"))
+    part.add_state_request(*topics.sensor_requests)
+
+
+_INVERTED = 1
+_COMMANDS = {"open": "Open", "closed": "Close", "stopped": "Stop"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Shutter:
+    """The state and the commands of one shutter.
+
+    Attributes:
+        topics: Its topics.
+        number: Which it is, from 1.
+        is_inverted: Whether its positions are turned round.
+        tilt: How its slats turn; None where they do not.
+    """
+
+    topics: TasmotaTopics
+    number: int
+    is_inverted: bool
+    tilt: Tilt | None
+
+    def read(self, message: JsonMessage) -> Readings:
+        fields = sensor_values(message).get(f"Shutter{self.number}")
+        if not isinstance(fields, dict):
+            return NO_READINGS
+        found: dict[str, PlainValue] = {}
+        position = finite_number(fields.get("Position"))
+        if position is not None and 0 <= position <= 100:
+            position = 100 - position if self.is_inverted else position
+            found["position"] = position
+        direction = fields.get("Direction")
+        if isinstance(direction, int) and direction in (-1, 0, 1):
+            found["movement"] = self._movement(-direction if self.is_inverted else direction, position)
+        angle = finite_number(fields.get("Tilt"))
+        if self.tilt is not None and angle is not None:
+            percent = (angle - self.tilt.least) * 100 / (self.tilt.most - self.tilt.least)
+            found["tilt"] = min(100.0, max(0.0, percent))
+        return found
+
+    def move(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        return self.topics.publish(f"Shutter{_COMMANDS[require_option('movement', value, _COMMANDS)]}{self.number}")
+
+    def set_position(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        percent = round(require_number("position", value, 0, 100, "%"))
+        return self.topics.publish(f"ShutterPosition{self.number}", 100 - percent if self.is_inverted else percent)
+
+    def set_tilt(self, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+        percent = require_number("tilt", value, 0, 100, "%")
+        tilt = self.tilt or Tilt(0, 100)
+        return self.topics.publish(
+            f"ShutterTilt{self.number}", round(tilt.least + percent * (tilt.most - tilt.least) / 100)
+        )
+
+    @staticmethod
+    def _movement(direction: int, position: float | None) -> str:
+        if direction:
+            return "opening" if direction > 0 else "closing"
+        if position is None:
+            return "stopped"
+        return "open" if position else "closed"
 
 
 def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[DescribedPart, ...]:
@@ -46,30 +187,28 @@ def _outputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
         if config.is_fan and output in (RELAY, LIGHT):
             yield _relay(topics, index, "light", name) if index == 0 else _relay_of_fan(topics, index, name)
         elif output == LIGHT:
-            part = PartBuilder(json_object, f"light_{index + 1}", "light", name=name, advertised="light")
+            part = JsonPart(f"light_{index + 1}", "light", name=name, advertised="light")
             add_light(part, topics, index)
             yield part.build()
         elif output == RELAY:
             yield _relay(topics, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
     for index in range(count_shutters(config.outputs)):
-        part = PartBuilder(json_object, f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
+        part = JsonPart(f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
         add_shutter(part, topics, index)
         yield part.build()
     if config.is_fan:
-        part = PartBuilder(json_object, "fan", "fan", advertised="fan")
+        part = JsonPart("fan", "fan", advertised="fan")
         add_fan(part, topics)
         yield part.build()
 
 
 def _relay(topics: TasmotaTopics, index: int, service_type: str, name: str) -> DescribedPart:
-    part = PartBuilder(json_object, f"power_{index + 1}", service_type, name=name, advertised="relay")
+    part = JsonPart(f"power_{index + 1}", service_type, name=name, advertised="relay")
     topics.add_power_switch(part, index)
     return part.build()
 
 
 def _relay_of_fan(topics: TasmotaTopics, index: int, name: str) -> DescribedPart:
-    part = PartBuilder(
-        json_object, f"power_{index + 1}", "x_binary_sensor", name=name, advertised="relay", category="diagnostic"
-    )
+    part = JsonPart(f"power_{index + 1}", "x_binary_sensor", name=name, advertised="relay", category="diagnostic")
     topics.add_power_state(part, index)
     return part.build()

@@ -6,13 +6,13 @@ Source: Tasmota 14.4 firmware, ``xdrv_12_discovery.ino``; hatasmota 0.10.2.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from homebot.conventions.description import (
     AnnouncementEvent,
     Availability,
     DeviceAnnounced,
     DeviceWithdrawn,
+    LastWillAvailability,
 )
 from homebot.conventions.payload import parse_object
 from homebot.conventions.tasmota.config import TasmotaConfig, read_config
@@ -21,34 +21,13 @@ from homebot.conventions.tasmota.sensors import Leaf, read_leaves
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 
-__all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaReader", "WillAvailability"]
+__all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaReader"]
 
 MAX_DEVICES = 5_000
 """Most devices; the announcement of one more is refused."""
 
 MAX_WAITING = 1_000
 """Most devices whose sensors are known while the rest is not; the oldest is forgotten then, and counted."""
-
-
-@dataclass(frozen=True, slots=True)
-class WillAvailability:
-    """The topic of a device's last will, and its two words; see :class:`AvailabilitySource`.
-
-    Attributes:
-        topic: The topic.
-        online: The word for yes.
-        offline: The word for no.
-    """
-
-    topic: str
-    online: bytes
-    offline: bytes
-
-    def read(self, payload: bytes) -> bool | None:
-        """Return whether the device can be reached, or None when *payload* says neither."""
-        if payload == self.online:
-            return True
-        return False if payload == self.offline else None
 
 
 class TasmotaReader:
@@ -117,7 +96,7 @@ class TasmotaReader:
     def _described(self, mac: str) -> DeviceAnnounced:
         """Describe a device anew, with codecs that remember nothing."""
         config = self._configs[mac]
-        will = WillAvailability(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
+        will = LastWillAvailability(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
         described = DeviceAnnounced(
             key=mac,
             convention="tasmota",

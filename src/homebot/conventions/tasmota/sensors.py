@@ -1,6 +1,7 @@
-"""Sensors of a Tasmota device: each leaf of its ``sensors`` message. Pure.
+"""Sensors of a Tasmota device: each leaf of its ``sensors`` message, and the capabilities for their names. Pure.
 
-Source: hatasmota 0.10.2, ``sensor.py``; tasmota.github.io/docs, JSON status responses, for the names in use.
+Source: hatasmota 0.10.2, ``sensor.py``; Home Assistant core 2025.4, ``components/tasmota/sensor.py``;
+tasmota.github.io/docs, JSON status responses, for the names in use.
 """
 
 from __future__ import annotations
@@ -10,17 +11,116 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings, is_unknown
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.part_builder import PartBuilder
-from homebot.conventions.payload import clean_text
-from homebot.conventions.table_codec import json_object
+from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, is_unknown
 from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
-from homebot.conventions.tasmota.sensor_tables import quantity_of
-from homebot.conventions.units import Quantity
+from homebot.conventions.units import Conversion, Quantity, conversion_of
 from homebot.numbers import finite_number
 
-__all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "read_leaves"]
+__all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "quantity_of", "read_leaves"]
+
+
+def quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> Quantity:
+    """Return what the value at *path* is; a plain measurement where its name is not known.
+
+    Args:
+        path: Sensor, name, and at times an index or an inner name.
+        sensors: The device's message, which also tells the units of temperature and pressure.
+    """
+    sensor, name = str(path[0]), str(path[1])
+    inner = path[2] if len(path) > _SHORTEST else None
+    if name == "Energy" and sensor in _OTHER_ENERGY:
+        return _PLAIN
+    if isinstance(inner, str) and inner in _KNOWN:
+        name = inner
+    elif sensor == "ANALOG" and name[-1:].isdigit():
+        name = name[:-1]
+    if name in _WITH_UNITS:
+        key, known = _WITH_UNITS[name]
+        unit = sensors.get(key)
+        return known.get(unit, _PLAIN) if isinstance(unit, str) else _PLAIN
+    return _KNOWN.get(name, _PLAIN)
+
+
+_SHORTEST = 2
+_OTHER_ENERGY = frozenset({"AS3935", "LD2410"})
+"""Sensors whose energy is that of lightning or of a radar's echo."""
+
+_AIR = "air_quality_sensor"
+_PLAIN = Quantity("x_sensor", "measurement")
+_ENERGY = Quantity("electrical_meter", "energy")
+_CURRENT = Quantity("electrical_meter", "current")
+_POWER = Quantity("electrical_meter", "power")
+_LIGHT = Quantity("light_sensor", "illuminance")
+
+
+def _converted(service_type: str, capability: str, unit: str) -> Quantity:
+    return Quantity(service_type, capability, "", conversion_of(capability, unit) or Conversion())
+
+
+def _plain(unit: str) -> Quantity:
+    return Quantity("x_sensor", "measurement", unit)
+
+
+_KNOWN: Mapping[str, Quantity] = {
+    "ActivePower": _POWER,
+    "Ambient": _LIGHT,
+    "ApparentPower": _plain("VA"),
+    "Battery": Quantity("x_battery", "battery"),
+    "CarbonDioxide": Quantity(_AIR, "carbon_dioxide"),
+    "CCT": _plain("K"),
+    "CF1": _plain("µg/m³"),
+    "CF10": _plain("µg/m³"),
+    "CF2.5": _plain("µg/m³"),
+    "Current": _CURRENT,
+    "CurrentNeutral": _CURRENT,
+    "Distance": _plain("cm"),
+    "eCO2": _plain("ppm"),
+    "Energy": _ENERGY,
+    "ExportActive": _ENERGY,
+    "ExportReactive": _plain("kvarh"),
+    "ExportTariff": _ENERGY,
+    "Frequency": Quantity("electrical_meter", "frequency"),
+    "Humidity": Quantity("humidity_sensor", "humidity"),
+    "Illuminance": _LIGHT,
+    "ImportActive": _ENERGY,
+    "ImportReactive": _plain("kvarh"),
+    "Moisture": Quantity("soil_sensor", "soil_moisture"),
+    "PhaseAngle": _plain("°"),
+    "PM1": Quantity(_AIR, "pm1"),
+    "PM10": Quantity(_AIR, "pm10"),
+    "PM2.5": Quantity(_AIR, "pm25"),
+    "Power": _POWER,
+    "ReactivePower": _plain("var"),
+    "Today": _ENERGY,
+    "Total": _ENERGY,
+    "TotalTariff": _ENERGY,
+    "TVOC": _plain("ppb"),
+    "Voltage": Quantity("electrical_meter", "voltage"),
+    "Weight": _plain("kg"),
+    "Yesterday": _ENERGY,
+}
+
+_TEMPERATURES: Mapping[str, Quantity] = {
+    "C": Quantity("temperature_sensor", "temperature"),
+    "F": _converted("temperature_sensor", "temperature", "°F"),
+}
+_PRESSURES: Mapping[str, Quantity] = {
+    "hPa": Quantity("pressure_sensor", "pressure"),
+    "mmHg": _converted("pressure_sensor", "pressure", "mmHg"),
+}
+_SPEEDS: Mapping[str, Quantity] = {unit: _plain(unit) for unit in ("m/s", "km/h", "kn", "mph", "ft/s", "yd/s")}
+
+_WITH_UNITS: Mapping[str, tuple[str, Mapping[str, Quantity]]] = {
+    "DewPoint": ("TempUnit", _TEMPERATURES),
+    "Temperature": ("TempUnit", _TEMPERATURES),
+    "Pressure": ("PressureUnit", _PRESSURES),
+    "SeaPressure": ("PressureUnit", _PRESSURES),
+    "Speed": ("SpeedUnit", _SPEEDS),
+}
+"""Names whose unit stands beside them in the message, under which key, and what they are then."""
+
 
 MOST_SENSORS = 200
 """Most leaves of one device that become sensors."""
@@ -66,8 +166,7 @@ def describe_sensors(topics: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[
     for leaf in leaves:
         what = leaf.quantity
         is_number = leaf.is_number or what.capability != "measurement"
-        part = PartBuilder(
-            json_object,
+        part = JsonPart(
             clean_text("_".join(map(str, leaf.path)), _MAX_ID),
             what.service_type,
             name=clean_text(" ".join(map(str, leaf.path))),
@@ -138,7 +237,7 @@ def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
 
 
 def _signal(topics: TasmotaTopics) -> DescribedPart:
-    part = PartBuilder(json_object, "wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
+    part = JsonPart("wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
     part.read_from(topics.states[1], _read_signal)
     part.add_capability("signal_strength")
     return part.build()

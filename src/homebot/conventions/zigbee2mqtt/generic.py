@@ -1,38 +1,121 @@
 """Values of a Zigbee device beside its main parts: sensors, buttons and settings. Pure.
 
-Source: zigbee2mqtt.io, Usage > Exposes > Generic.
+Source: zigbee2mqtt.io, Usage > Exposes > Generic; zigbee-herdsman-converters 26.105.0 for the names in use.
 """
 
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
 from homebot.conventions.command_values import require_bool
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import DescribedPart, Publication
-from homebot.conventions.part_builder import JsonPart, PartBuilder
-from homebot.conventions.payload import clean_text, shown
-from homebot.conventions.table_codec import json_object
-from homebot.conventions.units import Quantity
-from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
+from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, shown
+from homebot.conventions.units import SENSOR_TYPES, Quantity, conversion_of
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import (
     MAX_VALUE,
+    Zigbee2MqttTopics,
     add_enum,
     add_flag,
     add_number,
     add_reader,
     text_of,
 )
-from homebot.conventions.zigbee2mqtt.sensor_tables import CONDITIONS, TRUE_IS_CLOSED, measure
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.numbers import finite_number
 
-__all__ = ["build_generic"]
+__all__ = ["CONDITIONS", "TRUE_IS_CLOSED", "build_generic", "measure"]
+
+
+CONDITIONS: Mapping[str, tuple[str, str]] = {
+    "contact": ("contact_sensor", "contact"),
+    "garage_door_contact": ("contact_sensor", "contact"),
+    "window": ("contact_sensor", "contact"),
+    "window_open": ("contact_sensor", "contact"),
+    "valve_state": ("contact_sensor", "contact"),
+    "occupancy": ("occupancy_sensor", "occupancy"),
+    "presence": ("occupancy_sensor", "occupancy"),
+    "area1Occupancy": ("occupancy_sensor", "occupancy"),
+    "area2Occupancy": ("occupancy_sensor", "occupancy"),
+    "area3Occupancy": ("occupancy_sensor", "occupancy"),
+    "area4Occupancy": ("occupancy_sensor", "occupancy"),
+    "smoke": ("smoke_co_alarm", "smoke"),
+    "carbon_monoxide": ("smoke_co_alarm", "carbon_monoxide_alarm"),
+    "gas": ("smoke_co_alarm", "gas"),
+    "water_leak": ("water_leak_detector", "water_leak"),
+    "rain": ("rain_sensor", "rain"),
+    "rain_status": ("rain_sensor", "rain"),
+    "battery_low": ("x_battery", "battery_low"),
+    "is_charging": ("x_battery", "battery_charging"),
+    "tamper": ("x_binary_sensor", "tamper"),
+    "vibration": ("x_binary_sensor", "vibration"),
+    "noise_detected": ("x_binary_sensor", "sound"),
+    "moving": ("x_binary_sensor", "moving"),
+    "running": ("x_binary_sensor", "running"),
+    "valve_alarm": ("x_binary_sensor", "problem"),
+    "sos": ("x_binary_sensor", "safety"),
+    "consumer_connected": ("x_binary_sensor", "plugged_in"),
+    "is_plug_connected": ("x_binary_sensor", "plugged_in"),
+}
+"""Service type and capability of a binary that is said and cannot be set; true is what its ``value_on`` says."""
+
+TRUE_IS_CLOSED = frozenset({"garage_door_contact"})
+"""Binaries whose ``value_on`` is true where it should be false: what they say is whether the contact is closed."""
+
+
+def measure(name: str, unit: str) -> Quantity:
+    """Return what the number *name* in *unit* is; a plain measurement where that is not known for sure."""
+    capability = _NAMES.get(name) or _capability_of(name, unit)
+    conversion = conversion_of(capability, unit) if capability else None
+    if conversion is None:
+        return Quantity(_SERVICES_OF_PLAIN.get(name, "x_sensor"), "measurement", unit)
+    return Quantity(SENSOR_TYPES[capability], capability, "", conversion)
+
+
+_AIR = "air_quality_sensor"
+
+_NAMES: Mapping[str, str] = {
+    "aqi": "air_quality_index",
+    "battery": "battery",
+    "battery2": "battery",
+    "co": "carbon_monoxide",
+    "co2": "carbon_dioxide",
+    "dew_point": "temperature",
+    "flow": "flow",
+    "illuminance": "illuminance",
+    "pm1": "pm1",
+    "pm10": "pm10",
+    "pm25": "pm25",
+    "pressure": "pressure",
+    "soil_moisture": "soil_moisture",
+    "voc": "volatile_organic_compounds",
+}
+_SERVICES_OF_PLAIN: Mapping[str, str] = {"voc": _AIR, "eco2": _AIR, "voc_index": _AIR}
+
+_BY_UNIT_ALONE = ("power", "energy", "current", "voltage", "frequency")
+_BY_NAME = ("temperature", "humidity")
+_NO_READINGS = frozenset(
+    {"limit", "setpoint", "target", "calibration", "offset", "max", "min", "threshold", "alarm", "deadzone"}
+)
+"""Words in the names of numbers that are set, not measured."""
+
+
+def _capability_of(name: str, unit: str) -> str:
+    """Electrical units tell what is measured; degrees and percent do not without the name."""
+    for capability in _BY_UNIT_ALONE:
+        if conversion_of(capability, unit) is not None:
+            return capability
+    tokens = set(re.split(r"[^a-z]+", re.sub(r"([A-Z])", r"_\1", name).lower()))
+    if tokens & _NO_READINGS:
+        return ""
+    return next((one for one in _BY_NAME if one in tokens), "")
 
 
 def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
@@ -48,9 +131,7 @@ def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | 
 
 
 def _part(expose: Expose, service_type: str, category: Category) -> JsonPart:
-    return PartBuilder(
-        json_object, clean_text(expose.key), service_type, name=expose.label, advertised=expose.name, category=category
-    )
+    return JsonPart(clean_text(expose.key), service_type, name=expose.label, advertised=expose.name, category=category)
 
 
 def _buttons(topics: Zigbee2MqttTopics, action: Expose) -> DescribedPart:

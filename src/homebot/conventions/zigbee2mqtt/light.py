@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.light_color import (
     CHANNELS,
@@ -21,9 +20,9 @@ from homebot.conventions.light_color import (
     to_hue_saturation,
 )
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
-from homebot.conventions.zigbee2mqtt.features import flag_of, text_of
+from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttTopics, flag_of, text_of
 from homebot.devices.value import PlainValue
 from homebot.numbers import finite_number
 

@@ -7,28 +7,30 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from homebot.conventions.decode import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.part_builder import PartBuilder, with_own_ids
-from homebot.conventions.payload import clean_text
-from homebot.conventions.table_codec import json_object
+from homebot.conventions.part_builder import JsonPart, with_own_ids
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
 from homebot.conventions.zigbee2mqtt.bridge_device import BridgeDevice
 from homebot.conventions.zigbee2mqtt.climate import (
     FEATURES_OF_CLIMATE,
     build_climate,
     build_thermometer,
     climate_type,
+    is_program,
 )
-from homebot.conventions.zigbee2mqtt.cover import FEATURES_OF_COVER, build_cover
-from homebot.conventions.zigbee2mqtt.device_topics import Zigbee2MqttTopics
+from homebot.conventions.zigbee2mqtt.controls import (
+    FEATURES_OF_COVER,
+    FEATURES_OF_FAN,
+    FEATURES_OF_LOCK,
+    build_cover,
+    build_fan,
+    build_lock,
+    build_siren,
+)
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, read_exposes
-from homebot.conventions.zigbee2mqtt.fan import FEATURES_OF_FAN, build_fan
-from homebot.conventions.zigbee2mqtt.features import add_flag, text_of
+from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttTopics, add_flag, text_of
 from homebot.conventions.zigbee2mqtt.generic import build_generic
 from homebot.conventions.zigbee2mqtt.light import FEATURES_OF_LIGHT, build_light
-from homebot.conventions.zigbee2mqtt.lock import FEATURES_OF_LOCK, build_lock
-from homebot.conventions.zigbee2mqtt.program import is_program
-from homebot.conventions.zigbee2mqtt.siren import build_siren
 
 __all__ = ["build_parts"]
 
@@ -64,9 +66,7 @@ def _described(device: BridgeDevice, whole: Zigbee2MqttTopics, exposes: tuple[Ex
                 yield thermometer
             rest = [one for one in expose.features if one.name not in _FEATURES[expose.type]]
         elif expose.type == "composite" and expose.name == "warning" and expose.is_settable:
-            yield build_siren(
-                PartBuilder(json_object, "siren" + expose.suffix, "siren", advertised="warning"), topics, expose
-            )
+            yield build_siren(JsonPart("siren" + expose.suffix, "siren", advertised="warning"), topics, expose)
             rest = []
         else:
             rest = [] if expose is beside.get("effect") else [expose]
@@ -100,8 +100,7 @@ def _specific(
     if expose.type == "switch":
         return _switch(topics, expose)
     service_type = climate_type(expose) if expose.type == "climate" else _SERVICES[expose.type]
-    part = PartBuilder(
-        json_object,
+    part = JsonPart(
         expose.type + expose.suffix,
         service_type,
         name=clean_text(expose.endpoint),
@@ -128,8 +127,7 @@ def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
     """Describe a relay. One whose property is no state, such as ``window_detection``, is a setting."""
     state = expose.feature("state")
     is_setting = state is not None and not state.key.startswith("state")
-    part = PartBuilder(
-        json_object,
+    part = JsonPart(
         clean_text(state.key) if state is not None and is_setting else "switch" + expose.suffix,
         "x_setting" if is_setting else "switch",
         name=clean_text(expose.label if is_setting else expose.endpoint),
@@ -142,7 +140,7 @@ def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
 
 
 def _update(topics: Zigbee2MqttTopics) -> DescribedPart:
-    part = PartBuilder(json_object, "update", "x_update", advertised="update", category="diagnostic")
+    part = JsonPart("update", "x_update", advertised="update", category="diagnostic")
     part.read_from(topics.state, _read_update)
     for capability in ("version", "latest_version", "update_available"):
         part.add_capability(capability)
@@ -161,7 +159,7 @@ def _read_update(message: JsonMessage) -> Readings:
 
 
 def _unknown(topics: Zigbee2MqttTopics) -> DescribedPart:
-    part = PartBuilder(json_object, "", "x_unknown")
+    part = JsonPart("", "x_unknown")
     part.read_from(topics.state, _read_raw)
     part.add_capability("raw")
     return part.build()

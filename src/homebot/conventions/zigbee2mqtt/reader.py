@@ -10,8 +10,13 @@ from dataclasses import dataclass, replace
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.conventions.payload import clean_text, parse_list, parse_object, shown
-from homebot.conventions.zigbee2mqtt.availability import AvailabilityRule, read_availability_rule
-from homebot.conventions.zigbee2mqtt.bridge_device import BridgeDevice, ieee_address, read_bridge_device
+from homebot.conventions.zigbee2mqtt.bridge_device import (
+    AvailabilityRule,
+    BridgeDevice,
+    ieee_address,
+    read_availability_rule,
+    read_bridge_device,
+)
 from homebot.conventions.zigbee2mqtt.parts import build_parts
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError

@@ -16,8 +16,7 @@ from homebot.devices.part import Capability, Part
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
 from homebot.wot import ClassifiedPart, Thing, observe_form, parts_of, read_thing, write_form
-from homebot.wot.mqtt.codec import thing_codec
-from homebot.wot.mqtt.payload_codec import is_supported
+from homebot.wot.mqtt.codec import is_supported, thing_codec
 
 __all__ = ["ThingReader"]
 
