@@ -13,6 +13,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from homebot.cli.main import uncollected
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, load_config, parse_config
 from homebot.discovery.store import take_over
@@ -43,7 +44,8 @@ which takes 20 ms at most; at everything only once 1.2 million more have come to
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 when a part was given up on the way."""
     gc.set_threshold(*COLLECT_AFTER)
-    config, house = configuration(options)
+    with uncollected():
+        config, house = configuration(options)
     with queued_output() as lost_lines:
         return _run_apart(options, config, house, lost_lines)
 
@@ -138,7 +140,8 @@ async def _run(
 ) -> int:
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
-    runtime = Runtime(config, house=house, index_file=index_file, loop_watch=watch, lost_lines=lost_lines)
+    with uncollected():  # what the plan names is loaded
+        runtime = Runtime(config, house=house, index_file=index_file, loop_watch=watch, lost_lines=lost_lines)
     await serve(_settled(runtime), seconds, runtime.cut_start_short)
     return 1 if runtime.supervisor.given_up else 0
 
