@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 __all__ = ["did_you_mean", "similar_to"]
 
@@ -19,6 +18,8 @@ def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list
         known: What there is.
         cutoff: How alike they must be, from 0 to 1.
     """
+    from difflib import get_close_matches  # noqa: PLC0415 - somebody mistook a name
+
     names = sorted(set(known))
     return (
         get_close_matches(name, names, n=_MOST, cutoff=cutoff)

@@ -15,8 +15,8 @@ from homebot.devices import Sighting
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone
-from homebot.discovery.record import entry_record, read_entry, read_tombstone, tombstone_record
-from homebot.discovery.store import VERSION, IndexFile, Records, index_path, take_over
+from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone, tombstone_record
+from homebot.discovery.store import VERSION, IndexFile, index_path, take_over
 from homebot.errors import LinkError, UsageError, WireError
 
 Announce = Callable[..., Sighting]

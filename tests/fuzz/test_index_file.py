@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from homebot.devices import Sighting
 from homebot.devices.part import Capability, Part
 from homebot.discovery import DeviceIndex
-from homebot.discovery.record import entry_record, read_entry, read_tombstone
-from homebot.discovery.store import IndexFile, Records
+from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone
+from homebot.discovery.store import IndexFile
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.messages import Time
 

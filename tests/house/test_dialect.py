@@ -8,6 +8,7 @@ from homebot.errors import UsageError
 from homebot.house.device_state import DeviceState
 from homebot.house.dialect import OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
+from homebot.house.kinds import KINDS
 
 LAMP = SimulatedDeviceInfo("villa", "lamp", "desk", "lights", "study")
 
@@ -21,6 +22,7 @@ def test_the_thesis_says_words_as_they_are_and_announces_nothing() -> None:
     )
     assert thesis.state_messages(LAMP, DeviceState(text="\ud800")) == (OutgoingMessage("villa/lights/desk/out", b"?"),)
     assert (thesis.birth(LAMP), thesis.will(LAMP)) == ((), None)
+    assert thesis.kinds == KINDS.keys()
 
 
 def test_the_thesis_takes_any_payload_for_a_word() -> None:

@@ -12,7 +12,10 @@ from homebot.devices.exposed import ExposedDevice
 from homebot.devices.exposure import Exposure
 from homebot.devices.follow import Follow
 from homebot.devices.gateway_state import ONLY_OBSERVES, GatewayState
-from homebot.devices.handles import FollowHandles, Handle, Handles, HandleType
+from homebot.devices.handles.follow import FollowHandles
+from homebot.devices.handles.handle import Handle
+from homebot.devices.handles.handle_query import HandleType
+from homebot.devices.handles.handles import Handles
 from homebot.devices.names import FIND_DEVICES, GatewayNames
 from homebot.devices.raw import RawCommand, RawMessage
 from homebot.devices.services import (

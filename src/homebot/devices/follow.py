@@ -11,7 +11,7 @@ import anyio.lowlevel
 from homebot.devices.device import DeviceChange, StateChange
 from homebot.devices.live_query_state import LiveQueryState
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES
-from homebot.devices.query import And, Query, parse_query, type_is
+from homebot.devices.query import And, Query, type_is
 from homebot.devices.services import FindDevices, FindDevicesRequest, FindDevicesResponse
 from homebot.errors import ClosedError, ServiceError
 from homebot.graph import Client, Node, Subscription
@@ -54,7 +54,7 @@ class Follow:
         self._node = node
         terms: list[Query] = [type_is(service_type)] if service_type else []
         if query:
-            terms.append(parse_query(query) if isinstance(query, str) else query)
+            terms.append(_parsed(query) if isinstance(query, str) else query)
         self._followed = LiveQueryState(terms[0] if len(terms) == 1 else And(tuple(terms)))
         self._request = FindDevicesRequest(service_type=service_type)
         self._changes: Subscription[DeviceChange] | None = None
@@ -166,3 +166,9 @@ class Follow:
         if self._given >= _TURN:
             self._given = 0
             await anyio.lowlevel.checkpoint()
+
+
+def _parsed(text: str) -> Query:
+    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - most apps ask for handles, not by text
+
+    return parse_query(text)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import anyio
 from anyio import to_thread
@@ -15,12 +16,14 @@ from anyio import to_thread
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.index import DeviceIndex
-from homebot.discovery.record import entry_record, read_entry, read_tombstone, tombstone_record
-from homebot.discovery.store import IndexFile, Records
+from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone, tombstone_record
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.time_slice import TimeSlice
+
+if TYPE_CHECKING:
+    from homebot.discovery.store import IndexFile
 
 __all__ = ["IndexPersistence"]
 
@@ -62,7 +65,7 @@ class IndexPersistence:
         self._node = node
         self._clock = node.graph.clock
         self._index = index
-        self._file = IndexFile(path) if path is not None else None
+        self._file = _index_file(path) if path is not None else None
         self._limit = LogLimit(self._clock)
         self.failures = 0
         self.damaged = 0
@@ -232,3 +235,9 @@ def _read(file: IndexFile) -> _SavedState:
     entries.sort(key=lambda one: (one.first_seen.sec, one.first_seen.nanosec, one.id))
     tombstones.sort(key=lambda one: (one.at, one.id))
     return _SavedState(tuple(entries), tuple(tombstones), rejected)
+
+
+def _index_file(path: Path) -> IndexFile:
+    from homebot.discovery.store import IndexFile  # noqa: PLC0415 - SQLite is loaded where something is kept
+
+    return IndexFile(path)

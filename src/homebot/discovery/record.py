@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import dataclass
 from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -18,14 +19,27 @@ from homebot.errors import InvalidNameError, WireError
 from homebot.messages import Time
 from homebot.names import validate_node_name
 
-__all__ = ["MAX_RECORD", "entry_record", "read_entry", "read_tombstone", "tombstone_record"]
+__all__ = ["MAX_RECORD", "Records", "entry_record", "read_entry", "read_tombstone", "tombstone_record"]
 
 MAX_RECORD = 4_000_000
 """Characters of one record; a longer one is not read."""
 
 
+@dataclass(frozen=True, slots=True)
+class Records:
+    """Rows of the index file: id and record.
+
+    Attributes:
+        devices: Of devices that are known.
+        tombstones: Of those that went.
+    """
+
+    devices: tuple[tuple[str, str], ...] = ()
+    tombstones: tuple[tuple[str, str], ...] = ()
+
+
 class _SavedSource(BaseModel):
-    model_config = ConfigDict(extra="ignore")
+    model_config = ConfigDict(extra="ignore", defer_build=True)
 
     sighting: Sighting
     first_seen: Time
@@ -33,7 +47,7 @@ class _SavedSource(BaseModel):
 
 
 class _EntryRecord(BaseModel):
-    model_config = ConfigDict(extra="ignore")
+    model_config = ConfigDict(extra="ignore", defer_build=True)
 
     first_seen: Time
     gaps: tuple[float, ...] = ()
@@ -41,7 +55,7 @@ class _EntryRecord(BaseModel):
 
 
 class _TombstoneRecord(BaseModel):
-    model_config = ConfigDict(extra="ignore")
+    model_config = ConfigDict(extra="ignore", defer_build=True)
 
     keys: tuple[tuple[str, str], ...]
     hardware: tuple[str, ...] = ()

@@ -9,15 +9,15 @@ import os
 import sqlite3
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
+from homebot.discovery.record import Records
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.file_access import why_not_trusted
 from homebot.names import escape_token
 
-__all__ = ["VERSION", "IndexFile", "Records", "index_path", "take_over"]
+__all__ = ["VERSION", "IndexFile", "index_path", "take_over"]
 
 VERSION = 2
 """Of the schema, kept as SQLite's ``user_version``."""
@@ -36,19 +36,6 @@ _BUSY = 5.0
 """Seconds to wait for another homebot that holds the file."""
 
 _FILES = ("", "-wal", "-shm", "-journal")
-
-
-@dataclass(frozen=True, slots=True)
-class Records:
-    """Rows of the index file: id and record.
-
-    Attributes:
-        devices: Of devices that are known.
-        tombstones: Of those that went.
-    """
-
-    devices: tuple[tuple[str, str], ...] = ()
-    tombstones: tuple[tuple[str, str], ...] = ()
 
 
 def index_path(home: str, network: str) -> Path:

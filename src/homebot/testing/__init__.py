@@ -3,8 +3,9 @@
 Each name is imported when it is first asked for: pytest loads the plug-in of this package for everybody.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from homebot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from homebot.testing.day import Day
@@ -31,23 +32,17 @@ __all__ = [
     "virtual_house_of",
 ]
 
-_HOMES = {
-    "Day": "day",
-    "DayEvent": "day_event",
-    "EventLog": "event_log",
-    "FakeGateway": "gateway",
-    "FakeGatewaySettings": "gateway",
-    "HouseEvent": "event_log",
-    "TestHouse": "house",
-    "VirtualHouse": "virtual_house",
-    "VirtualTimeLoop": "virtual_time",
-    "house_of": "house",
-    "live_day": "day_live",
-    "virtual_house_of": "virtual_house",
-}
-
-
-def __getattr__(name: str) -> object:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+    __getattr__ = lazy_names(
+        __name__,
+        {
+            "homebot.testing.day": "Day",
+            "homebot.testing.day_event": "DayEvent",
+            "homebot.testing.day_live": "live_day",
+            "homebot.testing.event_log": "EventLog HouseEvent",
+            "homebot.testing.gateway": "FakeGateway FakeGatewaySettings",
+            "homebot.testing.house": "TestHouse house_of",
+            "homebot.testing.virtual_house": "VirtualHouse virtual_house_of",
+            "homebot.testing.virtual_time": "VirtualTimeLoop",
+        },
+    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import Any
 
 from homebot.bridges.rosbridge.protocol import CallService, Frame, service_failure, service_success
@@ -54,6 +53,8 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
     if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=error.service):
         return str(error)
     known = [info.name for info in node.graph.get_endpoints(kind=EntityKind.SERVICE)]
+    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.similar
+
     similar = get_close_matches(error.service[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
     hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services lists all"
     return f"service {error.service} has no server now; {hint}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from homebot.devices.query import Or, QueryTerm, parse_query, query_terms
+from homebot.devices.query import Or, QueryTerm, query_terms
 from homebot.devices.services import QueryDevicesResponse
 from homebot.errors import ServiceFailedError, UsageError
 from homebot.isolation import error_text
@@ -26,6 +26,8 @@ def parse_queries(
     for field in fields_of(request_type):
         text = values.get(field.name)
         if field.message is QueryTerm and isinstance(text, str):
+            from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - loaded with the first text
+
             try:
                 parsed[field.name] = query_terms(parse_query(text))
             except UsageError as exc:

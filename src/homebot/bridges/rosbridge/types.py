@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import Any
 
 from homebot import devices
@@ -129,6 +128,8 @@ _STANDARD_MESSAGES = {_parts(known.ros_type): known for known in _MESSAGES}
 
 
 def _unknown(kind: str, ros_type: str, known: list[str]) -> PeerError:
+    from difflib import get_close_matches  # noqa: PLC0415 - as in homebot.similar
+
     similar = get_close_matches(ros_type[:_LONGEST_TYPE], known, n=3, cutoff=0.5)  # it takes the square of the length
     hint = f"; similar: {', '.join(similar)}" if similar else ""
     return PeerError(f"{kind} type {ros_type[:_LONGEST_TYPE]!r} is not known here{hint}")

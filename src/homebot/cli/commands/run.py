@@ -16,12 +16,10 @@ from typing import TYPE_CHECKING
 from homebot.cli.main import uncollected
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, load_config, parse_config
-from homebot.discovery.store import take_over
 from homebot.log import configure_logging
 from homebot.output import queued_output
 from homebot.production_loop import ProductionLoop
 from homebot.runtime import Runtime
-from homebot.runtime.index_place import index_place
 
 if TYPE_CHECKING:
     from homebot.house import World
@@ -57,10 +55,18 @@ def _run_apart(options: argparse.Namespace, config: Config, house: World | None,
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
     # A simulated house begins each time as it is described, so there is nothing to remember.
     is_kept = house is None and not options.ephemeral
-    index_file = index_place(config) if is_kept else None
-    if index_file is not None:
-        take_over(index_file)
+    index_file = _index_file(config) if is_kept else None
     return on_an_event_loop(_run(config, house, seconds=options.seconds, index_file=index_file, lost_lines=lost_lines))
+
+
+def _index_file(config: Config) -> Path:
+    """Return the file of the index, moved from where it was in earlier versions."""
+    from homebot.discovery.store import take_over  # noqa: PLC0415 - a simulated house is not remembered
+    from homebot.runtime.index_place import index_place  # noqa: PLC0415 - as above
+
+    index_file = index_place(config)
+    take_over(index_file)
+    return index_file
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:

@@ -1,25 +1,33 @@
-"""Typed handles: one class for each kind of thing in a house, with its latest values and its commands."""
+"""Typed handles: one class for each kind of thing in a house, with its latest values and its commands.
 
-from homebot.devices.handles.climate import AirConditioner, Thermostat
-from homebot.devices.handles.follow import FollowHandles, HandleChange
-from homebot.devices.handles.handle import Handle
-from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, HandleType
-from homebot.devices.handles.handles import Handles
-from homebot.devices.handles.opening import Closure, WaterValve, WindowCovering
-from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
-from homebot.devices.handles.security import AlarmPanel, DoorLock
-from homebot.devices.handles.sensors import (
-    ContactSensor,
-    ElectricalMeter,
-    HumiditySensor,
-    LightSensor,
-    OccupancySensor,
-    PressureSensor,
-    SmokeAlarm,
-    TemperatureSensor,
-    WaterLeakDetector,
-)
-from homebot.devices.handles.switchable import Fan, Light, Plug, Siren, Switch
+Each name is imported when it is first asked for: an app has handles of few kinds.
+"""
+
+from typing import TYPE_CHECKING
+
+from homebot.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from homebot.devices.handles.climate import AirConditioner, Thermostat
+    from homebot.devices.handles.follow import FollowHandles, HandleChange
+    from homebot.devices.handles.handle import Handle
+    from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, HandleType
+    from homebot.devices.handles.handles import Handles
+    from homebot.devices.handles.opening import Closure, WaterValve, WindowCovering
+    from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
+    from homebot.devices.handles.security import AlarmPanel, DoorLock
+    from homebot.devices.handles.sensors import (
+        ContactSensor,
+        ElectricalMeter,
+        HumiditySensor,
+        LightSensor,
+        OccupancySensor,
+        PressureSensor,
+        SmokeAlarm,
+        TemperatureSensor,
+        WaterLeakDetector,
+    )
+    from homebot.devices.handles.switchable import Fan, Light, Plug, Siren, Switch
 
 __all__ = [
     "AirConditioner",
@@ -53,3 +61,23 @@ __all__ = [
     "WaterValve",
     "WindowCovering",
 ]
+
+if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+    __getattr__ = lazy_names(
+        __name__,
+        {
+            "homebot.devices.handles.climate": "AirConditioner Thermostat",
+            "homebot.devices.handles.follow": "FollowHandles HandleChange",
+            "homebot.devices.handles.handle": "Handle",
+            "homebot.devices.handles.handle_query": "CommonFilters HandleQuery HandleType",
+            "homebot.devices.handles.handles": "Handles",
+            "homebot.devices.handles.opening": "Closure WaterValve WindowCovering",
+            "homebot.devices.handles.robots": "LawnMower RoboticVacuumCleaner",
+            "homebot.devices.handles.security": "AlarmPanel DoorLock",
+            "homebot.devices.handles.sensors": """
+                ContactSensor ElectricalMeter HumiditySensor LightSensor OccupancySensor
+                PressureSensor SmokeAlarm TemperatureSensor WaterLeakDetector
+                """,
+            "homebot.devices.handles.switchable": "Fan Light Plug Siren Switch",
+        },
+    )
