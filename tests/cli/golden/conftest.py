@@ -294,7 +294,7 @@ class StillHouse:
             counts=counts + more,
             quarantined=() if self.is_well else (offender,),
             failures=tuple(self.failures),
-            notes=("aiomqtt carries QoS 2 as QoS 1",),
+            notes=("aiomqtt publishes QoS 2 as QoS 1",),
         )
 
     def _directory_health(self, request: HealthRequest) -> HealthResponse:

@@ -28,7 +28,7 @@ def make(client_kind: ClientKind) -> MakeClient:
 
 @pytest.fixture
 def make_native() -> MakeClient:
-    """For promises of the port that aiomqtt cannot keep; `test_aiomqtt_adapter` has what it does instead."""
+    """For the one promise of the port that aiomqtt does not keep; `test_aiomqtt_adapter` has what it does instead."""
     return maker_of(NativeClient)
 
 

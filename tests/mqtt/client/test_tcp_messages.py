@@ -8,12 +8,10 @@ from typing import Any
 
 import anyio
 import pytest
-from tests.mqtt.client.conftest import ClientKind
 from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttClient, MqttSubscription
-from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.message import MessageProperties
 from homebot.mqtt.options import MqttProtocol
 from homebot.mqtt.packets import (
@@ -49,7 +47,7 @@ async def test_a_message_is_acknowledged_only_when_it_was_handed_over(make: Make
         client.ack(batch)
 
 
-async def test_qos_2_is_handed_over_once_and_only_then_recorded(make_native: MakeClient) -> None:
+async def test_qos_2_is_handed_over_once_and_only_then_recorded(make: MakeClient) -> None:
     released = anyio.Event()
 
     async def script(peer: Peer) -> None:
@@ -63,7 +61,7 @@ async def test_qos_2_is_handed_over_once_and_only_then_recorded(make_native: Mak
         released.set()
         await peer.expect(Disconnect)
 
-    async with broker(script) as port, (client := make_native(port)).connected():
+    async with broker(script) as port, (client := make(port)).connected():
         batch = await receive(client, 2)
         assert [message.payload for message in batch] == [b"x", b"last"]
         await client.publish("marker")
@@ -102,9 +100,7 @@ async def test_the_window_for_unacknowledged_messages_and_the_size_limit_are_ann
 
 
 @pytest.mark.parametrize("version", ["5", "3.1.1"])
-async def test_a_bad_message_costs_no_more_than_itself(
-    make: MakeClient, client_kind: ClientKind, version: MqttProtocol
-) -> None:
+async def test_a_bad_message_costs_no_more_than_itself(make: MakeClient, version: MqttProtocol) -> None:
     """It is acknowledged, so that it does not come for ever, and counted; the next one arrives."""
     properties = b"\x00" if version == "5" else b""
     bodies = [
@@ -112,7 +108,7 @@ async def test_a_bad_message_costs_no_more_than_itself(
         b"\x00\x03a/#\x00\x02" + properties,
         b"\x00\x03a\x00b\x00\x03" + properties,
     ]
-    if version == "5" and client_kind is NativeClient:
+    if version == "5":
         bodies.append(b"\x00\x01a\x00\x04\x02\x7f\x00")  # an unknown property
 
     async def script(peer: Peer) -> None:
@@ -371,14 +367,14 @@ async def test_a_refused_subscription_is_an_error_that_names_the_filter(
         assert caught.value.code == code
 
 
-async def test_subscription_options_reach_the_broker(make: MakeClient, client_kind: ClientKind) -> None:
+async def test_subscription_options_reach_the_broker(make: MakeClient) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()
         subscribe = await peer.expect(Subscribe)
         (wish,) = subscribe.filters
         assert (wish.filter, wish.qos, wish.no_local, wish.retain_as_published, wish.retain_handling) == (
             "a/#",
-            2 if client_kind is NativeClient else 1,
+            2,
             True,
             True,
             2,

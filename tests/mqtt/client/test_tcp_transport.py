@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import socket
 import ssl
+from collections.abc import AsyncIterator
 from pathlib import Path
 
 import anyio
@@ -15,15 +16,8 @@ from tests.mqtt.client.conftest import ClientKind
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.client.tcp_transport import dial_tcp
 from homebot.mqtt.options import MqttOptions
-
-PAHO_LEAVES_IT_OPEN = pytest.mark.filterwarnings(
-    "ignore:unclosed <ssl.SSLSocket:ResourceWarning",
-    "ignore:Exception ignored in. <ssl.SSLSocket:pytest.PytestUnraisableExceptionWarning",
-)
-"""The socket of a TLS hand-shake that failed is closed when it is collected."""
 
 
 class NoUser:
@@ -105,16 +99,12 @@ async def test_without_a_client_certificate_a_strict_broker_refuses(
         )
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(anyio.to_thread.run_sync, shake_hands, listener, context)
-            refusal: type[Exception] = RefusedError
             words = "TLS was refused: client certificate required; set cert_file"
-            if client_kind is AiomqttClient:  # paho does not tell why
-                refusal, words = LinkError, r"instead of answering; does it want a client certificate \(cert_file\)"
-            with pytest.raises(refusal, match=words):
+            with pytest.raises(RefusedError, match=words):
                 async with client_kind(options).connected():
                     pass
 
 
-@PAHO_LEAVES_IT_OPEN
 async def test_a_broker_whose_certificate_is_not_trusted_is_refused(
     client_kind: ClientKind, certificates: Path
 ) -> None:
@@ -127,7 +117,6 @@ async def test_a_broker_whose_certificate_is_not_trusted_is_refused(
                     pass
 
 
-@PAHO_LEAVES_IT_OPEN
 async def test_tls_to_a_port_without_tls_asks_whether_it_is_the_port(
     client_kind: ClientKind, certificates: Path
 ) -> None:
@@ -160,11 +149,42 @@ async def test_an_unknown_host_is_a_link_error() -> None:
         await dial_tcp(MqttOptions(host="no-such-host.invalid"), NoUser())
 
 
-async def test_a_peer_that_never_shakes_hands_is_a_link_error_and_its_socket_is_closed(certificates: Path) -> None:
-    closed = anyio.Event()
+async def test_a_peer_that_never_shakes_hands_is_a_link_error_and_its_socket_is_closed(
+    client_kind: ClientKind, certificates: Path
+) -> None:
+    async with silent_peer() as (port, _, closed):
+        options = MqttOptions(host="127.0.0.1", port=port, tls=True, timeout=0.05, ca_file=certificates / "ca.pem")
+        with pytest.raises(LinkError, match=r"no answer within 0\.05 s"):
+            async with client_kind(options).connected():
+                pass
+        await closed.wait()
+
+
+async def test_a_connect_that_is_cancelled_during_the_hand_shake_closes_its_socket(
+    client_kind: ClientKind, certificates: Path
+) -> None:
+    async def connect() -> None:
+        options = MqttOptions(host="127.0.0.1", port=port, tls=True, ca_file=certificates / "ca.pem")
+        async with client_kind(options).connected():
+            pass
+
+    async with silent_peer() as (port, greeted, closed):
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(connect)
+            await greeted.wait()
+            tasks.cancel_scope.cancel()
+        await closed.wait()
+
+
+@contextlib.asynccontextmanager
+async def silent_peer() -> AsyncIterator[tuple[int, anyio.Event, anyio.Event]]:
+    """A port, what is set when somebody has said something there, and what when he has gone."""
+    greeted, closed = anyio.Event(), anyio.Event()
 
     async def silent(stream: anyio.abc.SocketStream) -> None:
         async with stream:
+            await stream.receive()
+            greeted.set()
             with pytest.raises((anyio.EndOfStream, anyio.BrokenResourceError)):
                 await drain(stream)
         closed.set()
@@ -172,11 +192,7 @@ async def test_a_peer_that_never_shakes_hands_is_a_link_error_and_its_socket_is_
     listener = await anyio.create_tcp_listener(local_host="127.0.0.1")
     async with listener, anyio.create_task_group() as tasks:
         tasks.start_soon(listener.serve, silent)
-        port = listener.extra(anyio.abc.SocketAttribute.local_port)  # noqa: S610 - no database
-        options = MqttOptions(host="127.0.0.1", port=port, tls=True, timeout=0.05, ca_file=certificates / "ca.pem")
-        with pytest.raises(LinkError, match=r"no answer within 0\.05 s"):
-            await dial_tcp(options, NoUser())
-        await closed.wait()
+        yield listener.extra(anyio.abc.SocketAttribute.local_port), greeted, closed  # noqa: S610 - no database
         tasks.cancel_scope.cancel()
 
 

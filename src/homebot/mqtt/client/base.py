@@ -1,28 +1,43 @@
-"""The half of an MQTT client that does not depend on how a link speaks: checks, versions, the inbox, and the close."""
+"""The half of an MQTT client, and of each of its links, that does not depend on who speaks on the link."""
 
 from __future__ import annotations
 
+import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Iterable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
-from typing import Final, Protocol
+from typing import Final
 
 import anyio
 
 from homebot.clock import Clock, LoopClock
-from homebot.errors import HomebotError, LinkError, RefusedError, UsageError
+from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
 from homebot.logger import get_logger
+from homebot.mqtt.client.incoming import Frame, FrameReader
 from homebot.mqtt.client.port import MqttCounters, MqttSubscription, PublishResult, SessionGrant
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import reason_text
-from homebot.mqtt.client.version_choice import MqttVersion, VersionChoice
+from homebot.mqtt.client.requests import Answer, Requests, SendWindow
+from homebot.mqtt.client.transport import SEND_BUFFER, ClientTransport
+from homebot.mqtt.client.version_choice import ClosedEarlyError, MqttVersion, VersionChoice, early_end
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.packets import ReasonCode
+from homebot.mqtt.packets import PacketType, ReasonCode
 from homebot.mqtt.topics import validate_filter, validate_topic
 
-__all__ = ["BaseClient", "ClientLink", "check_granted"]
+__all__ = ["UNREADABLE", "BaseClient", "ClientLink"]
+
+UNREADABLE: Final = "the broker sent something unreadable"
+
+_IN_FLIGHT: Final = 100
+"""Most own publishes of QoS 1 and 2 that wait for their answer at once, however many the broker would allow."""
+
+_PUBLISH: Final = PacketType.PUBLISH
+_PUBREL: Final = PacketType.PUBREL
+_TLS_ALERT: Final = 0x15  # RFC 8446, section 5.1
+_IN_TLS: Final = "the server there uses TLS; is the address mqtts://?"
+_NO_MQTT: Final = "the server there is not an MQTT broker"
 
 _GOODBYE: Final = 1.0
 """Seconds that a close in good order may take; the broker may be gone already."""
@@ -30,50 +45,6 @@ _GOODBYE: Final = 1.0
 _FAILED: Final = ReasonCode.UNSPECIFIED_ERROR  # reason codes from here on say no
 _OVERHEAD: Final = 12  # bytes of a PUBLISH besides topic, properties and payload, at most
 _log = get_logger()
-
-
-class ClientLink(Protocol):
-    """One link from its login to its end."""
-
-    @property
-    def grant(self) -> SessionGrant:
-        """The session as the broker granted it."""
-        ...
-
-    @property
-    def is_alive(self) -> bool:
-        """True if the link stands."""
-        ...
-
-    async def wait_lost(self) -> LinkError | RefusedError:
-        """Wait for the end and say why."""
-        ...
-
-    async def publish(
-        self, topic: str, payload: bytes, qos: int, properties: MessageProperties, *, retain: bool
-    ) -> int:
-        """Publish, and return the reason code of the answer."""
-        ...
-
-    async def subscribe(self, subscriptions: tuple[MqttSubscription, ...]) -> tuple[int, ...]:
-        """Subscribe, and return the reason codes of the answer."""
-        ...
-
-    async def unsubscribe(self, filters: tuple[str, ...]) -> None:
-        """Take back subscriptions."""
-        ...
-
-    def ack(self, messages: Iterable[MqttMessage]) -> None:
-        """Acknowledge those of *messages* that came by this link."""
-        ...
-
-    async def close(self, *, ends_session: bool) -> None:
-        """Say good-bye and wait until the link is closed; *ends_session* where the version has a word for it."""
-        ...
-
-    def cut(self, reason: LinkError | RefusedError) -> None:
-        """End the link without a word because of *reason*; nothing where it has ended."""
-        ...
 
 
 class BaseClient(ABC):
@@ -87,7 +58,7 @@ class BaseClient(ABC):
         receive: Returns all messages that are there; see `MqttClient.receive`.
     """
 
-    def __init__(self, options: MqttOptions, clock: Clock | None) -> None:
+    def __init__(self, options: MqttOptions, clock: Clock | None = None) -> None:
         self._options = options
         self._clock = LoopClock() if clock is None else clock
         self._receiver = Receiver(options, self._clock)
@@ -220,29 +191,202 @@ class BaseClient(ABC):
         return self._link
 
 
-def check_granted(session: SessionGrant, topic: str, size: int, qos: int, *, retain: bool) -> None:
-    """Refuse a publish that the broker would answer by closing the link.
+class ClientLink(ABC):
+    """One link from its login to its end: what comes is cut into packets, and messages are the receiver's.
+
+    Whoever speaks on the link gets all other packets. Fills :class:`homebot.mqtt.client.transport.TransportUser`.
 
     Args:
-        session: What the broker granted.
-        topic: Where to.
-        size: Bytes of payload and properties.
-        qos: 0, 1 or 2.
-        retain: Whether the broker is to store it.
+        options: Login and limits.
+        version: What to speak.
+        receiver: Where messages go.
+        requests: The open requests.
 
-    Raises:
-        RefusedError: The broker does not take such messages.
+    Attributes:
+        grant: The session as the broker granted it, once the link stands.
+        transport: Carries the bytes; None before there is a connection.
     """
-    limit = session.maximum_packet_size
-    if qos > session.maximum_qos:
-        code = ReasonCode.QOS_NOT_SUPPORTED
-    elif retain and not session.retain_available:
-        code = ReasonCode.RETAIN_NOT_SUPPORTED
-    elif limit is not None and len(topic.encode()) + size + _OVERHEAD > limit:
-        code = ReasonCode.PACKET_TOO_LARGE
-    else:
-        return
-    raise RefusedError(f"the publish to {topic!r}", reason_text(code), code)
+
+    def __init__(self, options: MqttOptions, version: MqttVersion, receiver: Receiver, requests: Requests) -> None:
+        self.grant = SessionGrant(resumed=False, protocol=version)
+        self._is_granted = False
+        self._is_v5: Final = version == "5"
+        self._options: Final = options
+        self._receiver: Final = receiver
+        self._requests: Final = requests
+        self._loop: Final = asyncio.get_running_loop()
+        self.transport: ClientTransport | None = None
+        self._window = SendWindow(0)  # bounds the own publishes of QoS 1 and 2 that are open
+        self._lost: LinkError | RefusedError | None = None
+        self._packets = FrameReader(options.maximum_packet_size)
+        self._gone = anyio.Event()
+        self._drained: anyio.Event | None = None
+        self._heard_at = self._loop.time()
+
+    @property
+    def is_alive(self) -> bool:
+        """True if the link stands."""
+        return self._lost is None
+
+    async def wait_lost(self) -> LinkError | RefusedError:
+        """Wait for the end and say why."""
+        await self._gone.wait()
+        return self._lost or LinkError("closed")
+
+    @abstractmethod
+    async def publish(
+        self, topic: str, payload: bytes, qos: int, properties: MessageProperties, *, retain: bool
+    ) -> int:
+        """Publish, and return the reason code of the answer; at QoS 0 it is 0, once the broker is not far behind.
+
+        Raises:
+            RefusedError: The broker does not take such messages.
+            LinkError: The link is lost, or no answer came.
+        """
+
+    @abstractmethod
+    async def subscribe(self, subscriptions: tuple[MqttSubscription, ...]) -> tuple[int, ...]:
+        """Subscribe, and return the reason codes of the answer."""
+
+    @abstractmethod
+    async def unsubscribe(self, filters: tuple[str, ...]) -> None:
+        """Take back subscriptions."""
+
+    @abstractmethod
+    async def close(self, *, ends_session: bool) -> None:
+        """Say good-bye and wait until the link is closed; *ends_session* where the version has a word for it."""
+
+    def ack(self, messages: Iterable[MqttMessage]) -> None:
+        """Acknowledge those of *messages* that came by this link, perhaps together with what follows."""
+        data = self._receiver.settle(messages)
+        if data and self._lost is None and self.transport is not None:
+            self.transport.write_acknowledgements(data)
+
+    def cut(self, reason: LinkError | RefusedError) -> None:
+        """End the link without a word because of *reason*; nothing where it has ended."""
+        if self.transport is not None and self._lost is None:
+            self.transport.abort()
+        self._lose(reason)
+
+    def data_received(self, data: bytes) -> None:
+        """Bytes came from the broker."""
+        self._heard_at = self._loop.time()
+        answers = b""
+        try:
+            for frame in self._packets.feed(data):
+                if self._lost is not None:
+                    return
+                if frame.first >> 4 == _PUBLISH and self._is_granted:
+                    answers += self._receiver.publish(frame)
+                elif frame.first >> 4 == _PUBREL and self._is_granted:
+                    answers += self._receiver.release(frame)
+                else:
+                    if not self._is_granted or frame.oversize:
+                        self._check_frame(frame)
+                    self._handle(frame)
+        except ClosedEarlyError as error:
+            self.cut(error)
+        except WireError as error:
+            self.cut(LinkError(f"{UNREADABLE}: {error}") if self._is_granted else ClosedEarlyError(_NO_MQTT))
+        else:
+            if answers:
+                self._put(answers)
+
+    def drained(self) -> None:
+        """The broker has taken everything that was written."""
+        if self._drained is not None:
+            self._drained.set()
+            self._drained = None
+
+    def link_ended(self, reason: LinkError | RefusedError) -> None:
+        """The broker closed the link, or it broke."""
+        self._lose(reason if self._is_granted else early_end(reason, self._options))
+
+    @abstractmethod
+    def _handle(self, frame: Frame) -> None:
+        """Take in a packet that is no message; before the login has succeeded a CONNACK.
+
+        Raises:
+            WireError: It does not follow the protocol.
+        """
+
+    def _begin(self, grant: SessionGrant, *, open_publishes: int = 0) -> None:
+        """The login has succeeded; *open_publishes* of an earlier link take up places."""
+        self.grant = grant
+        self._is_granted = True
+        self._window = SendWindow(min(grant.receive_maximum, _IN_FLIGHT) - open_publishes)
+        self._receiver.begin_link(grant)
+
+    def _lose(self, reason: LinkError | RefusedError) -> None:
+        if self._lost is not None:
+            return
+        self._lost = reason
+        self._receiver.end_link(reason)
+        self._requests.fail(str(reason))
+        self._window.close(f"publish failed, the link is lost: {reason}")
+        self._gone.set()
+        self.drained()
+
+    def _check_alive(self) -> None:
+        if self._lost is not None:
+            raise LinkError(f"the link is lost: {self._lost}")
+
+    def _check_granted(self, topic: str, size: int, qos: int, *, retain: bool) -> None:
+        """Refuse a publish that the broker would answer by closing the link; *size* is of payload and properties.
+
+        Raises:
+            RefusedError: The broker does not take such messages.
+        """
+        limit = self.grant.maximum_packet_size
+        if qos > self.grant.maximum_qos:
+            code = ReasonCode.QOS_NOT_SUPPORTED
+        elif retain and not self.grant.retain_available:
+            code = ReasonCode.RETAIN_NOT_SUPPORTED
+        elif limit is not None and len(topic.encode()) + size + _OVERHEAD > limit:
+            code = ReasonCode.PACKET_TOO_LARGE
+        else:
+            return
+        raise RefusedError(f"the publish to {topic!r}", reason_text(code), code)
+
+    def _put(self, data: bytes) -> None:
+        if self._lost is None and self.transport is not None:
+            self.transport.write(data)
+
+    async def _wait_until_taken(self) -> None:
+        """Wait while the broker is far behind in taking what was said."""
+        while self.transport is not None and self.transport.waiting > SEND_BUFFER and self._lost is None:
+            self._drained = self._drained or anyio.Event()
+            await self._drained.wait()
+        self._check_alive()
+
+    async def _wait_for(self, answer: asyncio.Future[Answer], packet_id: int, what: str) -> Answer:
+        """Wait for the expected last *answer* to *what*.
+
+        Raises:
+            LinkError: No answer came.
+        """
+        overdue = self._loop.call_later(self._options.timeout, _expire, answer)
+        try:
+            return await answer
+        except TimeoutError:
+            raise LinkError(f"no answer to a {what} within {self._options.timeout:g} s") from None
+        except LinkError as error:
+            raise LinkError(f"{what} failed, the link is lost: {error}") from None
+        finally:
+            overdue.cancel()
+            self._requests.forget(packet_id)
+
+    def _check_frame(self, frame: Frame) -> None:
+        if not self._is_granted and frame.first >> 4 != PacketType.CONNACK:
+            in_tls = frame.first == _TLS_ALERT and not self._options.tls
+            raise ClosedEarlyError(_IN_TLS if in_tls else _NO_MQTT)
+        if frame.oversize:
+            raise WireError(f"a packet of type {frame.first >> 4} of {frame.oversize} bytes")
+
+
+def _expire(answer: asyncio.Future[Answer]) -> None:
+    if not answer.done():
+        answer.set_exception(TimeoutError())
 
 
 _TAKEN: Final = PublishResult()

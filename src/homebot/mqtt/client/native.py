@@ -17,11 +17,8 @@ from homebot.mqtt.client.tcp_transport import dial_tcp
 from homebot.mqtt.client.transport import Dial
 from homebot.mqtt.client.version_choice import MqttVersion
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.packets import ProtocolVersion
 
 __all__ = ["NativeClient"]
-
-_CODEC = {"5": ProtocolVersion.V5, "3.1.1": ProtocolVersion.V311}
 
 
 @final
@@ -48,6 +45,6 @@ class NativeClient(BaseClient):
         self._requests = Requests(Random() if random is None else random)  # noqa: S311 - identifiers are no secret
 
     async def _open(self, options: MqttOptions, version: MqttVersion, receiver: Receiver) -> ClientLink:
-        protocol = ClientProtocol(options, _CODEC[version], receiver, self._requests)
+        protocol = ClientProtocol(options, version, receiver, self._requests)
         await protocol.open(self._dial)
         return protocol

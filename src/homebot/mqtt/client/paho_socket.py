@@ -1,133 +1,169 @@
-"""Drives the socket of a paho client from the running event loop, by what paho documents for that."""
+"""The socket of a paho client: below it the native client's transport, beside it the native client's reader.
+
+paho has its TLS context wrap the socket that it connected (`tls_set_context`, `wrap_socket`), and then wants no more
+of it than to send and receive; so what wraps it here carries it in the event loop, with TLS or without.
+"""
 
 # ruff: noqa: ARG002 - paho's callbacks have fixed parameters
 
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import socket
 import ssl
-from collections.abc import Callable
-from typing import Any, Final, final
+from typing import Any, final
 
 import anyio
 from paho.mqtt import client as paho
+from paho.mqtt.properties import Properties
 
-from homebot.mqtt.client.tcp_transport import acknowledge_at_once
+from homebot.errors import WireError
+from homebot.mqtt.client.base import ClientLink
+from homebot.mqtt.client.incoming import Frame
+from homebot.mqtt.client.tcp_transport import TcpTransport
+from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets.primitives import encode_varint
 
 __all__ = ["PahoSocket"]
-
-_AT_ONCE: Final = 50  # packets that are read in one turn of the loop
 
 
 @final
 class PahoSocket:
-    """The socket of one paho client, for one link.
-
-    aiomqtt has the same, which watches the number of a socket that may be closed already, and another's by then.
+    """TLS context and socket of one paho client, for one link.
 
     Args:
         client: The client; it may connect in a thread.
-        on_broken: Told what paho's decoder stumbled over; ends the link.
+        options: Broker and limits.
+        tls: How to shake hands; None without TLS.
+        link: Is given the transport, and hands to `feed` what is paho's.
 
     Attributes:
-        is_open: True once the connection was made.
+        check_hostname: True, so that paho leaves the check to the hand-shake.
+        is_open: True once paho may speak.
     """
 
-    def __init__(self, client: paho.Client, on_broken: Callable[[Exception], None]) -> None:
+    check_hostname = True
+
+    def __init__(self, client: paho.Client, options: MqttOptions, tls: ssl.SSLContext | None, link: ClientLink) -> None:
         self.is_open = False
         self._client = client
-        self._on_broken = on_broken
+        self._options = options
+        self._tls = tls
+        self._link = link
         self._loop = asyncio.get_running_loop()
-        self._socket: socket.socket | None = None
-        self._is_over = False
-        self._is_stuck = False
-        self._drained = anyio.Event()
-        self._received = 0
+        self._connected: socket.socket | None = None
+        self._opening: concurrent.futures.Future[None] | None = None
+        self._is_over = self._is_publishing = False
+        self._unread = bytearray()  # at most one packet
         self._tick: asyncio.TimerHandle | None = None
-        client.on_socket_open, client.on_socket_close = self._on_open, self._on_close
-        client.on_socket_register_write = self._on_register_write
-        client.on_socket_unregister_write = self._on_unregister_write
+        client.tls_set_context(self)  # type: ignore[arg-type] # it has what paho asks of a context
+        client.on_socket_open, client.on_socket_register_write = self._on_open, self._on_register_write
+        client.on_socket_close = client.on_socket_unregister_write = None
 
-    def note_received(self) -> None:
-        """Count a packet, so that the next one is read in the same turn of the loop."""
-        self._received += 1
+    def publish(
+        self, topic: str, payload: bytes, qos: int, extra: Properties | None, *, retain: bool
+    ) -> paho.MQTTMessageInfo:
+        """Have paho publish and write at once, as far as the socket takes it."""
+        self._is_publishing = True
+        try:
+            return self._client.publish(topic, payload, qos, retain, extra)
+        finally:
+            self._is_publishing = False
+            self._flush()
 
-    def flush(self) -> None:
-        """Write now what paho has queued, as far as the socket takes it."""
-        if self._socket is None:
-            return
-        self._client.loop_write()
-        if self._client.socket() is not None and self._client.want_write() and not self._is_stuck:
-            self._is_stuck = True
-            self._drained = anyio.Event()
-            self._loop.add_writer(self._socket.fileno(), self.flush)
+    def feed(self, frame: Frame) -> None:
+        """Have paho read one packet.
 
-    async def wait_until_taken(self) -> None:
-        """Wait while the broker takes nothing; no longer where the link ends."""
-        while self._is_stuck:
-            await self._drained.wait()
+        Raises:
+            WireError: paho stumbled over it.
+        """
+        if not self.is_open:
+            raise WireError("a packet before CONNECT", frame.body)
+        self._unread += bytes([frame.first]) + encode_varint(len(frame.body)) + frame.body
+        try:
+            while self._unread and self._client.socket() is not None:
+                self._client.loop_read()
+        except Exception as error:  # there is no telling what a decoder stumbles over
+            raise WireError(repr(error), frame.body) from error
 
-    def close(self) -> None:
-        """Close the socket without a word, also one that is still being connected."""
+    def end(self) -> None:
+        """The link has ended: nothing more is sent, and a connection that is still being made is closed."""
         self._is_over = True
-        if self._socket is not None:
-            sock = self._socket
-            self._on_close(self._client, None, sock)
-            sock.close()
-
-    def _on_open(self, client: paho.Client, userdata: Any, sock: Any) -> None:
-        self._loop.call_soon_threadsafe(self._watch, sock)
-
-    def _watch(self, sock: socket.socket) -> None:
-        if self._is_over:  # the connect was given up
-            sock.close()
-            return
-        self._socket = sock
-        self.is_open = True
-        self._loop.add_reader(sock.fileno(), self._read)
-        self._keep_alive()
-        self.flush()
-
-    def _on_close(self, client: paho.Client, userdata: Any, sock: Any) -> None:
         if self._tick is not None:
             self._tick.cancel()
-        if self._socket is not None:
-            self._loop.remove_reader(self._socket.fileno())
-            self._free_writers()
-            self._socket = None
+        if self._opening is not None:
+            self._opening.cancel()
+
+    def wrap_socket(self, sock: socket.socket, **how: object) -> PahoSocket:
+        """Take the socket that paho has connected, in paho's thread."""
+        self._connected = sock
+        return self
+
+    def settimeout(self, seconds: float) -> None:
+        """Nothing; the options have the limit."""
+
+    def setblocking(self, flag: bool) -> None:  # noqa: FBT001 - as sockets have it
+        """Nothing; it never blocks."""
+
+    def do_handshake(self) -> None:
+        """Have the event loop carry the connection, in paho's thread; wait until it does."""
+        self._opening = asyncio.run_coroutine_threadsafe(self._carry(), self._loop)
+        self._opening.result(2 * self._options.timeout)  # never that long where the loop runs
+
+    def recv(self, size: int) -> bytes:
+        """The next of the bytes that are there for paho."""
+        if not self._unread:
+            raise BlockingIOError
+        piece = bytes(self._unread[:size])
+        del self._unread[:size]
+        return piece
+
+    def send(self, data: bytes) -> int:
+        """Write *data*; what the broker does not take at once waits."""
+        if self._link.transport is None or self._is_over:
+            raise ConnectionAbortedError("the link has ended")
+        self._link.transport.write(data)
+        return len(data)
+
+    def fileno(self) -> int:
+        """The number of the socket, -1 where there is none."""
+        return -1 if self._connected is None else self._connected.fileno()
+
+    def close(self) -> None:
+        """Send what was written, then close."""
+        self.end()
+        if self._link.transport is not None:
+            self._link.transport.close()
+
+    async def _carry(self) -> None:
+        sock = self._connected
+        assert sock is not None  # noqa: S101 - private; paho has just given it
+        if self._is_over:
+            sock.close()
+            raise ConnectionAbortedError("the connect was given up")
+        transport = TcpTransport(self._link)
+        with anyio.fail_after(self._options.timeout):
+            await transport.carry(sock, self._options, self._tls)
+        self._link.transport = transport
+
+    def _on_open(self, client: paho.Client, userdata: Any, sock: Any) -> None:
+        self._loop.call_soon_threadsafe(self._begin)
+
+    def _begin(self) -> None:
+        if not self._is_over:
+            self.is_open = True
+            self._keep_alive()
 
     def _on_register_write(self, client: paho.Client, userdata: Any, sock: Any) -> None:
-        self._loop.call_soon_threadsafe(self.flush)
+        if not self._is_publishing:
+            self._loop.call_soon_threadsafe(self._flush)
 
-    def _on_unregister_write(self, client: paho.Client, userdata: Any, sock: Any) -> None:
-        self._free_writers()
-
-    def _free_writers(self) -> None:
-        if self._is_stuck and self._socket is not None:
-            self._loop.remove_writer(self._socket.fileno())
-        self._is_stuck = False
-        self._drained.set()
+    def _flush(self) -> None:
+        if not self._is_over:
+            self._client.loop_write()
 
     def _keep_alive(self) -> None:
         self._client.loop_misc()
-        if self._socket is not None:
+        if not self._is_over:
             self._tick = self._loop.call_later(min(1.0, self._client.keepalive / 8), self._keep_alive)
-
-    def _read(self) -> None:
-        for _ in range(_AT_ONCE):
-            sock, before = self._socket, self._received
-            if sock is None:
-                return
-            try:
-                self._client.loop_read()
-            except Exception as error:  # noqa: BLE001 - there is no telling what a decoder stumbles over
-                self._on_broken(error)
-                return
-            is_decrypted = isinstance(sock, ssl.SSLSocket) and self._socket is not None and sock.pending() > 0
-            if before == self._received and not is_decrypted:
-                break
-        else:
-            self._loop.call_soon(self._read)  # what TLS has decrypted wakes no reader
-        if self._socket is not None:
-            acknowledge_at_once(self._socket)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import socket
 import struct
 from typing import Any, Final
 
@@ -17,13 +16,12 @@ from paho.mqtt.subscribeoptions import SubscribeOptions
 from homebot.errors import UsageError
 from homebot.mqtt.client.port import MqttSubscription, SessionGrant
 from homebot.mqtt.client.version_choice import MqttVersion
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.message import MessageProperties
 from homebot.mqtt.options import MqttOptions
 
 __all__ = [
     "MOST_QOS",
     "grant_of",
-    "message_of",
     "packed_size",
     "properties_of",
     "publish_properties",
@@ -32,10 +30,9 @@ __all__ = [
 ]
 
 MOST_QOS: Final = 1
-"""The highest QoS: paho answers an arriving message of QoS 2 before anybody has it."""
+"""The highest QoS to publish with."""
 
 _KEEP_ALIVE: Final = 0.75  # paho finds a dead link out within two intervals; the port promises one and a half
-_NODELAY: Final = (socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
 # The libraries log what a peer makes them log, without a limit; the facts are in our errors and events.
 _SILENCE: Final = logging.getLogger("homebot.mqtt.silence")
@@ -67,7 +64,6 @@ def settings_of(options: MqttOptions, version: MqttVersion) -> dict[str, Any]:
         "timeout": options.timeout,
         "keepalive": int(options.keep_alive * _KEEP_ALIVE),
         "max_inflight_messages": 0,  # the window here is the bound
-        "socket_options": (_NODELAY,),
         # No TopicAliasMaximum: paho does not resolve aliases.
         "properties": properties_of(
             PacketTypes.CONNECT,
@@ -110,33 +106,11 @@ def packed_size(properties: Properties | None) -> int:
         raise UsageError(f"these message properties cannot be sent: {error}") from error
 
 
-def message_of(message: paho.MQTTMessage, receipt: int) -> MqttMessage:
-    """Return *message* as the port has it; raises UnicodeDecodeError where its topic is not UTF-8."""
-    properties = _message_properties(message.properties)
-    return MqttMessage(
-        message.topic, bytes(message.payload), message.qos, message.retain, properties, receipt if message.qos else 0
-    )
-
-
-def _message_properties(found: Properties | None) -> MessageProperties:
-    if found is None or found.isEmpty():  # type: ignore[no-untyped-call] # as above
-        return NO_PROPERTIES
-    return MessageProperties(
-        payload_is_text=getattr(found, "PayloadFormatIndicator", 0) == 1,
-        expiry=getattr(found, "MessageExpiryInterval", None),
-        content_type=getattr(found, "ContentType", None),
-        response_topic=getattr(found, "ResponseTopic", None),
-        correlation_data=getattr(found, "CorrelationData", None),
-        user=tuple(getattr(found, "UserProperty", ())),
-    )
-
-
 def subscribe_options(wanted: MqttSubscription, version: MqttVersion) -> int | SubscribeOptions:
     """Return how paho subscribes to it."""
-    qos = min(wanted.qos, MOST_QOS)
     if version != "5":
-        return qos
-    return SubscribeOptions(qos, wanted.no_local, wanted.retain_as_published, wanted.retain_handling)
+        return wanted.qos
+    return SubscribeOptions(wanted.qos, wanted.no_local, wanted.retain_as_published, wanted.retain_handling)
 
 
 def grant_of(version: MqttVersion, flags: paho.ConnectFlags, properties: Properties | None) -> SessionGrant:

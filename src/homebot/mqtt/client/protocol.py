@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterable
 from typing import Final, final
 
 import anyio
 
 from homebot.errors import LinkError, RefusedError, WireError
-from homebot.mqtt.client.base import check_granted
-from homebot.mqtt.client.incoming import Frame, FrameReader
+from homebot.mqtt.client.base import ClientLink
+from homebot.mqtt.client.incoming import Frame
 from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
 from homebot.mqtt.client.packet_values import (
     connect_packet,
@@ -19,13 +18,13 @@ from homebot.mqtt.client.packet_values import (
     publish_properties,
     session_of,
 )
-from homebot.mqtt.client.port import MqttSubscription, SessionGrant
+from homebot.mqtt.client.port import MqttSubscription
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.refusals import disconnect_error, login_error
-from homebot.mqtt.client.requests import Answer, Requests, SendWindow
-from homebot.mqtt.client.transport import SEND_BUFFER, ClientTransport, Dial
-from homebot.mqtt.client.version_choice import ClosedEarlyError, early_end
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.client.requests import Answer, Requests
+from homebot.mqtt.client.transport import Dial
+from homebot.mqtt.client.version_choice import ClosedEarlyError, MqttVersion
+from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
 from homebot.mqtt.packets import (
@@ -46,54 +45,31 @@ from homebot.mqtt.packets.properties import decode_properties, encode_properties
 from homebot.mqtt.packets.publish import encode_publish
 from homebot.mqtt.packets.reason import PacketError
 
-__all__ = ["ClientProtocol"]
-
-_IN_FLIGHT: Final = 100
-"""Most own publishes of QoS 1 and 2 that wait for their answer at once, however many the broker would allow."""
+__all__ = ["ClientProtocol", "answer_in"]
 
 _PUBLISH: Final = PacketType.PUBLISH
 _PUBREC: Final = PacketType.PUBREC
-_PUBREL: Final = PacketType.PUBREL
 _PINGRESP: Final = PacketType.PINGRESP
 _ANSWERS: Final = frozenset({PacketType.PUBACK, _PUBREC, PacketType.PUBCOMP, PacketType.SUBACK, PacketType.UNSUBACK})
 _FAILED: Final = 0x80  # reason codes from here on say no
-_TLS_ALERT: Final = 0x15  # RFC 8446, section 5.1
 _V3_CONNACK: Final = 2  # bytes of its body
-_IN_TLS: Final = "the server there uses TLS; is the address mqtts://?"
-_NO_MQTT: Final = "the server there is not an MQTT broker"
 
 
 @final
-class ClientProtocol:
-    """Fills :class:`homebot.mqtt.client.base.ClientLink`, and :class:`homebot.mqtt.client.transport.TransportUser`.
+class ClientProtocol(ClientLink):
+    """A link that speaks by our own codec.
 
     Args:
         options: Login and limits.
         version: What to speak.
         receiver: Where messages go.
         requests: The client's open requests.
-
-    Attributes:
-        grant: The session as the broker granted it, from :meth:`open` on.
     """
 
-    def __init__(self, options: MqttOptions, version: ProtocolVersion, receiver: Receiver, requests: Requests) -> None:
-        is_v5 = version is ProtocolVersion.V5
-        self.grant = SessionGrant(resumed=False, protocol="5" if is_v5 else "3.1.1")
-        self._is_granted = False
-        self._version: Final = version
-        self._is_v5: Final = is_v5
-        self._window = SendWindow(0)  # bounds the own publishes of QoS 1 and 2 that are open
-        self._options = options
-        self._receiver = receiver
-        self._requests = requests
-        self._loop = asyncio.get_running_loop()
-        self._packets = FrameReader(options.maximum_packet_size)
-        self._transport: ClientTransport | None = None
+    def __init__(self, options: MqttOptions, version: MqttVersion, receiver: Receiver, requests: Requests) -> None:
+        super().__init__(options, version, receiver, requests)
+        self._version: Final = ProtocolVersion.V5 if self._is_v5 else ProtocolVersion.V311
         self._greeting: asyncio.Future[None] = self._loop.create_future()
-        self._lost: LinkError | RefusedError | None = None
-        self._gone = anyio.Event()
-        self._drained: anyio.Event | None = None
         self._unfinished: set[int] = set()  # hand-shakes of an earlier link that take up a place each
         self._keep_alive: KeepAlive | None = None
         self._check: asyncio.TimerHandle | None = None
@@ -106,7 +82,7 @@ class ClientProtocol:
             RefusedError: It said no.
             UsageError: A certificate file cannot be used.
         """
-        self._transport = await dial(self._options, self)
+        self.transport = await dial(self._options, self)
         self._send(connect_packet(self._options, self._version))
         words = f"no answer to CONNECT within {self._options.timeout:g} s"
         try:
@@ -119,37 +95,16 @@ class ClientProtocol:
             self.cut(LinkError("the connection attempt was cancelled"))
             raise
 
-    def cut(self, reason: LinkError | RefusedError) -> None:
-        """End the link without a word because of *reason*; nothing where it has ended."""
-        if self._transport is not None and self._lost is None:
-            self._transport.abort()
-        self._lose(reason)
-
-    @property
-    def is_alive(self) -> bool:
-        """True if the link stands."""
-        return self._lost is None
-
-    async def wait_lost(self) -> LinkError | RefusedError:
-        """Wait for the end and say why."""
-        await self._gone.wait()
-        return self._lost or LinkError("closed")
-
     async def publish(
         self, topic: str, payload: bytes, qos: int, properties: MessageProperties, *, retain: bool
     ) -> int:
-        """Publish, and return the reason code of the answer; at QoS 0 it is 0, once the broker is not far behind.
-
-        Raises:
-            RefusedError: The broker does not take such messages.
-            LinkError: The link is lost, or no answer came.
-        """
+        """Publish; see `ClientLink.publish`."""
         self._check_alive()
         extra, size = NOTHING, len(payload)
         if properties is not NO_PROPERTIES and self._is_v5:
             extra = publish_properties(properties)
             size += len(encode_properties(extra, _PUBLISH))
-        check_granted(self.grant, topic, size, qos, retain=retain)
+        self._check_granted(topic, size, qos, retain=retain)
         if not qos:
             self._put(encode_publish(Publish(topic, payload, 0, retain, properties=extra), self._version))
             await self._wait_until_taken()
@@ -181,15 +136,9 @@ class ClientProtocol:
         packet_id = self._requests.new_id()
         await self._answer_to(encode(Unsubscribe(packet_id, filters), self._version), packet_id, "unsubscribe")
 
-    def ack(self, messages: Iterable[MqttMessage]) -> None:
-        """Acknowledge those of *messages* that came by this link, perhaps together with what follows."""
-        data = self._receiver.settle(messages)
-        if data and self._lost is None and self._transport is not None:
-            self._transport.write_acknowledgements(data)
-
     async def close(self, *, ends_session: bool) -> None:
         """Say good-bye, if there is still somebody, and drop the link; MQTT 5 has a word for *ends_session*."""
-        transport = self._transport
+        transport = self.transport
         if self._lost is None and transport is not None:
             self._send(disconnect_packet(ends_session=ends_session and self._is_v5))
             transport.close()
@@ -197,46 +146,10 @@ class ClientProtocol:
             await transport.wait_closed()
         self._lose(LinkError("closed"))
 
-    def data_received(self, data: bytes) -> None:
-        """Bytes came from the broker."""
-        if self._keep_alive is not None:
-            self._keep_alive.heard_at = self._loop.time()
-        answers = bytearray()
-        try:
-            for frame in self._packets.feed(data):
-                if self._lost is not None:
-                    return
-                if frame.first >> 4 == _PUBLISH and self._is_granted:
-                    answers += self._receiver.publish(frame)
-                elif frame.first >> 4 == _PUBREL and self._is_granted:
-                    answers += self._receiver.release(frame)
-                else:
-                    self._handle(frame)
-        except WireError as error:
-            self.cut(LinkError(_NO_MQTT if not self._is_granted else f"the broker sent something unreadable: {error}"))
-            return
-        if answers:
-            self._put(bytes(answers))
-
-    def drained(self) -> None:
-        """The broker has taken everything that was written."""
-        if self._drained is not None:
-            self._drained.set()
-            self._drained = None
-
-    def link_ended(self, reason: LinkError | RefusedError) -> None:
-        """The broker closed the link, or it broke."""
-        self._lose(reason if self._is_granted else early_end(reason, self._options))
-
     def _handle(self, frame: Frame) -> None:
         kind = frame.first >> 4
-        if not self._is_granted and kind != PacketType.CONNACK:
-            in_tls = frame.first == _TLS_ALERT and not self._options.tls
-            self.cut(LinkError(_IN_TLS if in_tls else _NO_MQTT))
-        elif frame.oversize:
-            raise WireError(f"a packet of type {kind} of {frame.oversize} bytes")
-        elif kind in _ANSWERS:
-            packet_id, reasons = _answer_in(frame, is_v5=self._is_v5)
+        if kind in _ANSWERS:
+            packet_id, reasons = answer_in(frame, is_v5=self._is_v5)
             if kind == _PUBREC and reasons[0] < _FAILED:
                 self._send(self._requests.taken(packet_id))
                 return
@@ -267,20 +180,19 @@ class ClientProtocol:
             self._greeting.set_exception(reason)
             self.cut(reason)
             return
-        self.grant = session = session_of(packet, self._version)
-        self._is_granted = True
+        session = session_of(packet, self._version)
         seconds = packet.properties.server_keep_alive or self._options.keep_alive
         self._keep_alive = KeepAlive(seconds, self._options.timeout, self._loop.time())
         again = self._requests.begin_link(resumed=session.resumed)
         self._unfinished = {each.packet_id for each in again if each.packet_id is not None}
-        self._window = SendWindow(min(session.receive_maximum, _IN_FLIGHT) - len(again))
-        self._receiver.begin_link(session)
+        self._begin(session, open_publishes=len(again))
         self._greeting.set_result(None)
         for each in again:
             self._send(each)
         self._check = self._loop.call_at(self._keep_alive.due, self._check_signs_of_life, self._keep_alive)
 
     def _check_signs_of_life(self, keep_alive: KeepAlive) -> None:
+        keep_alive.heard_at = self._heard_at
         match keep_alive.check(self._loop.time()):
             case LifeSign.LOST:
                 self.cut(LinkError("the broker does not answer any more"))
@@ -292,37 +204,15 @@ class ClientProtocol:
         self._check = self._loop.call_at(keep_alive.due, self._check_signs_of_life, keep_alive)
 
     def _lose(self, reason: LinkError | RefusedError) -> None:
-        if self._lost is not None:
-            return
-        self._lost = reason
         if self._check is not None:
             self._check.cancel()
         if not self._greeting.done():
             early = isinstance(reason, LinkError)
             self._greeting.set_exception(ClosedEarlyError(str(reason)) if early else reason)
-        self._receiver.end_link(reason)
-        self._requests.fail(str(reason))
-        self._window.close(f"publish failed, the link is lost: {reason}")
-        self._gone.set()
-        self.drained()
-
-    def _check_alive(self) -> None:
-        if self._lost is not None:
-            raise LinkError(f"the link is lost: {self._lost}")
+        super()._lose(reason)
 
     def _send(self, packet: Packet) -> None:
         self._put(encode(packet, self._version))
-
-    def _put(self, data: bytes) -> None:
-        if self._lost is None and self._transport is not None:
-            self._transport.write(data)
-
-    async def _wait_until_taken(self) -> None:
-        """Wait while the broker is far behind in taking what was said."""
-        while self._transport is not None and self._transport.waiting > SEND_BUFFER and self._lost is None:
-            self._drained = self._drained or anyio.Event()
-            await self._drained.wait()
-        self._check_alive()
 
     async def _answer_to(self, request: bytes, packet_id: int, what: str) -> Answer:
         """Send a whole packet and wait for its last answer.
@@ -331,20 +221,11 @@ class ClientProtocol:
             LinkError: No answer came.
         """
         answer = self._requests.expect(packet_id)
-        overdue = self._loop.call_later(self._options.timeout, _expire, answer)
-        try:
-            self._put(request)
-            return await answer
-        except TimeoutError:
-            raise LinkError(f"no answer to a {what} within {self._options.timeout:g} s") from None
-        except LinkError as error:
-            raise LinkError(f"{what} failed, the link is lost: {error}") from None
-        finally:
-            overdue.cancel()
-            self._requests.forget(packet_id)
+        self._put(request)
+        return await self._wait_for(answer, packet_id, what)
 
 
-def _answer_in(frame: Frame, *, is_v5: bool) -> tuple[int, Answer]:
+def answer_in(frame: Frame, *, is_v5: bool) -> tuple[int, Answer]:
     """Return packet identifier and reason codes of PUBACK, PUBREC, PUBCOMP, SUBACK or UNSUBACK.
 
     Raises:
@@ -361,8 +242,3 @@ def _answer_in(frame: Frame, *, is_v5: bool) -> tuple[int, Answer]:
     if is_v5:
         decode_properties(cursor, PacketType(kind))
     return packet_id, tuple(body[cursor.position :])
-
-
-def _expire(answer: asyncio.Future[Answer]) -> None:
-    if not answer.done():
-        answer.set_exception(TimeoutError())

@@ -81,26 +81,12 @@ class Receiver:
         except WireError as error:
             self.counters.dropped_malformed += 1
             return self._drop(packet, error.problem)
-        self.accept(message)
-        return answer
-
-    def accept(self, message: MqttMessage) -> None:
-        """Take in one message that is understood already; dropped are the oldest of QoS 0 where too many wait."""
         self._inbox.put(message)
         self.counters.received += 1
         if self._inbox.dropped != self.counters.dropped_overflow:
             self.counters.dropped_overflow = self._inbox.dropped
             self._say("the inbox is full; the oldest messages of QoS 0 go")
-
-    def note_oversize(self, size: int) -> None:
-        """Count a message that was dropped because it was larger than the limit."""
-        self.counters.dropped_oversize += 1
-        self._say(f"{size} bytes, over the limit")
-
-    def note_malformed(self, problem: str) -> None:
-        """Count a message that was dropped because it did not follow the protocol."""
-        self.counters.dropped_malformed += 1
-        self._say(problem)
+        return answer
 
     def release(self, packet: Frame) -> bytes:
         """Take in one PUBREL; returns the answer."""

@@ -22,7 +22,7 @@ from homebot.mqtt.client.read_ahead import ReadAhead
 from homebot.mqtt.client.transport import SEND_BUFFER, TransportUser
 from homebot.mqtt.options import MqttOptions
 
-__all__ = ["TcpTransport", "acknowledge_at_once", "dial_error", "dial_tcp", "make_tls_context", "socket_error"]
+__all__ = ["TcpTransport", "dial_error", "dial_tcp", "make_tls_context", "socket_error"]
 
 _PORTION: Final = 32 * 1024
 """Bytes understood in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
@@ -53,7 +53,7 @@ async def dial_tcp(options: MqttOptions, user: TransportUser) -> TcpTransport:
     transport = TcpTransport(user)
     try:
         with anyio.fail_after(options.timeout):
-            await _open(transport, options, context)
+            await transport.carry(await _connect(options), options, context)
     except TimeoutError as error:
         raise LinkError(f"no answer within {options.timeout:g} s") from error
     except OSError as error:
@@ -82,6 +82,32 @@ class TcpTransport(asyncio.Protocol):
         self._held = b""
         self._release: asyncio.TimerHandle | None = None
         self._closed = anyio.Event()
+
+    async def carry(self, sock: socket.socket, options: MqttOptions, context: ssl.SSLContext | None) -> None:
+        """Carry the connected socket *sock*, which is closed where that fails; with *context* shake hands first.
+
+        Raises:
+            LinkError: The hand-shake failed.
+            RefusedError: One side does not trust the other's certificate.
+        """
+        try:
+            if context is None:
+                await self._loop.create_connection(lambda: self, sock=sock)
+                return
+            await self._loop.create_connection(
+                lambda: self,
+                sock=sock,
+                ssl=context,
+                server_hostname=options.host,
+                ssl_handshake_timeout=2 * options.timeout,  # never; the caller's limit ends it sooner
+                ssl_shutdown_timeout=_GOODBYE,
+            )
+        except OSError as error:
+            sock.close()
+            raise dial_error(error, in_tls=context is not None) from error
+        except BaseException:
+            sock.close()
+            raise
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """The connection stands."""
@@ -183,18 +209,10 @@ class TcpTransport(asyncio.Protocol):
             self._transport.resume_reading()
 
     def _acknowledge(self) -> None:
-        if self.socket is not None:
-            acknowledge_at_once(self.socket)
-
-
-def acknowledge_at_once(sock: socket.socket) -> None:
-    """Have TCP acknowledge what comes without delay.
-
-    A broker with Nagle's algorithm on, such as Mosquitto, waits up to 40 ms for it. Linux forgets this wish after a
-    while, so it is repeated.
-    """
-    if _TCP_QUICKACK is not None and sock.fileno() >= 0:
-        sock.setsockopt(socket.IPPROTO_TCP, _TCP_QUICKACK, 1)
+        # Have TCP acknowledge what comes without delay: a broker with Nagle's algorithm on, such as Mosquitto, waits up
+        # to 40 ms for it. Linux forgets this wish after a while, so it is repeated.
+        if _TCP_QUICKACK is not None and self.socket is not None and self.socket.fileno() >= 0:
+            self.socket.setsockopt(socket.IPPROTO_TCP, _TCP_QUICKACK, 1)
 
 
 async def make_tls_context(options: MqttOptions) -> ssl.SSLContext:
@@ -230,29 +248,6 @@ def dial_error(error: OSError, *, in_tls: bool) -> LinkError | RefusedError:
             "and does it want a client certificate (cert_file)?"
         )
     return socket_error(error)
-
-
-async def _open(transport: TcpTransport, options: MqttOptions, context: ssl.SSLContext | None) -> None:
-    loop = asyncio.get_running_loop()
-    sock = await _connect(options)
-    try:
-        if context is None:
-            await loop.create_connection(lambda: transport, sock=sock)
-            return
-        await loop.create_connection(
-            lambda: transport,
-            sock=sock,
-            ssl=context,
-            server_hostname=options.host,
-            ssl_handshake_timeout=2 * options.timeout,  # never; ours ends it sooner
-            ssl_shutdown_timeout=_GOODBYE,
-        )
-    except OSError as error:
-        sock.close()
-        raise dial_error(error, in_tls=context is not None) from error
-    except BaseException:
-        sock.close()
-        raise
 
 
 async def _connect(options: MqttOptions) -> socket.socket:

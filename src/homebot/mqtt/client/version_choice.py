@@ -18,7 +18,7 @@ _log = get_logger()
 
 
 class ClosedEarlyError(LinkError):
-    """The broker closed the connection where it should have answered CONNECT."""
+    """The broker closed the connection, or said something else, where it should have answered CONNECT."""
 
 
 @final
@@ -71,7 +71,7 @@ class VersionChoice:
 
 def early_end(reason: LinkError | RefusedError, options: MqttOptions) -> LinkError | RefusedError:
     """Interpret the end of a link before the answer to CONNECT; *reason* is how it ended."""
-    if isinstance(reason, RefusedError):
+    if isinstance(reason, RefusedError | ClosedEarlyError):
         return reason
     hint = "does it want a client certificate (cert_file)?" if options.tls else "is this a port for TLS (mqtts://)?"
     return ClosedEarlyError(f"{reason} instead of answering; {hint}")
