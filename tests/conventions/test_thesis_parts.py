@@ -12,12 +12,9 @@ from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.text.decode import decode_text
 from homebot.devices.text.encode import decode_command, encode_command
 from homebot.devices.value import PlainValue
-from homebot.house.lamp import SimulatedLamp
-from homebot.house.lock import SimulatedDoorLock
-from homebot.house.motor import CoverMotor, WindowMotor
+from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
-from homebot.house.thermostat import SimulatedThermostat
 
 
 @pytest.mark.parametrize(

@@ -24,8 +24,7 @@ from homebot.devices.handles import CommonFilters, Handle
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import load_world
-from homebot.house.lamp import SimulatedLamp
-from homebot.house.motor import CoverMotor
+from homebot.house.devices import CoverMotor, SimulatedLamp
 from homebot.testing.virtual_house import virtual_house_of
 
 FILE = Path(__file__).parents[2] / "docs" / "devices.md"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.house.daylight import DAY, daylight, weather
+from homebot.house.rooms import DAY, daylight, weather
 
 NOON = DAY / 2
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from homebot.errors import ConfigError
-from homebot.house.daylight import DAY
 from homebot.house.description import load_world, parse_world
 from homebot.house.dialects import DIALECTS
 from homebot.house.faults import Reverter, Slow, unwrap
 from homebot.house.kinds import FAULTS, KINDS
 from homebot.house.robot import Robot
+from homebot.house.rooms import DAY
 
 HOUSES = Path(__file__).parents[2] / "examples" / "houses"
 HALL = "[rooms.hall]\ndoors = ['outside']\n"

@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.house.device_state import DeviceState, state_of
-from homebot.house.devices import (
-    CoverMotor,
-    LuxSensor,
-    SimulatedDevice,
-    SimulatedDoorLock,
-    SimulatedLamp,
-    SimulatedThermostat,
-)
+from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat
+from homebot.house.dialect import DeviceState, state_of
+from homebot.house.sensors import LuxSensor
+from homebot.house.simulated_device import SimulatedDevice
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.errors import UsageError
-from homebot.house.device_state import DeviceState
-from homebot.house.dialect import OutgoingMessage, SimulatedDeviceInfo
+from homebot.house.dialect import DeviceState, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
 from homebot.house.kinds import KINDS
 

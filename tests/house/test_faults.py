@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.house import faults
+from homebot.house.devices import SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.faults import (
     Chatterbox,
     Deaf,
@@ -21,12 +22,8 @@ from homebot.house.faults import (
     Unplugged,
     unwrap,
 )
-from homebot.house.lamp import SimulatedLamp
-from homebot.house.lock import SimulatedDoorLock
-from homebot.house.motor import WindowMotor
 from homebot.house.sensors import SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
-from homebot.house.thermostat import SimulatedThermostat
 
 
 def dice(seed: int = 1) -> random.Random:

@@ -20,7 +20,6 @@ import structlog.testing
 from homebot.clock import LoopClock
 from homebot.errors import UsageError
 from homebot.house import SimulatedHouse, SimulatedLamp, WindowMotor, World
-from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
 from homebot.house.devices import SimulatedDoorLock
 from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
@@ -28,7 +27,7 @@ from homebot.house.dialects import DIALECTS
 from homebot.house.dialects.thesis import ThesisDialect
 from homebot.house.faults import Chatterbox, Unplugged
 from homebot.house.mqtt_device import QUEUED
-from homebot.house.rooms import Room, Rooms
+from homebot.house.rooms import DAY, Room, Rooms
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.world import Placed, ScheduledCommand
 from homebot.mqtt.broker import Broker, BrokerPolicy
@@ -207,13 +206,13 @@ async def test_a_world_whose_clock_is_set_forward_catches_up_with_everything_on_
         house = SimulatedHouse(broker.url, "villa", world, clock, make_client=broker.make_client, random=dice())
         await tasks.start(house.serve)
         clock.ahead = 10 * DAY
-        house.tell("lamp", "0.5")
+        house.command("lamp", "0.5")
         assert world.now == 3600.0
         await anyio.sleep(1.0)
         assert world.now == pytest.approx(10 * DAY, abs=400.0)
         assert sum(event.what == "on" for event in world.event_log.since(0) if event.verb == "says") == 10
         clock.ahead = 0.0
-        house.tell("lamp", "on")
+        house.command("lamp", "on")
         assert world.now == pytest.approx(10 * DAY, abs=400.0)
         tasks.cancel_scope.cancel()
 

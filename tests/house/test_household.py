@@ -7,8 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from homebot.errors import UsageError
-from homebot.house.household import Household
-from homebot.house.people import Habit, Person
+from homebot.house.household import Habit, Household, Person
 from homebot.house.rooms import Room, Rooms
 from homebot.timer_queue import TimerQueue
 

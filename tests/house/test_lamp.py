@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.house.lamp import SimulatedLamp
+from homebot.house.devices import SimulatedLamp
 
 
 def test_a_lamp_is_dimmed_by_a_number() -> None:

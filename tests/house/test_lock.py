@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 
-from homebot.house.lock import SimulatedDoorLock
+from homebot.house.devices import SimulatedDoorLock
 
 
 def test_a_lock_turns_and_says_where_it_ended() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.house.motor import CoverMotor, WindowMotor
+from homebot.house.devices import CoverMotor, WindowMotor
 
 
 def test_a_motor_moves_at_one_speed_and_says_where_it_arrived() -> None:

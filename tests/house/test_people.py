@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from homebot.house.daylight import DAY
-from homebot.house.people import Habit, Person, Visit
+from homebot.house.household import Habit, Person, Visit
+from homebot.house.rooms import DAY
 
 ANNA = Person("anna", [Habit(80_000.0, "bed", asleep=True), Habit(30_000.0, "kitchen", jitter=600.0)])
 

@@ -9,15 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.house.devices import SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.faults import Deaf
-from homebot.house.lamp import SimulatedLamp
-from homebot.house.lock import SimulatedDoorLock
-from homebot.house.motor import WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Room, Rooms
 from homebot.house.sensors import SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice, number, number_text
-from homebot.house.thermostat import SimulatedThermostat
 
 
 def test_time_never_goes_back() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.house.thermostat import SimulatedThermostat
+from homebot.house.devices import SimulatedThermostat
 
 
 def test_an_unheated_room_cools_towards_the_weather() -> None:

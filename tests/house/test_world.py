@@ -9,17 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from homebot.errors import UsageError
-from homebot.house.daylight import DAY
+from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.event_log import Event
 from homebot.house.faults import Chatterbox, Deaf, Liar, Reverter, Unplugged
-from homebot.house.lamp import SimulatedLamp
-from homebot.house.lock import SimulatedDoorLock
-from homebot.house.motor import CoverMotor, WindowMotor
-from homebot.house.people import Habit, Person
+from homebot.house.household import Habit, Person
 from homebot.house.robot import Robot
-from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
-from homebot.house.thermostat import SimulatedThermostat
 from homebot.house.world import Placed, ScheduledCommand, World
 
 PLAN = Rooms(

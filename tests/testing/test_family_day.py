@@ -18,9 +18,9 @@ import pytest
 from homebot.devices import Devices
 from homebot.graph import Node
 from homebot.house import World
-from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
 from homebot.house.event_log import Event
+from homebot.house.rooms import DAY
 from homebot.testing import EventLog, VirtualHouse, virtual_house_of
 
 A_DAY = Path(__file__).with_name("a_day.py")

@@ -17,7 +17,7 @@ import pytest
 from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
 from homebot.house import SimulatedLamp, WindowMotor, World, thesis_world
-from homebot.house.lock import SimulatedDoorLock
+from homebot.house.devices import SimulatedDoorLock
 from homebot.house.sensors import LuxSensor
 from homebot.mqtt.broker import BrokerLimits
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of

@@ -40,9 +40,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
-from homebot.house.dialects.known import DIALECTS
+from homebot.house.dialects import DIALECTS
+from homebot.house.household import Habit, Person
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
-from homebot.house.people import Habit, Person
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.world import Placed, ScheduledCommand, World

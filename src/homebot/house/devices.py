@@ -1,26 +1,327 @@
-"""Every kind of simulated device, each from its own file. Pure: time and wire are not their business."""
+"""Simulated devices that take commands: lamps, motors, door locks, and thermostats with the room they heat."""
 
 from __future__ import annotations
 
-from homebot.house.lamp import SimulatedLamp
-from homebot.house.lock import SimulatedDoorLock
-from homebot.house.motor import CoverMotor, WindowMotor
-from homebot.house.robot import Pose, Robot
-from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
-from homebot.house.simulated_device import SimulatedDevice
-from homebot.house.thermostat import SimulatedThermostat
+import math
+import random
+from dataclasses import dataclass, field
+from typing import ClassVar
 
-__all__ = [
-    "CoverMotor",
-    "LuxSensor",
-    "MotionSensor",
-    "Pose",
-    "PowerMeter",
-    "Robot",
-    "SimulatedContactSensor",
-    "SimulatedDevice",
-    "SimulatedDoorLock",
-    "SimulatedLamp",
-    "SimulatedThermostat",
-    "WindowMotor",
-]
+from homebot.house.simulated_device import SimulatedDevice, number, number_text
+
+__all__ = ["CoverMotor", "SimulatedDoorLock", "SimulatedLamp", "SimulatedThermostat", "WindowMotor"]
+
+KELVIN = (1500.0, 9000.0)
+"""From candle light to a blue sky."""
+
+
+@dataclass(eq=False)
+class SimulatedLamp(SimulatedDevice):
+    """A lamp that does at once what it is told, and says so.
+
+    It takes ``on``, ``off``, a brightness from ``0`` to ``1``, and a colour temperature such as ``2700 K``.
+
+    Attributes:
+        is_on: Whether it shines.
+        brightness: How bright it is while on, 0 to 1.
+        kelvin: Colour temperature.
+        rated_watts: What it draws at full brightness, above 0: a lamp that draws nothing is dark.
+        rated_lux: The light that it then gives its room.
+    """
+
+    kind: ClassVar[str] = "lamp"
+    is_on: bool = False
+    brightness: float = 1.0
+    kelvin: float = 2700.0
+    rated_watts: float = 9.0
+    rated_lux: float = 150.0
+    service_type: str = field(default="lights", kw_only=True)
+
+    def state(self) -> str:
+        """``on`` or ``off``."""
+        return "on" if self.is_on else "off"
+
+    def watts(self) -> float:
+        """In proportion to the brightness."""
+        return self.rated_watts * self.brightness if self.is_on else 0.0
+
+    def lux(self) -> float:
+        """Return the light it gives its room."""
+        return self.rated_lux * self.brightness if self.is_on else 0.0
+
+    def restore(self) -> str:
+        """``on`` or ``off``."""
+        return self.state()
+
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows."""
+        return ("on", "off", "0 to 1", f"{KELVIN[0]:g} K to {KELVIN[1]:g} K")
+
+    def knows(self, command: str) -> bool:
+        """Return whether it knows *command*."""
+        if command.endswith(" K"):
+            return number(command.removesuffix(" K"), *KELVIN) is not None
+        return command in {"on", "off"} or number(command, 0.0, 1.0) is not None
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        if command in {"on", "off"}:
+            self.is_on = command == "on"
+            return (command,)
+        if command.endswith(" K"):
+            kelvin = number(command.removesuffix(" K"), *KELVIN)
+            if kelvin is None:
+                return ()
+            self.kelvin = kelvin
+            return (f"{number_text(kelvin)} K",)
+        brightness = number(command, 0.0, 1.0)
+        if brightness is None:
+            return ()
+        self.is_on = brightness > 0
+        self.brightness = brightness or self.brightness
+        return (number_text(brightness),)
+
+
+@dataclass(eq=False)
+class WindowMotor(SimulatedDevice):
+    """A motor that takes a while to ``open`` or ``close`` its window.
+
+    It also takes ``stop`` and a position from ``0`` (closed) to ``1`` (open), and moves at one speed. It says
+    ``opening`` or ``closing``, then where it arrived: ``open``, ``closed`` or a position.
+
+    Attributes:
+        is_open: Whether it was not closed when it last rested.
+        travel_time: Seconds from one end to the other, above 0.
+    """
+
+    kind: ClassVar[str] = "window"
+    is_open: bool = False
+    travel_time: float = 3.0
+    service_type: str = field(default="windows", kw_only=True)
+
+    def __post_init__(self) -> None:
+        self._start = self._target = 1.0 if self.is_open else 0.0
+        self._started_at = self.now
+        self._moves = False
+
+    @property
+    def position(self) -> float:
+        """Position at :attr:`now`: 0 is closed, 1 is open."""
+        return self.position_at(self.now)
+
+    def position_at(self, now: float) -> float:
+        """Return where it is at *now*, no earlier than :attr:`now`, if it is told nothing until then."""
+        if not self._moves:
+            return self._target
+        way = min((now - self._started_at) / self.travel_time, abs(self._target - self._start))
+        return self._start + (way if self._target > self._start else -way)
+
+    def state(self) -> str:
+        """``open``, ``closed`` or a position; ``opening`` or ``closing`` on the way."""
+        if self._moves:
+            return "opening" if self._target > self._start else "closing"
+        return _position_text(self._target)
+
+    def watts(self) -> float:
+        """40 W while it moves."""
+        return 40.0 if self._moves else 0.0
+
+    def restore(self) -> str:
+        """``open``, ``close`` or the position where it is."""
+        return {"open": "open", "closed": "close"}.get(_position_text(self.position), number_text(self.position))
+
+    def next_event(self) -> float | None:
+        """Return when it arrives."""
+        return self._started_at + abs(self._target - self._start) * self.travel_time if self._moves else None
+
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows."""
+        return ("open", "close", "stop", "0 to 1")
+
+    def knows(self, command: str) -> bool:
+        """Return whether it knows *command*."""
+        return command in {"open", "close", "stop"} or number(command, 0.0, 1.0) is not None
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        position = self.position
+        if command == "stop":
+            self._rest(position)
+            return (self.state(),)
+        wanted = {"open": 1.0, "close": 0.0}.get(command)
+        target = number(command, 0.0, 1.0) if wanted is None else wanted
+        if target is None:
+            return ()
+        if target == position:
+            self._rest(position)
+        else:
+            self._start, self._target, self._started_at, self._moves = position, target, self.now, True
+        return (self.state(),)
+
+    def _on_timer(self) -> tuple[str, ...]:
+        self._rest(self._target)
+        return (self.state(),)
+
+    def _rest(self, position: float) -> None:
+        self._target, self._moves, self.is_open = position, False, position > 0
+
+
+@dataclass(eq=False)
+class CoverMotor(WindowMotor):
+    """A shutter or blind: as a window's motor, but slower, and open at first. Its position is the light it lets in."""
+
+    kind: ClassVar[str] = "cover"
+    is_open: bool = True
+    travel_time: float = 20.0
+    service_type: str = field(default="covers", kw_only=True)
+
+
+def _position_text(position: float) -> str:
+    return {0.0: "closed", 1.0: "open"}.get(position, number_text(position))
+
+
+@dataclass(eq=False)
+class SimulatedDoorLock(SimulatedDevice):
+    """A lock that takes ``lock`` and ``unlock``; says ``locking`` or ``unlocking``, then where it ended.
+
+    A jammed lock says ``jammed`` and is as open as it was; told again it tries again.
+
+    Attributes:
+        is_locked: Whether the bolt is out.
+        travel_time: Seconds the bolt takes.
+        jams: The share of turns, 0 to 1, in which the bolt sticks.
+        rng: Decides which.
+    """
+
+    kind: ClassVar[str] = "lock"
+    is_locked: bool = True
+    travel_time: float = 2.0
+    jams: float = 0.0
+    rng: random.Random = field(default_factory=lambda: random.Random(0), repr=False)  # noqa: S311  # physics, no secrets
+    service_type: str = field(default="locks", kw_only=True)
+
+    def __post_init__(self) -> None:
+        self._state_text = "locked" if self.is_locked else "unlocked"
+        self._arrives_at: float | None = None
+        self._wants_locked = self.is_locked
+
+    def state(self) -> str:
+        """``locked``, ``unlocked`` or ``jammed``; ``locking`` or ``unlocking`` on the way."""
+        return self._state_text
+
+    def restore(self) -> str:
+        """``lock`` or ``unlock``."""
+        return "lock" if self.is_locked else "unlock"
+
+    def next_event(self) -> float | None:
+        """Return when the bolt arrives."""
+        return self._arrives_at
+
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows."""
+        return ("lock", "unlock")
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        if command not in {"lock", "unlock"}:
+            return ()
+        self._wants_locked = command == "lock"
+        self._arrives_at = self.now + self.travel_time
+        self._state_text = f"{command}ing"
+        return (self._state_text,)
+
+    def _on_timer(self) -> tuple[str, ...]:
+        self._arrives_at = None
+        if self.rng.random() < self.jams:
+            self._state_text = "jammed"
+        else:
+            self.is_locked = self._wants_locked
+            self._state_text = "locked" if self.is_locked else "unlocked"
+        return (self._state_text,)
+
+
+LEAST, MOST = 5.0, 30.0
+"""Targets that it takes, in degrees Celsius."""
+
+PERIOD = 300.0
+"""Seconds between two looks at the thermometer; rooms are slow."""
+
+BAND = 0.3
+"""Kelvin below the target at which heating begins; it ends at as much above."""
+
+
+@dataclass(eq=False)
+class SimulatedThermostat(SimulatedDevice):
+    """A thermostat in a room that cools towards the weather and, while heated, warms towards ``weather + gain``.
+
+    First-order: the distance to where the room tends shrinks to 1/e within ``inertia`` seconds. It takes a target from
+    ``5`` to ``30``, says that target, and later the room's temperature whenever it moved by 0.1 K. Degrees Celsius.
+    It senses the temperature outside.
+
+    Attributes:
+        celsius: The room.
+        target: What the room should be.
+        outside: What it is outside.
+        gain: Kelvin above outside that full heating can hold.
+        inertia: Seconds.
+        rated_watts: What heating draws.
+    """
+
+    kind: ClassVar[str] = "thermostat"
+    celsius: float = 20.0
+    target: float = 20.0
+    outside: float = 10.0
+    gain: float = 30.0
+    inertia: float = 20_000.0
+    rated_watts: float = 1000.0
+    service_type: str = field(default="thermostats", kw_only=True)
+
+    def __post_init__(self) -> None:
+        self._looks_at = self.now + PERIOD
+        self._reported = self.celsius
+        self.heats = False
+
+    def state(self) -> str:
+        """The room's temperature as text."""
+        return number_text(self.celsius, 1)
+
+    def watts(self) -> float:
+        """Its rated power while it heats."""
+        return self.rated_watts if self.heats else 0.0
+
+    def restore(self) -> str:
+        """The target."""
+        return number_text(self.target)
+
+    def sense(self, value: float, now: float) -> tuple[str, ...]:
+        """Let the weather be *value* degrees Celsius."""
+        reports = self.advance(now)
+        self.outside = value
+        return reports
+
+    def next_event(self) -> float | None:
+        """Return when it looks at the thermometer."""
+        return self._looks_at
+
+    def commands(self) -> tuple[str, ...]:
+        """Return the commands that it knows."""
+        return (f"{LEAST:g} to {MOST:g}",)
+
+    def knows(self, command: str) -> bool:
+        """Return whether it knows *command*."""
+        return number(command, LEAST, MOST) is not None
+
+    def _take(self, command: str) -> tuple[str, ...]:
+        target = number(command, LEAST, MOST)
+        if target is None:
+            return ()
+        self.target = target
+        return (number_text(target),)
+
+    def _on_timer(self) -> tuple[str, ...]:
+        self._looks_at += PERIOD
+        tends_to = self.outside + (self.gain if self.heats else 0.0)
+        self.celsius = tends_to + (self.celsius - tends_to) * math.exp(-PERIOD / self.inertia)
+        if abs(self.celsius - self.target) > BAND:
+            self.heats = self.celsius < self.target
+        if abs(self.celsius - self._reported) < 0.1:
+            return ()
+        self._reported = self.celsius
+        return (self.state(),)

@@ -1,20 +1,90 @@
-"""Port of pure functions between a device and MQTT, one for each family of devices.
+"""Families of devices: pure functions between a device of :mod:`homebot.house` and MQTT, one class for each family.
 
-A word is what a device of :mod:`homebot.house` says or is told, such as ``on`` or ``21.5``. What goes over the
-wire is the dialect's own. A device that another speaks for, as a bridge for its lamps, says everything itself here;
-only what the bridge says of itself and of all its devices is said by one client more.
+A command or report is a text such as ``on`` or ``21.5``; what goes over the wire is the dialect's own. A device behind
+a bridge publishes everything itself here; only what the bridge publishes of itself and of all its devices comes from
+one client more.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import final
 
 from homebot.errors import UsageError
-from homebot.house.device_state import DeviceState
+from homebot.house.devices import SimulatedLamp, SimulatedThermostat, WindowMotor
+from homebot.house.simulated_device import SimulatedDevice, number
 
-__all__ = ["Bridge", "Dialect", "OutgoingMessage", "SimulatedDeviceInfo"]
+__all__ = ["Bridge", "BridgeDialect", "DeviceState", "Dialect", "OutgoingMessage", "SimulatedDeviceInfo", "state_of"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeviceState:
+    """The reported state of a device; what its kind does not have keeps its default.
+
+    Attributes:
+        text: Its last state as text, for example ``on``, ``opening``, ``locked`` or ``21.5``.
+        is_on: Of a lamp: whether it shines.
+        brightness: Of a lamp: how bright it is while on, 0 to 1.
+        kelvin: Of a lamp: its colour temperature.
+        position: Of a motor: 0 is closed, 1 is open.
+        way: Of a motor: 1 while it opens, -1 while it closes, 0 at rest.
+        value: The number that a sensor says; 0 where it says none.
+        celsius: Of a thermostat: the room's temperature.
+        target: Of a thermostat: what it should be.
+        heats: Of a thermostat: whether it heats.
+    """
+
+    text: str
+    is_on: bool = False
+    brightness: float = 1.0
+    kelvin: float = 2700.0
+    position: float = 0.0
+    way: int = 0
+    value: float = 0.0
+    celsius: float = 20.0
+    target: float = 20.0
+    heats: bool = False
+
+
+def state_of(device: SimulatedDevice, text: str) -> DeviceState:
+    """Return how *device* is, if the state it reported last is *text*, which may be a lie.
+
+    Args:
+        device: The device itself, under all its faults.
+        text: The state that it reported.
+    """
+    if isinstance(device, SimulatedLamp):
+        return _lamp(device, text)
+    if isinstance(device, WindowMotor):
+        return _motor(device, text)
+    if isinstance(device, SimulatedThermostat):
+        return DeviceState(text=text, celsius=device.celsius, target=device.target, heats=device.heats)
+    return DeviceState(text=text, value=number(text, float("-inf"), float("inf")) or 0.0)
+
+
+def _lamp(lamp: SimulatedLamp, text: str) -> DeviceState:
+    now = DeviceState(text=text, is_on=lamp.is_on, brightness=lamp.brightness, kelvin=lamp.kelvin)
+    if text in {"on", "off"}:
+        return replace(now, is_on=text == "on")
+    if text.endswith(" K"):
+        kelvin = number(text.removesuffix(" K"), 1.0, 100_000.0)
+        return now if kelvin is None else replace(now, kelvin=kelvin)
+    brightness = number(text, 0.0, 1.0)
+    if brightness is None:
+        return now
+    return replace(now, is_on=brightness > 0, brightness=brightness or now.brightness)
+
+
+def _motor(motor: WindowMotor, text: str) -> DeviceState:
+    now = DeviceState(text=text, position=motor.position, way=0)
+    if text in {"opening", "closing"}:
+        return replace(now, way=1 if text == "opening" else -1)
+    if text in {"open", "closed"}:
+        return replace(now, position=1.0 if text == "open" else 0.0)
+    position = number(text, 0.0, 1.0)
+    return now if position is None else replace(now, position=position)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,40 +144,75 @@ class Bridge:
     will: OutgoingMessage
 
 
-class Dialect(Protocol):
-    """A family of devices. No function raises, whatever conditions and payloads it is given."""
+class Dialect(ABC):
+    """A family of devices. No function raises, whatever states and payloads it is given."""
 
     @property
+    @abstractmethod
     def kinds(self) -> frozenset[str]:
         """The kinds of devices, as houses are described, that there are in this family."""
-        ...
+
+    @abstractmethod
+    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
+        """Return the messages by which *device* reports *state*."""
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return the topic filters that *device* subscribes to."""
-        ...
+        del device
+        return ()
 
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return what *device* says first on each new link, before its state: announcement, availability."""
-        ...
+        """Return what *device* publishes first on each new link, before its state: announcement, availability."""
+        del device
+        return ()
 
     def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
-        """Return what the broker says when *device* vanishes."""
-        ...
-
-    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
-        """Return the messages by which *device* says its last word, with the state that its family says with it."""
-        ...
+        """Return what the broker publishes when *device* vanishes."""
+        del device
+        return None
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the commands in a message that came in; empty where it holds none."""
-        ...
+        del device, topic, payload
+        return ()
 
     def replies(
-        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+        self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes
     ) -> tuple[OutgoingMessage, ...]:
-        """Return what *device* says because a message that came in asks for it; empty where it asks nothing."""
-        ...
+        """Return what *device* answers to a message that came in; empty where that asks nothing."""
+        del device, state, topic, payload
+        return ()
 
     def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
         """Return the bridge that *devices*, all of this family in a house, are bound to; None where there is none."""
-        ...
+        del devices
+        return None
+
+
+@final
+class BridgeDialect(Dialect):
+    """A bridge as a device of its own on the wire: it publishes what the bridge does, and takes no command.
+
+    Args:
+        bridge: The bridge.
+    """
+
+    kinds = frozenset()
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+
+    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
+        """Return what the bridge publishes on each new link."""
+        del device
+        return self._bridge.birth
+
+    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
+        """Return what the broker publishes when the bridge vanishes."""
+        del device
+        return self._bridge.will
+
+    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
+        """Return nothing."""
+        del device, state
+        return ()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Literal
 
-from homebot.house.daylight import DAY
+from homebot.house.rooms import DAY
 
 __all__ = ["Event", "Verb", "WorldLog"]
 

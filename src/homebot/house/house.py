@@ -15,14 +15,12 @@ from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.house.daylight import DAY
-from homebot.house.device_state import DeviceState, state_of
-from homebot.house.dialect import Dialect, SimulatedDeviceInfo
-from homebot.house.dialects.bridge import BridgeDialect
-from homebot.house.dialects.known import DIALECTS
+from homebot.house.dialect import BridgeDialect, DeviceState, Dialect, SimulatedDeviceInfo, state_of
+from homebot.house.dialects import DIALECTS
 from homebot.house.event_log import Event
 from homebot.house.faults import unwrap
 from homebot.house.mqtt_device import HouseCounters, MqttDevice
+from homebot.house.rooms import DAY
 from homebot.house.world import Placed, World
 from homebot.isolation import run_as
 from homebot.log import LogLimit
@@ -108,11 +106,11 @@ class SimulatedHouse:
         self._midnight = _first_midnight(clock.now(), world.now)
         self._stirred = anyio.Event()
         self._is_served = False
-        plates = {name: self._device_info(placed) for name, placed in world.devices.items()}
-        self._presences = {
-            name: self._mqtt_device(plates[name], dialects[placed.dialect]) for name, placed in world.devices.items()
+        infos = {name: self._device_info(placed) for name, placed in world.devices.items()}
+        self._mqtt_devices = {
+            name: self._mqtt_device(infos[name], dialects[placed.dialect]) for name, placed in world.devices.items()
         }
-        self._bridges = self._bound(world, plates)
+        self._bridges = self._bound(world, infos)
 
     @classmethod
     def hosted_by(
@@ -124,12 +122,12 @@ class SimulatedHouse:
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Let the house live until cancelled."""
         self.world.run_until(self._now())
-        for name, mqtt_device in self._presences.items():
+        for name, mqtt_device in self._mqtt_devices.items():
             device = self.world.device(name)
-            mqtt_device.begin(self._condition(name, device.state()), has_power=device.has_power)
+            mqtt_device.begin(self._state_of(name, device.state()), has_power=device.has_power)
         self._is_served = True
         async with anyio.create_task_group() as tasks:
-            for client in (*self._bridges, *self._presences.values()):
+            for client in (*self._bridges, *self._mqtt_devices.values()):
                 tasks.start_soon(run_as, "a simulated device", client.live)
             tasks.start_soon(run_as, "the simulated house", self._beat)
             task_status.started()
@@ -140,7 +138,7 @@ class SimulatedHouse:
         if self._is_served:
             self._show(self.world.run_until(self._within_reach()))
 
-    def tell(self, device_id: str, command: str) -> None:
+    def command(self, device_id: str, command: str) -> None:
         """Give *command* to a device, as its radio does.
 
         Raises:
@@ -175,7 +173,7 @@ class SimulatedHouse:
     async def _beat(self) -> None:
         while True:
             await anyio.sleep(self._heartbeat)
-            for device in self._presences.values():
+            for device in self._mqtt_devices.values():
                 device.repeat()
 
     def _now(self) -> float:
@@ -188,11 +186,11 @@ class SimulatedHouse:
     def _show(self, events: Iterable[Event]) -> None:
         for event in events:
             if event.verb == "says":
-                self._presences[event.who].publish(self._condition(event.who, event.what))
+                self._mqtt_devices[event.who].publish(self._state_of(event.who, event.what))
             elif event.verb == "power":
-                self._presences[event.who].power(on=event.what == "on")
+                self._mqtt_devices[event.who].power(on=event.what == "on")
 
-    def _condition(self, name: str, text: str) -> DeviceState:
+    def _state_of(self, name: str, text: str) -> DeviceState:
         return state_of(unwrap(self.world.device(name)), text)
 
     def _device_info(self, placed: Placed) -> SimulatedDeviceInfo:
@@ -204,11 +202,11 @@ class SimulatedHouse:
             raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}, which has no {kind}")
         return SimulatedDeviceInfo(self._home, kind, device.device_id, device.service_type, placed.room)
 
-    def _bound(self, world: World, plates: Mapping[str, SimulatedDeviceInfo]) -> list[MqttDevice]:
+    def _bound(self, world: World, infos: Mapping[str, SimulatedDeviceInfo]) -> list[MqttDevice]:
         """Return the bridges of the families that have one here."""
         bridges = []
         for name in dict.fromkeys(placed.dialect for placed in world.devices.values()):
-            bound = [plates[one] for one, placed in world.devices.items() if placed.dialect == name]
+            bound = [infos[one] for one, placed in world.devices.items() if placed.dialect == name]
             if (bridge := self._dialects[name].bridge(bound)) is not None:
                 info = SimulatedDeviceInfo(self._home, "bridge", f"{name} bridge", "bridge", "")
                 bridges.append(self._mqtt_device(info, BridgeDialect(bridge)))
@@ -228,7 +226,7 @@ class SimulatedHouse:
         connection = MqttConnection(
             options, self._make_client, status_topic=None, clock=self._clock, random=self._random
         )
-        return MqttDevice(info, dialect, connection, partial(self.tell, info.device_id), self.counters, self._lines)
+        return MqttDevice(info, dialect, connection, partial(self.command, info.device_id), self.counters, self._lines)
 
 
 def _first_midnight(now: float, lived: float) -> float:

@@ -6,21 +6,17 @@ A setting that is left out has the default of the device or fault, which is writ
 from __future__ import annotations
 
 import random
-from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.house import faults
-from homebot.house.lamp import SimulatedLamp
-from homebot.house.lock import SimulatedDoorLock
-from homebot.house.motor import CoverMotor, WindowMotor
+from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
-from homebot.house.thermostat import SimulatedThermostat
 
 __all__ = ["FAULTS", "KINDS", "FaultSettings", "KindSettings", "Surroundings"]
 
@@ -40,7 +36,7 @@ class Surroundings:
         name: Its own name.
         room: Where it is.
         rooms: The whole plan.
-        rng: Its dice.
+        rng: Its random numbers.
     """
 
     name: str
@@ -54,9 +50,16 @@ class KindSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    @abstractmethod
+    makes: ClassVar[type[SimulatedDevice]]
+
     def build(self, at: Surroundings) -> SimulatedDevice:
         """Return the device."""
+        return self.makes(at.name, **self._place(at), **self.model_dump(exclude_unset=True))
+
+    def _place(self, at: Surroundings) -> dict[str, Any]:
+        """Return what a device of this kind is given of its surroundings."""
+        del at
+        return {}
 
 
 class FaultSettings(BaseModel):
@@ -64,147 +67,136 @@ class FaultSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    @abstractmethod
+    makes: ClassVar[type[faults.DeviceFault]]
+
     def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
         """Return *device* with the fault."""
+        return self.makes(device, rng, **self.model_dump(exclude_unset=True))
 
 
 class _LampKind(KindSettings):
+    makes = SimulatedLamp
+
     is_on: bool | None = None
     brightness: Fraction | None = None
     kelvin: Positive | None = None
     rated_watts: Positive | None = None
     rated_lux: NotNegative | None = None
 
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return SimulatedLamp(at.name, **self.model_dump(exclude_unset=True))
-
 
 class _Window(KindSettings):
+    makes = WindowMotor
+
     is_open: bool | None = None
     travel_time: Positive | None = None
 
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return WindowMotor(at.name, **self.model_dump(exclude_unset=True))
-
 
 class _Cover(_Window):
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return CoverMotor(at.name, **self.model_dump(exclude_unset=True))
+    makes = CoverMotor
 
 
 class _Lock(KindSettings):
+    makes = SimulatedDoorLock
+
     is_locked: bool | None = None
     travel_time: Positive | None = None
     jams: Fraction | None = None
 
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return SimulatedDoorLock(at.name, rng=at.rng, **self.model_dump(exclude_unset=True))
+    def _place(self, at: Surroundings) -> dict[str, Any]:
+        return {"rng": at.rng}
 
 
 class _Contact(KindSettings):
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return SimulatedContactSensor(at.name)
+    makes = SimulatedContactSensor
 
 
 class _Motion(KindSettings):
-    hold: NotNegative | None = None
+    makes = MotionSensor
 
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return MotionSensor(at.name, **self.model_dump(exclude_unset=True))
+    hold: NotNegative | None = None
 
 
 class _Lux(KindSettings):
-    share: Fraction | None = None
+    makes = LuxSensor
 
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return LuxSensor(at.name, **self.model_dump(exclude_unset=True))
+    share: Fraction | None = None
 
 
 class _Meter(KindSettings):
-    step: Positive | None = None
+    makes = PowerMeter
 
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return PowerMeter(at.name, **self.model_dump(exclude_unset=True))
+    step: Positive | None = None
 
 
 class _Thermostat(KindSettings):
+    makes = SimulatedThermostat
+
     celsius: Celsius | None = None
     target: Celsius | None = None
     gain: NotNegative | None = None
     inertia: Positive | None = None
     rated_watts: NotNegative | None = None
 
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return SimulatedThermostat(at.name, **self.model_dump(exclude_unset=True))
-
 
 class _Robot(KindSettings):
+    makes = Robot
+
     speed: Positive | None = None
 
-    def build(self, at: Surroundings) -> SimulatedDevice:
-        return Robot(at.name, at.rooms, at.room, **self.model_dump(exclude_unset=True))
+    def _place(self, at: Surroundings) -> dict[str, Any]:
+        return {"rooms": at.rooms, "room": at.room}
 
 
 class _Lossy(FaultSettings):
-    share: Fraction | None = None
+    makes = faults.Lossy
 
-    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
-        return faults.Lossy(device, rng, **self.model_dump(exclude_unset=True))
+    share: Fraction | None = None
 
 
 class _Slow(FaultSettings):
-    delay: NotNegative | None = None
+    makes = faults.Slow
 
-    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
-        return faults.Slow(device, rng, **self.model_dump(exclude_unset=True))
+    delay: NotNegative | None = None
 
 
 class _Deaf(FaultSettings):
-    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
-        return faults.Deaf(device, rng)
+    makes = faults.Deaf
 
 
 class _Liar(FaultSettings):
-    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
-        return faults.Liar(device, rng)
+    makes = faults.Liar
 
 
 class _Stuck(FaultSettings):
-    after: Moment | None = None
+    makes = faults.Stuck
 
-    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
-        return faults.Stuck(device, rng, **self.model_dump(exclude_unset=True))
+    after: Moment | None = None
 
 
 class _Reverter(FaultSettings):
-    after: Moment | None = None
+    makes = faults.Reverter
 
-    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
-        return faults.Reverter(device, rng, **self.model_dump(exclude_unset=True))
+    after: Moment | None = None
 
 
 class _Chatterbox(FaultSettings):
+    makes = faults.Chatterbox
+
     times: Annotated[int, Field(ge=1, le=1000)] | None = None
     every: Positive | None = None
 
-    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
-        return faults.Chatterbox(device, rng, **self.model_dump(exclude_unset=True))
-
 
 class _Flapper(FaultSettings):
-    every: Moment | None = None
+    makes = faults.Flapper
 
-    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
-        return faults.Flapper(device, rng, **self.model_dump(exclude_unset=True))
+    every: Moment | None = None
 
 
 class _Unplugged(FaultSettings):
+    makes = faults.Unplugged
+
     since: NotNegative | None = None
     until: Positive | None = None
-
-    def apply(self, device: SimulatedDevice, rng: random.Random) -> SimulatedDevice:
-        return faults.Unplugged(device, rng, **self.model_dump(exclude_unset=True))
 
 
 KINDS: dict[str, type[KindSettings]] = {

@@ -16,8 +16,7 @@ from typing import final
 import anyio
 
 from homebot.errors import LinkError, RefusedError
-from homebot.house.device_state import DeviceState
-from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
+from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.isolation import run_as
 from homebot.log import LogLimit
 from homebot.logger import get_logger
@@ -78,7 +77,7 @@ class MqttDevice:
         self._device = device
         self._dialect = dialect
         self._connection = connection
-        self._condition = DeviceState(text="")
+        self._state = DeviceState(text="")
         self._last: tuple[OutgoingMessage, ...] = ()
         self._again: tuple[OutgoingMessage, ...] = ()
         self._on_command = on_command
@@ -89,14 +88,14 @@ class MqttDevice:
         self._queue: deque[OutgoingMessage] = deque()
         self._queued = asyncio.Event()  # anyio's cannot be cleared, and a new one for each message costs
 
-    def begin(self, condition: DeviceState, *, has_power: bool) -> None:
-        """Begin in *condition*, which is said at the first link; before :meth:`live`."""
-        self._keep(condition)
+    def begin(self, state: DeviceState, *, has_power: bool) -> None:
+        """Begin in *state*, which is said at the first link; before :meth:`live`."""
+        self._keep(state)
         self._has_power = has_power
 
-    def publish(self, condition: DeviceState) -> None:
-        """Say the last word of *condition*, and again at each heartbeat and new link until another; never waits."""
-        self._keep(condition)
+    def publish(self, state: DeviceState) -> None:
+        """Say the last word of *state*, and again at each heartbeat and new link until another; never waits."""
+        self._keep(state)
         if self._is_online:
             self._enqueue(self._last)
         else:
@@ -133,9 +132,9 @@ class MqttDevice:
     def _is_online(self) -> bool:
         return self._has_power and self._connection.state.phase is LinkPhase.CONNECTED
 
-    def _keep(self, condition: DeviceState) -> None:
-        self._condition = condition
-        self._last = self._dialect.state_messages(self._device, condition)
+    def _keep(self, state: DeviceState) -> None:
+        self._state = state
+        self._last = self._dialect.state_messages(self._device, state)
         self._again = tuple(replace(message, qos=0) for message in self._last)
 
     def _enqueue(self, messages: tuple[OutgoingMessage, ...]) -> None:
@@ -147,8 +146,8 @@ class MqttDevice:
         self._queued.set()
 
     async def _on_connected(self) -> None:
-        async for state in self._connection.states():
-            if state.phase is LinkPhase.CONNECTED:
+        async for link in self._connection.states():
+            if link.phase is LinkPhase.CONNECTED:
                 self._counters.unsaid += len(self._queue)
                 self._queue.clear()
                 self._enqueue(self._dialect.birth(self._device))
@@ -180,5 +179,5 @@ class MqttDevice:
                 for command in self._dialect.parse_command(self._device, message.topic, message.payload):
                     self._counters.commands += 1
                     self._on_command(command)
-                self._enqueue(self._dialect.replies(self._device, self._condition, message.topic, message.payload))
+                self._enqueue(self._dialect.replies(self._device, self._state, message.topic, message.payload))
             self._connection.ack(messages)

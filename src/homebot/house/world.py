@@ -1,7 +1,8 @@
 """The world of a simulated house: its people, its devices and the sun, on one time line.
 
-Everything happens in :meth:`World.run_until`, :meth:`World.tell` and :meth:`World.press`, in time order, and is written
-into one event log. The same house with the same seed, told the same commands at the same times, writes the same text.
+Everything happens in :meth:`World.run_until`, :meth:`World.command` and :meth:`World.press`, in time order, and is
+written into one event log. The same house with the same seed, given the same commands at the same times, writes the
+same text.
 """
 
 from __future__ import annotations
@@ -12,19 +13,14 @@ from dataclasses import dataclass
 from functools import partial
 
 from homebot.errors import UsageError
-from homebot.house.daylight import DAY, daylight, weather
+from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat
 from homebot.house.event_log import Event, Verb, WorldLog
 from homebot.house.faults import unwrap
-from homebot.house.household import Household
-from homebot.house.lamp import SimulatedLamp
-from homebot.house.lock import SimulatedDoorLock
-from homebot.house.motor import CoverMotor
-from homebot.house.people import Person
+from homebot.house.household import Household, Person
 from homebot.house.robot import Robot
-from homebot.house.rooms import OUTSIDE, Room, Rooms
+from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms, daylight, weather
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
-from homebot.house.thermostat import SimulatedThermostat
 from homebot.timer_queue import TimerQueue
 
 __all__ = ["Placed", "ScheduledCommand", "World"]
@@ -133,25 +129,25 @@ class World:
         self.now = 0.0
         self.event_log = WorldLog(capacity)
         self._rooms = rooms
-        self._things: dict[str, _PlacedDevice] = {}
+        self._entries: dict[str, _PlacedDevice] = {}
         for item in placed:
-            if item.device.device_id in self._things:
+            if item.device.device_id in self._entries:
                 raise UsageError(f"two devices are called {item.device.device_id!r}")
-            self._things[item.device.device_id] = _PlacedDevice(item, unwrap(item.device))
+            self._entries[item.device.device_id] = _PlacedDevice(item, unwrap(item.device))
         self._errands = errands
         self._seed = seed
         self._first_day = first_day
         self._latitude = latitude
         self._by_hand = by_hand
         self._check()
-        self._in_room = {room: [t for t in self._things.values() if t.placed.room == room] for room in rooms.rooms}
+        self._in_room = {room: [t for t in self._entries.values() if t.placed.room == room] for room in rooms.rooms}
         self._was_dark: dict[str, bool] = {}
         self._queue: TimerQueue[object, Callable[[], None]] = TimerQueue()
         self._household = Household(people, rooms, self._queue, lambda: self.now, self)
         self._queue.set(object(), 0.0, partial(self._begin_day, 0))
         self._queue.set(object(), 0.0, self._sample)
-        for thing in self._things.values():
-            self._plan_step(thing)
+        for entry in self._entries.values():
+            self._plan_step(entry)
 
     @classmethod
     def of(cls, *devices: SimulatedDevice) -> World:
@@ -165,7 +161,7 @@ class World:
     @property
     def devices(self) -> Mapping[str, Placed]:
         """The devices by name, in the order they were given."""
-        return {name: thing.placed for name, thing in self._things.items()}
+        return {name: entry.placed for name, entry in self._entries.items()}
 
     def next_event(self) -> float:
         """Return when something happens next by itself; at most a few minutes ahead."""
@@ -190,18 +186,18 @@ class World:
         Raises:
             UsageError: There is no such device, or *now* is no finite number.
         """
-        thing = self._thing(device_id)
+        entry = self._find(device_id)
         mark = self.event_log.count
         self.run_until(now)
-        self._command(thing, command)
+        self._command(entry, command)
         return self.event_log.since(mark)
 
     def press(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
-        """As :meth:`tell`, but by hand: as somebody does at the device itself, as *command* would."""
-        thing = self._thing(device_id)
+        """As :meth:`command`, but by hand: as somebody does at the device itself, as *command* would."""
+        entry = self._find(device_id)
         mark = self.event_log.count
         self.run_until(now)
-        self._switch(thing, command)
+        self._switch(entry, command)
         return self.event_log.since(mark)
 
     def device(self, device_id: str) -> SimulatedDevice:
@@ -210,7 +206,7 @@ class World:
         Raises:
             UsageError: There is no such device.
         """
-        device = self._thing(device_id).placed.device
+        device = self._find(device_id).placed.device
         device.advance(self.now)
         return device
 
@@ -226,23 +222,23 @@ class World:
         """
         if room not in self._in_room:
             raise UsageError(f"there is no room {room!r}")
-        things = self._in_room[room]
-        covers = [thing.real.position_at(self.now) for thing in things if isinstance(thing.real, CoverMotor)]
+        entries = self._in_room[room]
+        covers = [entry.real.position_at(self.now) for entry in entries if isinstance(entry.real, CoverMotor)]
         let_in = sum(covers) / len(covers) if covers else 1.0
         sun = daylight(self.now, self._first_day, self._latitude) * self._rooms.rooms[room].window * let_in
-        lamps = [t.real for t in things if isinstance(t.real, SimulatedLamp) and t.placed.device.watts() > 0]
+        lamps = [t.real for t in entries if isinstance(t.real, SimulatedLamp) and t.placed.device.watts() > 0]
         return sun + sum(lamp.lux() for lamp in lamps)
 
     def passed(self, name: str, left: str, entered: str) -> None:
         """Somebody went through a door: its contact says so, its lock is worked. For the household alone."""
         self._note(name, "enters", entered)
-        for thing in self._on_door(left, entered):
-            if isinstance(thing.real, SimulatedContactSensor):
-                self._open(thing)
-            elif isinstance(thing.real, SimulatedDoorLock):
-                self._switch(thing, "unlock")
-                thing.open_until = self.now + DOOR_LOCKS
-                self._queue.set(object(), thing.open_until, partial(self._close, thing))
+        for entry in self._at_door(left, entered):
+            if isinstance(entry.real, SimulatedContactSensor):
+                self._open(entry)
+            elif isinstance(entry.real, SimulatedDoorLock):
+                self._switch(entry, "unlock")
+                entry.open_until = self.now + DOOR_LOCKS
+                self._queue.set(object(), entry.open_until, partial(self._close, entry))
 
     def lay_down(self, name: str, room: str) -> None:
         """Somebody sleeps. For the household alone."""
@@ -255,21 +251,21 @@ class World:
         if not self._by_hand or room == OUTSIDE:
             return
         wish = "off" if not awake else "on" if self.lux(room) < DARK else ""
-        for thing in self._in_room[room]:
-            if wish and isinstance(thing.real, SimulatedLamp) and thing.real.state() != wish:
-                self._switch(thing, wish)
+        for entry in self._in_room[room]:
+            if wish and isinstance(entry.real, SimulatedLamp) and entry.real.state() != wish:
+                self._switch(entry, wish)
 
     def _check(self) -> None:
-        for thing in self._things.values():
-            for room in (thing.placed.room, thing.placed.door or thing.placed.room):
+        for entry in self._entries.values():
+            for room in (entry.placed.room, entry.placed.door or entry.placed.room):
                 self._rooms.path(room, room)
         for scheduled in self._errands:
-            self._thing(scheduled.device_id)
+            self._find(scheduled.device_id)
 
-    def _thing(self, device_id: str) -> _PlacedDevice:
-        if device_id not in self._things:
+    def _find(self, device_id: str) -> _PlacedDevice:
+        if device_id not in self._entries:
             raise UsageError(f"there is no device {device_id!r}")
-        return self._things[device_id]
+        return self._entries[device_id]
 
     def _run(self, now: float) -> None:
         while (at := self._queue.next()) is not None and at <= now:
@@ -281,16 +277,16 @@ class World:
     def _begin_day(self, day: int) -> None:
         self._household.begin_day(day, str(self._seed))
         for scheduled in self._errands:
-            thing = self._things[scheduled.device_id]
-            self._queue.set(object(), day * DAY + scheduled.at, partial(self._command, thing, scheduled.command))
+            entry = self._entries[scheduled.device_id]
+            self._queue.set(object(), day * DAY + scheduled.at, partial(self._command, entry, scheduled.command))
         self._queue.set(object(), (day + 1) * DAY, partial(self._begin_day, day + 1))
 
-    def _on_door(self, one: str, other: str) -> list[_PlacedDevice]:
-        """Return the things on the door between two rooms; nothing where they are one."""
-        near = (*self._things_in(one), *self._things_in(other)) if one != other else ()
-        return [thing for thing in near if {thing.placed.room, thing.placed.door} == {one, other}]
+    def _at_door(self, one: str, other: str) -> list[_PlacedDevice]:
+        """Return the entries on the door between two rooms; nothing where they are one."""
+        near = (*self._devices_in(one), *self._devices_in(other)) if one != other else ()
+        return [entry for entry in near if {entry.placed.room, entry.placed.door} == {one, other}]
 
-    def _things_in(self, room: str) -> list[_PlacedDevice]:
+    def _devices_in(self, room: str) -> list[_PlacedDevice]:
         return self._in_room.get(room, [])  # a robot may have a larger plan
 
     def _open(self, contact: _PlacedDevice) -> None:
@@ -298,84 +294,84 @@ class World:
         contact.open_until = self.now + DOOR_CLOSES
         self._queue.set(object(), contact.open_until, partial(self._close, contact))
 
-    def _close(self, thing: _PlacedDevice) -> None:
-        if self.now < thing.open_until:
+    def _close(self, entry: _PlacedDevice) -> None:
+        if self.now < entry.open_until:
             return  # somebody else came through
-        if isinstance(thing.real, SimulatedContactSensor):
-            self._feel(thing, 0.0)
+        if isinstance(entry.real, SimulatedContactSensor):
+            self._feel(entry, 0.0)
         else:
-            self._switch(thing, "lock")
+            self._switch(entry, "lock")
 
-    def _command(self, thing: _PlacedDevice, command: str) -> None:
+    def _command(self, entry: _PlacedDevice, command: str) -> None:
         command = command[:LONGEST_COMMAND]
-        self._note(thing.placed.device.device_id, "told", command)
-        self._act(thing, lambda device: device.obey(command, self.now))
+        self._note(entry.placed.device.device_id, "told", command)
+        self._act(entry, lambda device: device.obey(command, self.now))
 
-    def _switch(self, thing: _PlacedDevice, command: str) -> None:
+    def _switch(self, entry: _PlacedDevice, command: str) -> None:
         command = command[:LONGEST_COMMAND]
-        self._note(thing.placed.device.device_id, "switch", command)
-        self._act(thing, lambda device: device.by_hand(command, self.now))
+        self._note(entry.placed.device.device_id, "switch", command)
+        self._act(entry, lambda device: device.by_hand(command, self.now))
 
-    def _feel(self, thing: _PlacedDevice, value: float) -> None:
-        self._act(thing, lambda device: device.sense(value, self.now))
+    def _feel(self, entry: _PlacedDevice, value: float) -> None:
+        self._act(entry, lambda device: device.sense(value, self.now))
 
-    def _act(self, thing: _PlacedDevice, act: Callable[[SimulatedDevice], tuple[str, ...]]) -> None:
-        device = thing.placed.device
-        drew, had_power, before = device.watts(), device.has_power, _drive(thing.real)
+    def _act(self, entry: _PlacedDevice, act: Callable[[SimulatedDevice], tuple[str, ...]]) -> None:
+        device = entry.placed.device
+        drew, had_power, before = device.watts(), device.has_power, _drive(entry.real)
         reports = act(device)
         if device.has_power != had_power:
             self._note(device.device_id, "power", "on" if device.has_power else "off")
         for report in reports if device.has_power else ():
             self._note(device.device_id, "says", report)
-        self._plan_step(thing)
-        if isinstance(thing.real, SimulatedLamp | CoverMotor):
-            self._show_light(thing.placed.room)
+        self._plan_step(entry)
+        if isinstance(entry.real, SimulatedLamp | CoverMotor):
+            self._show_light(entry.placed.room)
         if device.watts() != drew:
             self._show_power()
-        if (after := _drive(thing.real)) != before:
+        if (after := _drive(entry.real)) != before:
             self._show_drive(before.room, after.room)
 
-    def _plan_step(self, thing: _PlacedDevice) -> None:
-        device = thing.placed.device
+    def _plan_step(self, entry: _PlacedDevice) -> None:
+        device = entry.placed.device
         at = device.next_event()
         if at is None:
             self._queue.discard(device.device_id)
         elif at != self._queue.time_of(device.device_id):  # else its turn among those at the same time stays
-            self._queue.set(device.device_id, at, partial(self._act, thing, self._let_pass))
+            self._queue.set(device.device_id, at, partial(self._act, entry, self._let_pass))
 
     def _let_pass(self, device: SimulatedDevice) -> tuple[str, ...]:
         return device.advance(self.now)
 
     def _show_drive(self, left: str, entered: str) -> None:
         """A robot set out, arrived or stopped; it works no locks."""
-        for thing in self._on_door(left, entered):
-            if isinstance(thing.real, SimulatedContactSensor):
-                self._open(thing)
+        for entry in self._at_door(left, entered):
+            if isinstance(entry.real, SimulatedContactSensor):
+                self._open(entry)
         for room in dict.fromkeys((left, entered)):
             self._show_motion(room)
 
     def _show_motion(self, room: str) -> None:
-        drives = sum(_drive(thing.real) == _Drive(room, drives=True) for thing in self._things.values())
-        for thing in self._things_in(room):
-            if isinstance(thing.real, MotionSensor):
-                self._feel(thing, float(self._household.awake_in(room) + drives))
+        drives = sum(_drive(entry.real) == _Drive(room, drives=True) for entry in self._entries.values())
+        for entry in self._devices_in(room):
+            if isinstance(entry.real, MotionSensor):
+                self._feel(entry, float(self._household.awake_in(room) + drives))
 
     def _show_light(self, room: str) -> None:
-        for thing in self._in_room[room]:
-            if isinstance(thing.real, LuxSensor):
-                self._feel(thing, self.lux(room))
+        for entry in self._in_room[room]:
+            if isinstance(entry.real, LuxSensor):
+                self._feel(entry, self.lux(room))
 
     def _show_power(self) -> None:
-        total = sum(thing.placed.device.watts() for thing in self._things.values())
-        for thing in self._things.values():
-            if isinstance(thing.real, PowerMeter):
-                self._feel(thing, total)
+        total = sum(entry.placed.device.watts() for entry in self._entries.values())
+        for entry in self._entries.values():
+            if isinstance(entry.real, PowerMeter):
+                self._feel(entry, total)
 
     def _sample(self) -> None:
         outside = weather(self.now, self._first_day)
-        for thing in self._things.values():
-            if isinstance(thing.real, SimulatedThermostat):
-                self._feel(thing, outside)
+        for entry in self._entries.values():
+            if isinstance(entry.real, SimulatedThermostat):
+                self._feel(entry, outside)
         self._show_power()
         for room in self._rooms.rooms:
             self._show_light(room)

@@ -32,9 +32,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
-from homebot.house.daylight import DAY
 from homebot.house.description import parse_world
 from homebot.house.event_log import WorldLog
+from homebot.house.rooms import DAY
 from homebot.house.world import World
 from homebot.testing.day_event import LONGEST, DayEvent, read_time, write_duration, write_tables, write_time
 from homebot.toml_file import parse_toml, read_toml

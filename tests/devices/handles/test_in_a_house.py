@@ -13,8 +13,8 @@ from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import load_world
-from homebot.house.dialects.known import DIALECTS as DIALECTS_KNOWN
-from homebot.house.lamp import SimulatedLamp
+from homebot.house.devices import SimulatedLamp
+from homebot.house.dialects import DIALECTS as DIALECTS_KNOWN
 from homebot.testing.virtual_house import virtual_house_of
 
 pytestmark = pytest.mark.virtual_time

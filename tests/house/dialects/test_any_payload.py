@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.house.device_state import state_of
-from homebot.house.devices import CoverMotor, SimulatedDevice, SimulatedLamp, SimulatedThermostat
-from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.devices import CoverMotor, SimulatedLamp, SimulatedThermostat
+from homebot.house.dialect import SimulatedDeviceInfo, state_of
 from homebot.house.dialects import DIALECTS
 from homebot.house.dialects.wire import as_object, cover_order, hardware_address, lamp_order, node_name
+from homebot.house.simulated_device import SimulatedDevice
 from homebot.mqtt.topics import validate_topic
 from homebot.numbers import to_number
 

@@ -16,20 +16,10 @@ from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.house.device_state import state_of
-from homebot.house.devices import (
-    CoverMotor,
-    LuxSensor,
-    MotionSensor,
-    PowerMeter,
-    SimulatedContactSensor,
-    SimulatedDoorLock,
-    SimulatedLamp,
-    SimulatedThermostat,
-    WindowMotor,
-)
-from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
+from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
+from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo, state_of
 from homebot.house.dialects import DIALECTS
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.mqtt.topics import topic_matches
 

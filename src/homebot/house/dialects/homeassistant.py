@@ -9,11 +9,12 @@ Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeAlias
 
-from homebot.house.device_state import DeviceState
-from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
-from homebot.house.dialects.homeassistant_components import COMPONENTS
+from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
     as_object,
@@ -26,13 +27,154 @@ from homebot.house.dialects.wire import (
 from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
-__all__ = ["HomeAssistantDialect"]
+__all__ = ["COMPONENTS", "ComponentTemplate", "HomeAssistantDialect"]
+
+Fields: TypeAlias = dict[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentTemplate:
+    """A component.
+
+    Attributes:
+        component: Its name.
+        config: Returns its options, for a device whose topics begin with the text given.
+        state: Returns what a device in some state says.
+        levels: Last levels of the topics on which it hears.
+    """
+
+    component: str
+    config: Callable[[str], Fields]
+    state: Callable[[DeviceState], Fields]
+    levels: tuple[str, ...] = ()
+
+
+def _light(node: str) -> Fields:
+    return {
+        "schema": "json",
+        "state_topic": f"{node}/state",
+        "command_topic": f"{node}/set",
+        "brightness": True,
+        "supported_color_modes": ["color_temp"],
+        "min_mireds": 112,
+        "max_mireds": 666,
+    }
+
+
+def _light_state(lamp: DeviceState) -> Fields:
+    return {
+        "state": "ON" if lamp.is_on else "OFF",
+        "brightness": max(1, round(lamp.brightness * 255)),
+        "color_mode": "color_temp",
+        "color_temp": round(1e6 / lamp.kelvin),
+    }
+
+
+def _cover(device_class: str) -> Callable[[str], Fields]:
+    def config(node: str) -> Fields:
+        return {
+            "device_class": device_class,
+            "state_topic": f"{node}/state",
+            "value_template": "{{ value_json.state }}",
+            "command_topic": f"{node}/set",
+            "position_topic": f"{node}/state",
+            "position_template": "{{ value_json.position }}",
+            "set_position_topic": f"{node}/set_position",
+        }
+
+    return config
+
+
+def _cover_state(motor: DeviceState) -> Fields:
+    rests = "open" if motor.position else "closed"
+    return {"state": {1: "opening", -1: "closing"}.get(motor.way, rests), "position": round(motor.position * 100)}
+
+
+def _lock(node: str) -> Fields:
+    return {
+        "state_topic": f"{node}/state",
+        "value_template": "{{ value_json.state }}",
+        "command_topic": f"{node}/set",
+    }
+
+
+def _binary_sensor(device_class: str) -> Callable[[str], Fields]:
+    def config(node: str) -> Fields:
+        topic = f"{node}/state"
+        return {"device_class": device_class, "state_topic": topic, "value_template": "{{ value_json.state }}"}
+
+    return config
+
+
+def _sensor(device_class: str, unit: str) -> Callable[[str], Fields]:
+    def config(node: str) -> Fields:
+        return {
+            "device_class": device_class,
+            "unit_of_measurement": unit,
+            "state_class": "measurement",
+            "state_topic": f"{node}/state",
+            "value_template": "{{ value_json.value }}",
+        }
+
+    return config
+
+
+def _climate(node: str) -> Fields:
+    topic = f"{node}/state"
+    return {
+        "modes": ["heat"],
+        "mode_state_topic": topic,
+        "mode_state_template": "{{ value_json.mode }}",
+        "action_topic": topic,
+        "action_template": "{{ value_json.action }}",
+        "current_temperature_topic": topic,
+        "current_temperature_template": "{{ value_json.temperature }}",
+        "temperature_state_topic": topic,
+        "temperature_state_template": "{{ value_json.target }}",
+        "temperature_command_topic": f"{node}/set_temperature",
+        "min_temp": 5,
+        "max_temp": 30,
+        "temp_step": 0.5,
+        "temperature_unit": "C",
+    }
+
+
+def _climate_state(thermostat: DeviceState) -> Fields:
+    return {
+        "mode": "heat",
+        "action": "heating" if thermostat.heats else "idle",
+        "temperature": round(thermostat.celsius, 1),
+        "target": round(thermostat.target, 3),
+    }
+
+
+_POSITIONED = ("set", "set_position")
+
+COMPONENTS: Mapping[str, ComponentTemplate] = MappingProxyType(
+    {
+        "lamp": ComponentTemplate("light", _light, _light_state, ("set",)),
+        "window": ComponentTemplate("cover", _cover("window"), _cover_state, _POSITIONED),
+        "cover": ComponentTemplate("cover", _cover("shutter"), _cover_state, _POSITIONED),
+        "lock": ComponentTemplate("lock", _lock, lambda lock: {"state": lock.text.upper()}, ("set",)),
+        "contact": ComponentTemplate(
+            "binary_sensor", _binary_sensor("door"), lambda door: {"state": "ON" if door.text == "open" else "OFF"}
+        ),
+        "motion": ComponentTemplate(
+            "binary_sensor", _binary_sensor("motion"), lambda room: {"state": "ON" if room.text == "motion" else "OFF"}
+        ),
+        "lux": ComponentTemplate("sensor", _sensor("illuminance", "lx"), lambda lux: {"value": lux.value}),
+        "power_meter": ComponentTemplate("sensor", _sensor("power", "W"), lambda meter: {"value": meter.value}),
+        "thermostat": ComponentTemplate("climate", _climate, _climate_state, ("set_temperature",)),
+    }
+)
+"""By kind."""
+
 
 MIRED = 1e6
 LEVELS = 255
 
 
-class HomeAssistantDialect:
+class HomeAssistantDialect(Dialect):
     """Devices of Home Assistant's discovery.
 
     Args:
@@ -64,10 +206,10 @@ class HomeAssistantDialect:
         """Return that it is offline; kept."""
         return OutgoingMessage(f"{node_name(device)}/status", b"offline", retain=True)
 
-    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, kept."""
-        state = COMPONENTS[device.kind].state(condition)
-        return (OutgoingMessage(f"{node_name(device)}/state", as_json(state), retain=True),)
+        payload = as_json(COMPONENTS[device.kind].state(state))
+        return (OutgoingMessage(f"{node_name(device)}/state", payload, retain=True),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what a command of Home Assistant's means."""
@@ -83,18 +225,6 @@ class HomeAssistantDialect:
         if level == "set_temperature":
             return () if value is None else (number_text(value),)
         return cover_order(text) if device.kind in {"window", "cover"} else ()
-
-    def replies(
-        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
-    ) -> tuple[OutgoingMessage, ...]:
-        """Return nothing: the broker keeps their state."""
-        del device, condition, topic, payload
-        return ()
-
-    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
-        """Return None: each speaks for itself."""
-        del devices
-        return None
 
     def _single(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         node, part = node_name(device), COMPONENTS[device.kind]

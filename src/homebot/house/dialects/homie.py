@@ -9,21 +9,122 @@ Source: Homie convention 5.0; types of hc-smarthome v2.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
 
-from homebot.house.device_state import DeviceState
-from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
-from homebot.house.dialects.homie_nodes import NODES
+from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_text, hardware_address, lamp_order
 from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
-__all__ = ["HomieDialect"]
+__all__ = ["NODES", "HomieDialect", "SimulatedHomieNode"]
+
+PROFILE = "hc-smarthome/v2/cap"
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedHomieNode:
+    """A node.
+
+    Attributes:
+        type: The capability that it is.
+        properties: What can be read or set.
+        values: Returns the values that a device in some state says.
+    """
+
+    type: str
+    properties: Mapping[str, Mapping[str, object]]
+    values: Callable[[DeviceState], Mapping[str, str]]
+
+    def description(self) -> dict[str, object]:
+        """Return it as the device's description has it."""
+        return {"type": f"{PROFILE}/{self.type}", "properties": dict(self.properties)}
+
+
+_PERCENT = {"datatype": "integer", "format": "0:100", "unit": "%", "settable": True}
+_DIRECTION = {"datatype": "enum", "format": "up,down,stop", "settable": True, "retained": False}
+_TARGET = {"datatype": "float", "format": "5:30:0.5", "unit": "°C", "settable": True}
+_WARMTH = {"datatype": "integer", "format": "112:666", "unit": "MK⁻¹", "settable": True}
+
+_LAMP = {
+    "switch": SimulatedHomieNode(
+        "switch", {"state": {"datatype": "boolean", "settable": True}}, lambda lamp: {"state": _boolean(lamp.is_on)}
+    ),
+    "level": SimulatedHomieNode(
+        "level", {"value": _PERCENT}, lambda lamp: {"value": number_text(lamp.brightness * 100, 0)}
+    ),
+    "color": SimulatedHomieNode(
+        "color", {"color-temperature": _WARMTH}, lambda lamp: {"color-temperature": number_text(1e6 / lamp.kelvin, 0)}
+    ),
+}
+_MOTOR = {
+    "shutter": SimulatedHomieNode(
+        "shutter",
+        {"position": _PERCENT, "action": _DIRECTION},
+        lambda motor: {"position": number_text(motor.position * 100, 0)},
+    )
+}
+
+NODES: Mapping[str, Mapping[str, SimulatedHomieNode]] = MappingProxyType(
+    {
+        "lamp": _LAMP,
+        "window": _MOTOR,
+        "cover": _MOTOR,
+        "lock": {
+            "lock": SimulatedHomieNode(
+                "lock",
+                {"state": {"datatype": "boolean", "settable": True}},
+                lambda lock: {"state": _boolean(lock.text == "locked")},
+            )
+        },
+        "contact": {
+            "contact": SimulatedHomieNode(
+                "contact", {"state": {"datatype": "boolean"}}, lambda door: {"state": _boolean(door.text == "open")}
+            )
+        },
+        "motion": {
+            "motion": SimulatedHomieNode(
+                "motion", {"motion": {"datatype": "boolean"}}, lambda room: {"motion": _boolean(room.text == "motion")}
+            )
+        },
+        "lux": {
+            "illuminance": SimulatedHomieNode(
+                "illuminance",
+                {"illuminance": {"datatype": "float", "unit": "lx"}},
+                lambda lux: {"illuminance": number_text(lux.value)},
+            )
+        },
+        "power_meter": {
+            "powermeter": SimulatedHomieNode(
+                "powermeter",
+                {"power": {"datatype": "float", "unit": "W"}},
+                lambda meter: {"power": number_text(meter.value)},
+            )
+        },
+        "thermostat": {
+            "thermostat": SimulatedHomieNode(
+                "thermostat", {"set-temperature": _TARGET}, lambda room: {"set-temperature": number_text(room.target)}
+            ),
+            "climate": SimulatedHomieNode(
+                "climate",
+                {"temperature": {"datatype": "float", "unit": "°C"}},
+                lambda room: {"temperature": number_text(room.celsius, 1)},
+            ),
+        },
+    }
+)
+"""By kind and by the node's id."""
+
+
+def _boolean(value: bool) -> str:  # noqa: FBT001 - it is the value that is spelled
+    return "true" if value else "false"
+
 
 MIRED = 1e6
 
 
-class HomieDialect:
+class HomieDialect(Dialect):
     """Devices of one Homie domain.
 
     Args:
@@ -57,13 +158,13 @@ class HomieDialect:
         """Return that it is lost, kept."""
         return OutgoingMessage(f"{self._base(device)}/$state", b"lost", retain=True)
 
-    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its properties, kept, each on its own topic."""
         base = self._base(device)
         return tuple(
             OutgoingMessage(f"{base}/{name}/{key}", value.encode(), retain=True)
             for name, node in NODES[device.kind].items()
-            for key, value in node.values(condition).items()
+            for key, value in node.values(state).items()
         )
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
@@ -83,18 +184,6 @@ class HomieDialect:
         return {"position": (number_text(wanted / 100),), "set-temperature": (number_text(wanted),)}.get(
             property_id, ()
         )
-
-    def replies(
-        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
-    ) -> tuple[OutgoingMessage, ...]:
-        """Return nothing: the broker keeps all they say."""
-        del device, condition, topic, payload
-        return ()
-
-    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
-        """Return None: each speaks for itself."""
-        del devices
-        return None
 
     def _base(self, device: SimulatedDeviceInfo) -> str:
         return f"{self._domain}/5/{_id(device)}"

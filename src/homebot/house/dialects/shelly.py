@@ -8,12 +8,11 @@ Source: Shelly API documentation, Gen1, "MQTT".
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from homebot.house.device_state import DeviceState
-from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
+from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
     as_object,
@@ -52,7 +51,7 @@ _MODELS: Mapping[str, _Model] = MappingProxyType(
 )
 
 
-class ShellyDialect:
+class ShellyDialect(Dialect):
     """Devices with the topics that they have out of the box."""
 
     @property
@@ -73,11 +72,11 @@ class ShellyDialect:
         """Return that it is offline, kept."""
         return OutgoingMessage(f"{_base(device)}/online", b"false", retain=True)
 
-    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state."""
         base = _base(device)
         return tuple(
-            OutgoingMessage(f"{base}/{level}", payload) for level, payload in _state(device.kind, condition).items()
+            OutgoingMessage(f"{base}/{level}", payload) for level, payload in _state(device.kind, state).items()
         )
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
@@ -102,19 +101,12 @@ class ShellyDialect:
         return () if position is None else (number_text(position / 100),)
 
     def replies(
-        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+        self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes
     ) -> tuple[OutgoingMessage, ...]:
         """Return its announcement or its state, where ``announce`` or ``update`` asked for it."""
         if topic not in {ALL, f"{_base(device)}/command"}:
             return ()
-        return {"announce": _announced(device), "update": self.state_messages(device, condition)}.get(
-            as_text(payload), ()
-        )
-
-    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
-        """Return None: each speaks for itself."""
-        del devices
-        return None
+        return {"announce": _announced(device), "update": self.state_messages(device, state)}.get(as_text(payload), ())
 
 
 def _base(device: SimulatedDeviceInfo) -> str:
@@ -141,14 +133,14 @@ def _announced(device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
     )
 
 
-def _state(kind: str, condition: DeviceState) -> dict[str, bytes]:
+def _state(kind: str, state: DeviceState) -> dict[str, bytes]:
     if kind == "lamp":
-        brightness = round(condition.brightness * 100)
-        status = {"ison": condition.is_on, "brightness": brightness, "temp": round(condition.kelvin)}
-        return {"light/0": b"on" if condition.is_on else b"off", "light/0/status": as_json(status)}
+        brightness = round(state.brightness * 100)
+        status = {"ison": state.is_on, "brightness": brightness, "temp": round(state.kelvin)}
+        return {"light/0": b"on" if state.is_on else b"off", "light/0/status": as_json(status)}
     if kind == "contact":
-        return {"sensor/state": b"open" if condition.text == "open" else b"close"}
+        return {"sensor/state": b"open" if state.text == "open" else b"close"}
     if kind == "power_meter":
-        return {"emeter/0/power": number_text(condition.value, 2).encode()}
-    moves = {1: b"open", -1: b"close"}.get(condition.way, b"stop")
-    return {"roller/0": moves, "roller/0/pos": number_text(condition.position * 100, 0).encode()}
+        return {"emeter/0/power": number_text(state.value, 2).encode()}
+    moves = {1: b"open", -1: b"close"}.get(state.way, b"stop")
+    return {"roller/0": moves, "roller/0/pos": number_text(state.position * 100, 0).encode()}

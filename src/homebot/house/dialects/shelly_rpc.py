@@ -8,10 +8,9 @@ Source: Shelly API documentation, Gen2, "MQTT" and "RPC protocol".
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
-from homebot.house.device_state import DeviceState
-from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
+from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_object, cover_order, hardware_address, lamp_order
 from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
@@ -23,7 +22,7 @@ MODELS = {"lamp": "shellydimmerg3", "window": "shellyplus2pm", "cover": "shellyp
 COMPONENTS = {"lamp": "light:0", "window": "cover:0", "cover": "cover:0"}
 
 
-class ShellyRpcDialect:
+class ShellyRpcDialect(Dialect):
     """Devices with the topics that they have out of the box."""
 
     @property
@@ -43,13 +42,13 @@ class ShellyRpcDialect:
         """Return that it is offline, kept."""
         return OutgoingMessage(f"{_id(device)}/online", b"false", retain=True)
 
-    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, as news."""
         news = {
             "src": _id(device),
             "dst": f"{_id(device)}/events",
             "method": "NotifyStatus",
-            "params": {"ts": 0.0, COMPONENTS[device.kind]: _status(device.kind, condition)},
+            "params": {"ts": 0.0, COMPONENTS[device.kind]: _status(device.kind, state)},
         }
         return (OutgoingMessage(f"{_id(device)}/events/rpc", as_json(news)),)
 
@@ -74,7 +73,7 @@ class ShellyRpcDialect:
         return cover_order(verb)
 
     def replies(
-        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+        self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes
     ) -> tuple[OutgoingMessage, ...]:
         """Return the answer to a call; a call without ``src`` gets none."""
         del topic
@@ -86,7 +85,7 @@ class ShellyRpcDialect:
         own = COMPONENTS[device.kind]
         results: Mapping[str, object] = {
             "Shelly.GetDeviceInfo": _info(device),
-            "Shelly.GetStatus": {own: _status(device.kind, condition), "sys": {"mac": _mac(device)}},
+            "Shelly.GetStatus": {own: _status(device.kind, state), "sys": {"mac": _mac(device)}},
             "Shelly.GetConfig": {own: {"id": 0, "name": None}, "sys": {"device": {"name": device.device_id}}},
         }
         answer: dict[str, object] = {"id": call.get("id"), "src": _id(device), "dst": caller}
@@ -97,11 +96,6 @@ class ShellyRpcDialect:
         else:
             answer["error"] = {"code": NOT_FOUND, "message": f"No handler for {method[:100]}"}
         return (OutgoingMessage(f"{caller[:200]}/rpc", as_json(answer)),)
-
-    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
-        """Return None: each speaks for itself."""
-        del devices
-        return None
 
 
 def _id(device: SimulatedDeviceInfo) -> str:
@@ -127,10 +121,10 @@ def _info(device: SimulatedDeviceInfo) -> dict[str, object]:
     }
 
 
-def _status(kind: str, condition: DeviceState) -> dict[str, object]:
+def _status(kind: str, state: DeviceState) -> dict[str, object]:
     if kind == "lamp":
-        brightness = round(condition.brightness * 100)
-        return {"id": 0, "source": "mqtt", "output": condition.is_on, "brightness": brightness}
-    rests = "open" if condition.position else "closed"
-    state = {1: "opening", -1: "closing"}.get(condition.way, rests)
-    return {"id": 0, "state": state, "pos_control": True, "current_pos": round(condition.position * 100)}
+        brightness = round(state.brightness * 100)
+        return {"id": 0, "source": "mqtt", "output": state.is_on, "brightness": brightness}
+    rests = "open" if state.position else "closed"
+    text = {1: "opening", -1: "closing"}.get(state.way, rests)
+    return {"id": 0, "state": text, "pos_control": True, "current_pos": round(state.position * 100)}

@@ -8,10 +8,7 @@ Source: Tasmota documentation, "MQTT" and "Commands", firmware 14; hatasmota 0.1
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from homebot.house.device_state import DeviceState
-from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
+from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
     as_text,
@@ -33,7 +30,7 @@ SWITCHES = frozenset({"contact", "motion"})
 SENSORS = {"lux": ("BH1750", "Illuminance"), "power_meter": ("ENERGY", "Power")}
 
 
-class TasmotaDialect:
+class TasmotaDialect(Dialect):
     """Devices with Tasmota's default topics.
 
     Args:
@@ -65,13 +62,13 @@ class TasmotaDialect:
         """Return that it is offline, kept."""
         return OutgoingMessage(f"tele/{_topic(device)}/LWT", b"Offline", retain=True)
 
-    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, as in each period."""
         if device.kind in SENSORS or device.kind in SWITCHES:
-            return (OutgoingMessage(f"tele/{_topic(device)}/SENSOR", as_json(_reading(device, condition))),)
+            return (OutgoingMessage(f"tele/{_topic(device)}/SENSOR", as_json(_reading(device, state))),)
         if device.kind == "lamp":
-            return (OutgoingMessage(f"tele/{_topic(device)}/STATE", as_json(_lamp_state(condition))),)
-        return (OutgoingMessage(f"stat/{_topic(device)}/RESULT", as_json(_shutter(condition))),)
+            return (OutgoingMessage(f"tele/{_topic(device)}/STATE", as_json(_lamp_state(state))),)
+        return (OutgoingMessage(f"stat/{_topic(device)}/RESULT", as_json(_shutter(state))),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what a command means, or all those of a ``Backlog``."""
@@ -84,23 +81,18 @@ class TasmotaDialect:
         )
 
     def replies(
-        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+        self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes
     ) -> tuple[OutgoingMessage, ...]:
         """Return its state where ``STATE``, its readings where ``STATUS 10`` was asked for."""
         name = topic.rpartition("/")[2].lower()
         if name == "state" and device.kind == "lamp":
-            return self.state_messages(device, condition)
+            return self.state_messages(device, state)
         if name.startswith("shutterposition") and device.kind in RELAYS and not payload:
-            return self.state_messages(device, condition)
+            return self.state_messages(device, state)
         if name == "status" and as_text(payload) == "10":
-            reading = _shutter(condition) if device.kind in RELAYS else _reading(device, condition)
+            reading = _shutter(state) if device.kind in RELAYS else _reading(device, state)
             return (OutgoingMessage(f"stat/{_topic(device)}/STATUS10", as_json({"StatusSNS": reading})),)
         return ()
-
-    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
-        """Return None: each speaks for itself."""
-        del devices
-        return None
 
 
 def _topic(device: SimulatedDeviceInfo) -> str:
@@ -147,11 +139,11 @@ def _sensors(device: SimulatedDeviceInfo) -> dict[str, object]:
     return {"Switch1": "OFF"} if device.kind in SWITCHES else {}
 
 
-def _reading(device: SimulatedDeviceInfo, condition: DeviceState) -> dict[str, object]:
+def _reading(device: SimulatedDeviceInfo, state: DeviceState) -> dict[str, object]:
     if device.kind in SENSORS:
         chip, quantity = SENSORS[device.kind]
-        return {chip: {quantity: condition.value}}
-    return {"Switch1": "ON" if condition.text in {"open", "motion"} else "OFF"}
+        return {chip: {quantity: state.value}}
+    return {"Switch1": "ON" if state.text in {"open", "motion"} else "OFF"}
 
 
 def _lamp_state(lamp: DeviceState) -> dict[str, object]:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from homebot.house.device_state import DeviceState
-from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
+from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 
 __all__ = ["ThesisDialect"]
 
 
-class ThesisDialect:
+class ThesisDialect(Dialect):
     """Every kind of device; the layout announces none."""
 
     @property
@@ -22,36 +19,14 @@ class ThesisDialect:
         """Return its ``in``."""
         return (f"{_base(device)}/in",)
 
-    def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return nothing."""
-        del device
-        return ()
-
-    def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage | None:
-        """Return None."""
-        del device
-        return None
-
-    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return the word, on its ``out``; what is no Unicode becomes ``?``."""
-        return (OutgoingMessage(f"{_base(device)}/out", condition.text.encode(errors="replace")),)
+        return (OutgoingMessage(f"{_base(device)}/out", state.text.encode(errors="replace")),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the payload as text; what is no UTF-8 becomes U+FFFD."""
         del device, topic
         return (payload.decode(errors="replace"),)
-
-    def replies(
-        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
-    ) -> tuple[OutgoingMessage, ...]:
-        """Return nothing: nobody can ask."""
-        del device, condition, topic, payload
-        return ()
-
-    def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
-        """Return None."""
-        del devices
-        return None
 
 
 _KINDS = frozenset(

@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
-from homebot.house.device_state import DeviceState
-from homebot.house.dialect import Bridge, OutgoingMessage, SimulatedDeviceInfo
+from homebot.house.dialect import Bridge, DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,
     as_object,
@@ -21,17 +20,97 @@ from homebot.house.dialects.wire import (
     hardware_address,
     lamp_order,
 )
-from homebot.house.dialects.zigbee2mqtt_exposes import EXPOSES
 from homebot.house.simulated_device import number_text
 from homebot.numbers import to_number
 
-__all__ = ["Zigbee2MqttDialect"]
+__all__ = ["EXPOSES", "Zigbee2MqttDialect"]
+
+PUBLISHED = 1
+SETTABLE = 2
+GETTABLE = 4
+FULL = PUBLISHED | SETTABLE | GETTABLE
+
+
+def _numeric(name: str, access: int, unit: str = "", **more: object) -> dict[str, object]:
+    spelled = {"type": "numeric", "name": name, "property": name, "label": name, "access": access, **more}
+    return {**spelled, "unit": unit} if unit else spelled
+
+
+def _binary(name: str, access: int, on: object, off: object) -> dict[str, object]:
+    return {
+        "type": "binary",
+        "name": name,
+        "property": name,
+        "label": name,
+        "access": access,
+        "value_on": on,
+        "value_off": off,
+    }
+
+
+def _enum(name: str, access: int, *values: str) -> dict[str, object]:
+    return {"type": "enum", "name": name, "property": name, "label": name, "access": access, "values": list(values)}
+
+
+_COVER: tuple[dict[str, object], ...] = (
+    {
+        "type": "cover",
+        "features": [
+            _enum("state", PUBLISHED | SETTABLE, "OPEN", "CLOSE", "STOP"),
+            _numeric("position", FULL, "%", value_min=0, value_max=100),
+        ],
+    },
+    _enum("moving", PUBLISHED, "UP", "STOP", "DOWN"),
+)
+
+EXPOSES: Mapping[str, tuple[dict[str, object], ...]] = MappingProxyType(
+    {
+        "lamp": (
+            {
+                "type": "light",
+                "features": [
+                    _binary("state", FULL, "ON", "OFF"),
+                    _numeric("brightness", FULL, value_min=0, value_max=254),
+                    _numeric("color_temp", FULL, "mired", value_min=112, value_max=666),
+                ],
+            },
+        ),
+        "window": _COVER,
+        "cover": _COVER,
+        "lock": (
+            {
+                "type": "lock",
+                "features": [
+                    _binary("state", FULL, "LOCK", "UNLOCK"),
+                    _enum("lock_state", PUBLISHED, "not_fully_locked", "locked", "unlocked"),
+                ],
+            },
+        ),
+        "contact": (_binary("contact", PUBLISHED, on=False, off=True),),
+        "motion": (_binary("occupancy", PUBLISHED, on=True, off=False),),
+        "lux": (_numeric("illuminance", PUBLISHED, "lx"),),
+        "power_meter": (_numeric("power", PUBLISHED, "W"),),
+        "thermostat": (
+            {
+                "type": "climate",
+                "features": [
+                    _numeric("occupied_heating_setpoint", FULL, "°C", value_min=5, value_max=30, value_step=0.5),
+                    _numeric("local_temperature", PUBLISHED | GETTABLE, "°C"),
+                    _enum("system_mode", FULL, "heat"),
+                    _enum("running_state", PUBLISHED | GETTABLE, "idle", "heat"),
+                ],
+            },
+        ),
+    }
+)
+"""By kind."""
+
 
 LEVELS = 254
 MIRED = 1e6
 
 
-class Zigbee2MqttDialect:
+class Zigbee2MqttDialect(Dialect):
     """Devices of one bridge.
 
     Args:
@@ -59,9 +138,9 @@ class Zigbee2MqttDialect:
         """Return that it is offline, kept, as the bridge finds out sooner or later."""
         return OutgoingMessage(f"{self._topic(device)}/availability", b'{"state":"offline"}', retain=True)
 
-    def state_messages(self, device: SimulatedDeviceInfo, condition: DeviceState) -> tuple[OutgoingMessage, ...]:
+    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its whole state."""
-        return (OutgoingMessage(self._topic(device), as_json(_STATES[device.kind](condition))),)
+        return (OutgoingMessage(self._topic(device), as_json(_STATES[device.kind](state))),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return what a command means: an object of properties, the value of one, or a word for its state."""
@@ -71,11 +150,11 @@ class Zigbee2MqttDialect:
         return _parsed(device.kind, {rest or "state": as_text(payload), **({} if rest else as_object(payload))})
 
     def replies(
-        self, device: SimulatedDeviceInfo, condition: DeviceState, topic: str, payload: bytes
+        self, device: SimulatedDeviceInfo, state: DeviceState, topic: str, payload: bytes
     ) -> tuple[OutgoingMessage, ...]:
         """Return its state where it was asked for."""
         del payload
-        return self.state_messages(device, condition) if topic == f"{self._topic(device)}/get" else ()
+        return self.state_messages(device, state) if topic == f"{self._topic(device)}/get" else ()
 
     def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge:
         """Return the bridge, which knows itself and *devices*."""

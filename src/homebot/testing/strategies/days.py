@@ -1,12 +1,14 @@
-"""Random days. The simplest is an hour after midnight in which nothing happens."""
+"""Random days, and the failing one in a file. The simplest is an hour after midnight in which nothing happens."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from hypothesis import strategies as st
+from hypothesis.errors import HypothesisException
 from hypothesis.strategies import DrawFn, SearchStrategy
 
 from homebot.errors import UsageError
@@ -17,7 +19,7 @@ from homebot.testing.strategies.devices import commands
 from homebot.testing.strategies.houses import houses
 from homebot.units import parse_duration
 
-__all__ = ["days"]
+__all__ = ["days", "saved_if_failing"]
 
 HOUR = 3600.0
 MAX_HAPPENINGS = 100
@@ -102,3 +104,26 @@ def _kinds(tables: Mapping[str, object]) -> dict[str, str]:
     """The kind of each device."""
     devices = tables.get("devices", {})
     return {name: table["kind"] for name, table in devices.items()} if isinstance(devices, dict) else {}
+
+
+@contextmanager
+def saved_if_failing(day: Day, path: str | Path) -> Iterator[None]:
+    """Save *day* to *path* when the block raises; the error goes on, and says where the day is.
+
+    Hypothesis runs the shrunk example last, so the file holds that one in the end.
+
+    Args:
+        day: The day that the block is about.
+        path: The file; a relative one is relative to the working directory.
+
+    Raises:
+        UsageError: The file cannot be written.
+    """
+    try:
+        yield
+    except HypothesisException:
+        raise  # an example that was turned down, not one that failed
+    except Exception as exc:
+        day.save(path)
+        exc.add_note(f"the day is in {path}: Day.load({str(path)!r})")
+        raise
