@@ -20,6 +20,8 @@ __all__ = [
     "Quantity",
     "celsius_bounds",
     "conversion_of",
+    "quantity",
+    "sensor_type",
     "to_celsius",
     "to_fahrenheit",
 ]
@@ -67,6 +69,12 @@ class Quantity:
         return self.conversion.value(number)
 
 
+def quantity(capability: str, unit: str = "") -> Quantity:
+    """Return the quantity of a *capability* whose numbers come in *unit*, by default the vocabulary's."""
+    conversion = conversion_of(capability, unit) if unit else _SAME
+    return Quantity(sensor_type(capability), capability, "", conversion or _SAME)
+
+
 @lru_cache(maxsize=512)  # a house has the same few
 def conversion_of(capability: str, unit: str) -> Conversion | None:
     """Return how numbers in *unit* become those of *capability*; None where that is not known.
@@ -101,46 +109,34 @@ def celsius_bounds(low: float, high: float) -> tuple[float, float]:
     return math.floor(lowest) / 10, math.ceil(highest) / 10
 
 
-SENSOR_TYPES: Mapping[str, str] = MappingProxyType(
-    {
-        "temperature": "temperature_sensor",
-        "humidity": "humidity_sensor",
-        "illuminance": "light_sensor",
-        "pressure": "pressure_sensor",
-        "flow": "flow_sensor",
-        "soil_moisture": "soil_sensor",
-        "air_quality_index": "air_quality_sensor",
-        "carbon_dioxide": "air_quality_sensor",
-        "carbon_monoxide": "air_quality_sensor",
-        "pm1": "air_quality_sensor",
-        "pm25": "air_quality_sensor",
-        "pm10": "air_quality_sensor",
-        "volatile_organic_compounds": "air_quality_sensor",
-        "power": "electrical_meter",
-        "energy": "electrical_meter",
-        "energy_returned": "electrical_meter",
-        "voltage": "electrical_meter",
-        "current": "electrical_meter",
-        "frequency": "electrical_meter",
-        "battery": "x_battery",
-        "battery_low": "x_battery",
-        "occupancy": "occupancy_sensor",
-        "contact": "contact_sensor",
-        "water_leak": "water_leak_detector",
-        "smoke": "smoke_co_alarm",
-        "carbon_monoxide_alarm": "smoke_co_alarm",
-        "gas": "smoke_co_alarm",
-        "rain": "rain_sensor",
-        "vibration": "x_binary_sensor",
-        "tamper": "x_binary_sensor",
-        "state": "x_binary_sensor",
-        "signal_strength": "x_sensor",
-        "measurement": "x_sensor",
-        "value": "x_sensor",
-        "press": "generic_switch",
-    }
-)
-"""The service type of a part that only tells one capability."""
+def sensor_type(capability: str) -> str:
+    """Return the service type of a part that only reports *capability*."""
+    return SENSOR_TYPES.get(capability) or (
+        "x_binary_sensor" if CAPABILITIES[capability].kind == "bool" else "x_sensor"
+    )
+
+
+SENSOR_TYPES: Mapping[str, str] = {
+    "temperature": "temperature_sensor",
+    "humidity": "humidity_sensor",
+    "illuminance": "light_sensor",
+    "pressure": "pressure_sensor",
+    "flow": "flow_sensor",
+    "soil_moisture": "soil_sensor",
+    **dict.fromkeys(
+        ("air_quality_index", "carbon_dioxide", "carbon_monoxide", "pm1", "pm25", "pm10", "volatile_organic_compounds"),
+        "air_quality_sensor",
+    ),
+    **dict.fromkeys(("power", "energy", "energy_returned", "voltage", "current", "frequency"), "electrical_meter"),
+    **dict.fromkeys(("battery", "battery_low"), "x_battery"),
+    "occupancy": "occupancy_sensor",
+    "contact": "contact_sensor",
+    "water_leak": "water_leak_detector",
+    **dict.fromkeys(("smoke", "carbon_monoxide_alarm", "gas"), "smoke_co_alarm"),
+    "rain": "rain_sensor",
+    "press": "generic_switch",
+}
+"""Service types that say more than that a part is a sensor."""
 
 _MILLI = Conversion(0.0, 1.0, 1e3)
 _MICRO = Conversion(0.0, 1.0, 1e6)

@@ -8,7 +8,7 @@ from homebot.conventions.homie.model import HomieNode, HomieProperty
 from homebot.conventions.homie.property_codecs import add_plain, add_press, add_temperature
 from homebot.conventions.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, Role
 from homebot.conventions.part_builder import BytesPart
-from homebot.conventions.units import SENSOR_TYPES
+from homebot.conventions.units import sensor_type
 from homebot.devices.part import Category
 
 __all__ = ["build_meters", "build_singles", "node_part"]
@@ -94,7 +94,7 @@ _RELATIVE = frozenset({"toggle", "brighter", "darker", "step-up", "step-down", "
 
 def _sensor(node: HomieNode, role: Role) -> BytesPart:
     category: Category = "diagnostic" if role.name in _DIAGNOSTIC else ""
-    service_type = SENSOR_TYPES.get(role.name, "x_sensor")
+    service_type = sensor_type(role.name)
     part = node_part(
         node, service_type, suffix=role.prop.id, name=role.prop.name, category=category, guessed=role.is_guess
     )

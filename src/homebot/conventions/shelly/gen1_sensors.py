@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
+from functools import partial
 
-from homebot.conventions.command_values import require_number
+from homebot.conventions.command_values import Publications, number_writer
 from homebot.conventions.description import Publication
 from homebot.conventions.part_builder import BytesPart
-from homebot.conventions.payload import NO_READINGS, Readings, read_number, to_json, to_text
+from homebot.conventions.payload import NO_READINGS, Readings, percent_of, read_number, to_json, to_text
 from homebot.conventions.shelly.gen1_models import Gen1Topics
+from homebot.conventions.units import sensor_type
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
@@ -27,7 +28,6 @@ class Gen1Sensor:
 
     Attributes:
         suffix: Its topic below the device's; where it has channels, without the number.
-        service_type: See :attr:`homebot.devices.Part.service_type`.
         capability: See :data:`homebot.devices.capabilities.CAPABILITIES`.
         values: What each payload means.
         is_number: Whether a payload that is none of *values* is a number.
@@ -35,10 +35,10 @@ class Gen1Sensor:
         most: Largest number that can be; another is *unknown*.
         category: See :attr:`homebot.devices.Part.category`.
         unit: Where the capability has none.
+        service_type: Of its part, where that is not the usual one of the capability.
     """
 
     suffix: str
-    service_type: str
     capability: str
     values: Mapping[str, PlainValue] = field(default_factory=dict)
     is_number: bool = False
@@ -46,6 +46,7 @@ class Gen1Sensor:
     most: float = 1e12
     category: Category = ""
     unit: str = ""
+    service_type: str = ""
 
     def read(self, payload: bytes) -> Readings:
         """Return what *payload* tells; never raises."""
@@ -60,54 +61,53 @@ class Gen1Sensor:
         return {self.capability: None} if is_out else found
 
 
-_FLAG_VALUES: Mapping[str, PlainValue] = MappingProxyType(
-    {"true": True, "false": False, "1": True, "0": False, "-1": None}
-)
+_FLAG_VALUES: Mapping[str, PlainValue] = {"true": True, "false": False, "1": True, "0": False, "-1": None}
 _MOST_CELSIUS = 998.0
 """A sensor that is broken or absent says 999."""
 
-_TABLE = (
-    Gen1Sensor("sensor/state", "contact_sensor", "contact", {"open": True, "close": False, "unknown": None}),
-    Gen1Sensor("sensor/motion", "occupancy_sensor", "occupancy", _FLAG_VALUES),
-    Gen1Sensor("sensor/flood", "water_leak_detector", "water_leak", _FLAG_VALUES),
-    Gen1Sensor("sensor/smoke", "smoke_co_alarm", "smoke", _FLAG_VALUES),
-    Gen1Sensor(
-        "sensor/gas",
-        "smoke_co_alarm",
-        "gas",
-        {"none": False, "mild": True, "heavy": True, "unknown": None},
-    ),
-    Gen1Sensor("sensor/temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS),
-    Gen1Sensor("sensor/humidity", "humidity_sensor", "humidity", is_number=True, least=0, most=100),
-    Gen1Sensor("sensor/lux", "light_sensor", "illuminance", is_number=True, least=0),
-    Gen1Sensor("sensor/concentration", "x_sensor", "measurement", is_number=True, least=0, unit="ppm"),
-    Gen1Sensor("sensor/tilt", "x_sensor", "measurement", is_number=True, least=0, unit="°"),
-    Gen1Sensor("sensor/vibration", "x_binary_sensor", "vibration", _FLAG_VALUES),
-    Gen1Sensor("sensor/battery", "x_battery", "battery", is_number=True, least=0, most=100, category="diagnostic"),
-    Gen1Sensor("sensor/charger", "x_battery", "battery_charging", _FLAG_VALUES, category="diagnostic"),
-    Gen1Sensor(
-        "temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS, category="diagnostic"
-    ),
-    Gen1Sensor("overtemperature", "x_binary_sensor", "heat", _FLAG_VALUES, category="diagnostic"),
-    Gen1Sensor("overpower", "x_binary_sensor", "problem", _FLAG_VALUES, category="diagnostic"),
-    Gen1Sensor("ext_temperature", "temperature_sensor", "temperature", is_number=True, most=_MOST_CELSIUS),
-    Gen1Sensor("ext_humidity", "humidity_sensor", "humidity", is_number=True, least=0, most=100),
-    Gen1Sensor("ext_switch", "x_binary_sensor", "state", _FLAG_VALUES),
-)
+_DOORS: Mapping[str, PlainValue] = {"open": True, "close": False, "unknown": None}
+_GASES: Mapping[str, PlainValue] = {"none": False, "mild": True, "heavy": True, "unknown": None}
 
-SENSORS: Mapping[str, Gen1Sensor] = MappingProxyType({sensor.suffix: sensor for sensor in _TABLE})
+SENSORS: Mapping[str, Gen1Sensor] = {
+    sensor.suffix: sensor
+    for sensor in (
+        Gen1Sensor("sensor/state", "contact", _DOORS),
+        Gen1Sensor("sensor/motion", "occupancy", _FLAG_VALUES),
+        Gen1Sensor("sensor/flood", "water_leak", _FLAG_VALUES),
+        Gen1Sensor("sensor/smoke", "smoke", _FLAG_VALUES),
+        Gen1Sensor("sensor/gas", "gas", _GASES),
+        Gen1Sensor("sensor/temperature", "temperature", is_number=True, most=_MOST_CELSIUS),
+        Gen1Sensor("sensor/humidity", "humidity", is_number=True, least=0, most=100),
+        Gen1Sensor("sensor/lux", "illuminance", is_number=True, least=0),
+        Gen1Sensor("sensor/concentration", "measurement", is_number=True, least=0, unit="ppm"),
+        Gen1Sensor("sensor/tilt", "measurement", is_number=True, least=0, unit="°"),
+        Gen1Sensor("sensor/vibration", "vibration", _FLAG_VALUES),
+        Gen1Sensor("sensor/battery", "battery", is_number=True, least=0, most=100, category="diagnostic"),
+        Gen1Sensor("sensor/charger", "battery_charging", _FLAG_VALUES, category="diagnostic", service_type="x_battery"),
+        Gen1Sensor(
+            "temperature",
+            "temperature",
+            is_number=True,
+            most=_MOST_CELSIUS,
+            category="diagnostic",
+        ),
+        Gen1Sensor("overtemperature", "heat", _FLAG_VALUES, category="diagnostic"),
+        Gen1Sensor("overpower", "problem", _FLAG_VALUES, category="diagnostic"),
+        Gen1Sensor("ext_temperature", "temperature", is_number=True, most=_MOST_CELSIUS),
+        Gen1Sensor("ext_humidity", "humidity", is_number=True, least=0, most=100),
+        Gen1Sensor("ext_switch", "state", _FLAG_VALUES),
+    )
+}
 """By :attr:`Gen1Sensor.suffix`; first what a device is there for."""
 
-_METERED: Mapping[str, tuple[str, float]] = MappingProxyType(
-    {
-        "power": ("power", 1.0),
-        "energy": ("energy", 1 / 60_000),
-        "total": ("energy", 1 / 1000),
-        "total_returned": ("energy_returned", 1 / 1000),
-        "voltage": ("voltage", 1.0),
-        "current": ("current", 1.0),
-    }
-)
+_METERED: Mapping[str, tuple[str, float]] = {
+    "power": ("power", 1.0),
+    "energy": ("energy", 1 / 60_000),
+    "total": ("energy", 1 / 1000),
+    "total_returned": ("energy_returned", 1 / 1000),
+    "voltage": ("voltage", 1.0),
+    "current": ("current", 1.0),
+}
 """The capability of what a meter tells, and what makes its unit of Shelly's: watt-minutes, watt-hours."""
 
 
@@ -117,7 +117,12 @@ def build_sensor(topics: Gen1Topics, sensor: Gen1Sensor, index: int | None = Non
     topic = topics.at(sensor.suffix)
     if index is not None:
         part_id, topic = f"{part_id}:{index}", f"{topic}/{index}"
-    part = BytesPart(part_id, sensor.service_type, advertised=sensor.suffix, category=sensor.category)
+    part = BytesPart(
+        part_id,
+        sensor.service_type or sensor_type(sensor.capability),
+        advertised=sensor.suffix,
+        category=sensor.category,
+    )
     part.read_from(topic, sensor.read)
     part.add_capability(sensor.capability, unit=sensor.unit)
     return part
@@ -135,17 +140,14 @@ def build_meter(topics: Gen1Topics, part_id: str, suffixes: Mapping[str, str]) -
     part = BytesPart(part_id, "electrical_meter", advertised="meter")
     for name, suffix in suffixes.items():
         capability, factor = _METERED[name]
-        part.read_from(topics.at(suffix), _measuring(capability, factor))
+        part.read_from(topics.at(suffix), partial(_read_measure, capability, factor))
         part.add_capability(capability)
     return part
 
 
-def _measuring(capability: str, factor: float) -> Callable[[bytes], Readings]:
-    def read(payload: bytes) -> Readings:
-        text = to_text(payload)
-        return NO_READINGS if text is None else read_number(capability, text, lambda number: number * factor)
-
-    return read
+def _read_measure(capability: str, factor: float, payload: bytes) -> Readings:
+    text = to_text(payload)
+    return NO_READINGS if text is None else read_number(capability, text, lambda number: number * factor)
 
 
 _VALVE_BOUNDS = (4.0, 31.0)
@@ -155,8 +157,7 @@ _UNCLEAR = object()
 def build_motion(topics: Gen1Topics) -> tuple[BytesPart, ...]:
     """Describe what a motion sensor tells in its one ``status``."""
     return tuple(
-        _status_part(topics, part_id, service_type, capability, find, category)
-        for part_id, service_type, capability, find, category in _MOTION
+        _status_part(topics, part_id, capability, find, category) for part_id, capability, find, category in _MOTION
     )
 
 
@@ -164,18 +165,18 @@ def build_valve(topics: Gen1Topics) -> tuple[BytesPart, ...]:
     """Describe a radiator valve."""
     topic = topics.at("thermostat/0/command/target_t")
 
-    def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        celsius = require_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C")
+    def heat(celsius: float) -> Publications:
         return (Publication(topic, f"{round(celsius, 1):g}".encode()),)
 
     part = BytesPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
     part.read_from(topics.at("status"), _read_valve)
     part.read_from(topics.at("info"), _read_valve)
     part.add_command_topics(topic)
-    part.add_capability("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
+    writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", heat)
+    part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
     part.add_capability("local_temperature")
     part.add_capability("position")
-    return part, _status_part(topics, "battery", "x_battery", "battery", _battery, "diagnostic")
+    return part, _status_part(topics, "battery", "battery", _battery, "diagnostic")
 
 
 def _flag(status: Mapping[str, object], name: str) -> PlainValue | object:
@@ -201,24 +202,22 @@ def _temperature(status: Mapping[str, object]) -> PlainValue | object:
 
 
 _Find = Callable[[Mapping[str, object]], PlainValue | object]
-_MOTION: tuple[tuple[str, str, str, _Find, Category], ...] = (
-    ("motion", "occupancy_sensor", "occupancy", lambda status: _flag(status, "motion"), ""),
-    ("vibration", "x_binary_sensor", "vibration", lambda status: _flag(status, "vibration"), ""),
-    ("lux", "light_sensor", "illuminance", lambda status: _number(status.get("lux")), ""),
-    ("temperature", "temperature_sensor", "temperature", _temperature, ""),
-    ("battery", "x_battery", "battery", _battery, "diagnostic"),
+_MOTION: tuple[tuple[str, str, _Find, Category], ...] = (
+    ("motion", "occupancy", lambda status: _flag(status, "motion"), ""),
+    ("vibration", "vibration", lambda status: _flag(status, "vibration"), ""),
+    ("lux", "illuminance", lambda status: _number(status.get("lux")), ""),
+    ("temperature", "temperature", _temperature, ""),
+    ("battery", "battery", _battery, "diagnostic"),
 )
 
 
-def _status_part(
-    topics: Gen1Topics, part_id: str, service_type: str, capability: str, find: _Find, category: Category
-) -> BytesPart:
+def _status_part(topics: Gen1Topics, part_id: str, capability: str, find: _Find, category: Category) -> BytesPart:
     def read(payload: bytes) -> Readings:
         status = to_json(payload)
         value = find(status) if isinstance(status, dict) else _UNCLEAR
         return {capability: value} if value is None or isinstance(value, (bool, float)) else NO_READINGS
 
-    part = BytesPart(part_id, service_type, advertised="status", category=category)
+    part = BytesPart(part_id, sensor_type(capability), advertised="status", category=category)
     for topic in ("status", "info") if part_id == "battery" else ("status",):
         part.read_from(topics.at(topic), read)
     part.add_capability(capability)
@@ -239,7 +238,6 @@ def _read_valve(payload: bytes) -> Readings:
     temperature = _temperature(valve)
     if temperature is None or isinstance(temperature, float):
         found["local_temperature"] = temperature
-    opened = to_number(valve.get("pos"))
-    if opened is not None:
-        found["position"] = opened if 0 <= opened <= 100 else None
+    if to_number(valve.get("pos")) is not None:
+        found["position"] = percent_of(valve["pos"])
     return found

@@ -10,9 +10,9 @@ from types import MappingProxyType
 
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, measured
+from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
 from homebot.conventions.shelly.gen2_sensors import PRESSES
-from homebot.conventions.units import SENSOR_TYPES
+from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.numbers import to_number
 
@@ -22,18 +22,14 @@ __all__ = ["build_bluetooth_device", "build_bluetooth_sensor"]
 def build_bluetooth_device(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a device itself: its battery, how well it is heard, and the presses of its buttons."""
     parts: list[JsonPart] = []
-    for field, service_type, capability in _OF_DEVICES:
+    for field, capability in (("battery", "battery"), ("rssi", "signal_strength")):
         if field in component.status:
-            part = component.part(field, service_type, category="diagnostic")
-            component.read_status(part, measured(field, capability))
-            part.add_capability(capability)
+            part = component.part(field, sensor_type(capability), category="diagnostic")
+            component.add_measure(part, field, capability)
             parts.append(part)
     keys = component.part("", "generic_switch")
     component.read_presses(keys, PRESSES)
     return (keys, *parts)
-
-
-_OF_DEVICES = (("battery", "x_battery", "battery"), ("rssi", "x_sensor", "signal_strength"))
 
 
 def build_bluetooth_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
@@ -56,8 +52,7 @@ def build_bluetooth_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
         number = to_number(value)
         return {capability: number} if number is not None and is_number else NO_READINGS
 
-    service_type = SENSOR_TYPES.get(capability, "x_sensor" if is_number else "x_binary_sensor")
-    part = component.part("", service_type, category="diagnostic" if capability in _DIAGNOSTIC else "")
+    part = component.part("", sensor_type(capability), category="diagnostic" if capability in _DIAGNOSTIC else "")
     component.read_status(part, decode)
     part.add_capability(capability, unit=unit)
     return (part,)

@@ -109,6 +109,11 @@ class ShellyComponent:
         part.read_from(f"{prefix}/status/{key}", decode)
         part.read_from(self.topics.answers, lambda frame: _read(frame, "result", key, decode))
 
+    def add_measure(self, part: JsonPart, field: str, capability: str, factor: float = 1.0, key: str = "") -> None:
+        """Have *part* report the number *field* of the component, or of the one called *key*, as *capability*."""
+        self.read_status(part, measured(field, capability, factor), key)
+        part.add_capability(capability)
+
     def read_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
         """Have *part* read its events, named as in *presses*."""
         key = self.key

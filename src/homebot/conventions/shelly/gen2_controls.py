@@ -10,11 +10,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
-from homebot.conventions.description import Publication
+from homebot.conventions.command_values import (
+    Publications,
+    Writer,
+    bool_writer,
+    number_writer,
+    option_writer,
+    require_bool,
+    require_color,
+    require_number,
+)
 from homebot.conventions.light_color import from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings
+from homebot.conventions.payload import Readings, percent_of
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
@@ -22,15 +30,9 @@ from homebot.numbers import to_number
 __all__ = ["LIGHTS", "build_cover", "build_light", "build_radiator_valve", "build_switch", "build_thermostat"]
 
 
-_MOVEMENTS: Mapping[str, Readings] = {
-    "open": {"movement": "open"},
-    "closed": {"movement": "closed"},
-    "opening": {"movement": "opening"},
-    "closing": {"movement": "closing"},
-    "stopped": {"movement": "stopped"},
-    "calibrating": {"movement": None},
-}
-_ORDERS = {"open": "Cover.Open", "closed": "Cover.Close", "stopped": "Cover.Stop"}
+_MOVEMENTS = ("open", "closed", "opening", "closing", "stopped")
+_COMMANDS = {"open": "Cover.Open", "closed": "Cover.Close", "stopped": "Cover.Stop"}
+_PERCENT = (0.0, 100.0)
 _THERMOSTAT_BOUNDS = (5.0, 35.0)
 _VALVE_BOUNDS = (4.0, 30.0)
 _MODES = ("off", "heat")
@@ -38,58 +40,51 @@ _MODES = ("off", "heat")
 
 def build_switch(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a relay: a plug where it is a socket."""
-
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call("Switch.Set", on=require_bool("on_off", value))
-
     part = component.part("", "plug" if component.topics.is_plug else "switch")
     component.read_status(part, flag("output", "on_off"))
     component.add_command_topic(part)
-    part.add_capability("on_off", writer=write)
+    writer = bool_writer("on_off", lambda on: component.call("Switch.Set", on=on))
+    part.add_capability("on_off", writer=writer)
     return (part,)
 
 
 def build_cover(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a cover. Its position is known and settable once it is calibrated, its slats where it has some."""
-
-    def move(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call(_ORDERS[require_option("movement", value, _ORDERS)])
-
-    def go(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call("Cover.GoToPosition", pos=round(require_number("position", value, 0, 100, "%")))
-
-    def turn(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call("Cover.GoToPosition", slat_pos=round(require_number("tilt", value, 0, 100, "%")))
-
     part = component.part("", "window_covering")
     component.read_status(part, _decode_cover)
     component.add_command_topic(part)
-    part.add_capability("movement", writer=move, options=("open", "closed", "opening", "closing", "stopped"))
+    mover = option_writer("movement", _COMMANDS, lambda movement: component.call(_COMMANDS[movement]))
+    part.add_capability("movement", writer=mover, options=_MOVEMENTS)
     if component.status.get("pos_control") is not False:
-        part.add_capability("position", writer=go)
+        part.add_capability("position", writer=_go_to(component, "position", "pos"))
     slat = component.config.get("slat")
     if component.status.get("slat_pos") is not None or (isinstance(slat, dict) and slat.get("enable") is True):
-        part.add_capability("tilt", writer=turn)
+        part.add_capability("tilt", writer=_go_to(component, "tilt", "slat_pos"))
     return (part,)
+
+
+def _go_to(component: ShellyComponent, capability: str, param: str) -> Writer:
+    return number_writer(
+        capability, _PERCENT, "%", lambda percent: component.call("Cover.GoToPosition", **{param: round(percent)})
+    )
 
 
 def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe the thermostat of a wall display."""
 
-    def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        celsius = round(require_number("heating_setpoint", value, *_THERMOSTAT_BOUNDS, "°C"), 1)
-        return component.call("Thermostat.SetConfig", config={"target_C": celsius})
+    def heat(celsius: float) -> Publications:
+        return component.call("Thermostat.SetConfig", config={"target_C": round(celsius, 1)})
 
-    def choose(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        enable = require_option("thermostat_mode", value, _MODES) == "heat"
-        return component.call("Thermostat.SetConfig", config={"enable": enable})
+    def choose(mode: str) -> Publications:
+        return component.call("Thermostat.SetConfig", config={"enable": mode == "heat"})
 
     part = component.part("", "thermostat")
     component.read_status(part, _decode_thermostat)
     component.add_command_topic(part)
-    part.add_capability("heating_setpoint", writer=heat, bounds=_THERMOSTAT_BOUNDS)
+    writer = number_writer("heating_setpoint", _THERMOSTAT_BOUNDS, "°C", heat)
+    part.add_capability("heating_setpoint", writer=writer, bounds=_THERMOSTAT_BOUNDS)
     part.add_capability("local_temperature")
-    part.add_capability("thermostat_mode", writer=choose, options=_MODES)
+    part.add_capability("thermostat_mode", writer=option_writer("thermostat_mode", _MODES, choose), options=_MODES)
     part.add_capability("thermostat_action", options=("heating", "idle"))
     return (part,)
 
@@ -97,31 +92,29 @@ def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
 def build_radiator_valve(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a radiator valve that a gateway reaches by Bluetooth."""
 
-    def heat(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        celsius = round(require_number("heating_setpoint", value, *_VALVE_BOUNDS, "°C"), 1)
-        return component.call("BluTRV.Call", method="TRV.SetTarget", params={"id": 0, "target_C": celsius})
+    def heat(celsius: float) -> Publications:
+        params = {"id": 0, "target_C": round(celsius, 1)}
+        return component.call("BluTRV.Call", method="TRV.SetTarget", params=params)
 
     part = component.part("", "thermostat", tag="radiator_valve")
-    for field, capability in (("target_C", "heating_setpoint"), ("current_C", "local_temperature")):
-        component.read_status(part, measured(field, capability))
-    component.read_status(part, measured("pos", "position"))
+    component.read_status(part, measured("target_C", "heating_setpoint"))
     component.add_command_topic(part)
-    part.add_capability("heating_setpoint", writer=heat, bounds=_VALVE_BOUNDS)
-    part.add_capability("local_temperature")
-    part.add_capability("position")
+    writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", heat)
+    part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
+    component.add_measure(part, "current_C", "local_temperature")
+    component.add_measure(part, "pos", "position")
     battery = component.part("battery", "x_battery", category="diagnostic")
-    component.read_status(battery, measured("battery", "battery"))
-    battery.add_capability("battery")
+    component.add_measure(battery, "battery", "battery")
     return part, battery
 
 
 def _decode_cover(status: Fields) -> Readings:
-    state = status.get("state")
-    found = dict(_MOVEMENTS.get(state, NO_READINGS)) if isinstance(state, str) else {}
+    found: dict[str, PlainValue] = {}
+    if (state := status.get("state")) in _MOVEMENTS or state == "calibrating":
+        found["movement"] = None if state == "calibrating" else str(state)
     for field, capability in (("current_pos", "position"), ("slat_pos", "tilt")):
         if field in status:
-            value = to_number(status[field])
-            found[capability] = value if value is not None and 0 <= value <= 100 else None
+            found[capability] = percent_of(status[field])
     return found
 
 
@@ -198,28 +191,28 @@ class _Gen2Lamp:
             found["color"] = to_hue_saturation("rgb", rgb, _ANY_WHITE) if mode != "cct" else None
         return found
 
-    def switch(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def switch(self, value: PlainValue, transition: float) -> Publications:
         return self._set(transition, on=require_bool("on_off", value))
 
-    def dim(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def dim(self, value: PlainValue, transition: float) -> Publications:
         level = require_number("level", value, 0, 100, "%")
         if level == 0:
             return self._set(transition, on=False)
         return self._set(transition, on=True, brightness=max(1, round(level)))
 
-    def warm(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def warm(self, value: PlainValue, transition: float) -> Publications:
         kelvin = round(require_number("color_temperature", value, *self.white, "K"))
         mode = {} if self.kind.modes is None else {"mode": self.kind.modes[0]}
         return self._set(transition, on=True, **mode, ct=kelvin)
 
-    def paint(self, value: PlainValue, transition: float) -> tuple[Publication, ...]:
+    def paint(self, value: PlainValue, transition: float) -> Publications:
         hue, saturation = require_color(value)
         rgb = [int(one) for one in from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)]
         mode = {} if self.kind.modes is None else {"mode": self.kind.modes[1]}
         white = {"white": 0} if self.kind.namespace == "RGBW" else {}
         return self._set(transition, on=True, **mode, rgb=rgb, **white)
 
-    def _set(self, transition: float, **params: object) -> tuple[Publication, ...]:
+    def _set(self, transition: float, **params: object) -> Publications:
         if transition:
             params["transition_duration"] = max(_LEAST_TRANSITION, round(transition, 1))
         return self.component.call(f"{self.kind.namespace}.Set", **params)

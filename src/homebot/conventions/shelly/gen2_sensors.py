@@ -7,47 +7,30 @@ Input, PM1, EM, EM1, EMData, EM1Data, and the measurements of Switch, Cover and 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
-from types import MappingProxyType
 
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, StatusDecoder, flag, measured
-from homebot.devices.part import Category
+from homebot.conventions.payload import NO_READINGS, Readings, percent_of
+from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
+from homebot.conventions.units import sensor_type
 from homebot.devices.value import PlainValue
 from homebot.numbers import to_number
 
 __all__ = ["PRESSES", "SENSORS", "build_input", "build_meters", "build_own_temperature", "build_power", "build_sensor"]
 
 
-@dataclass(frozen=True, slots=True)
-class _Sensor:
-    field: str
-    capability: str
-    service_type: str
-    category: Category = ""
-
-    @property
-    def decoder(self) -> StatusDecoder:
-        is_flag = self.capability in _FLAGS
-        return flag(self.field, self.capability) if is_flag else measured(self.field, self.capability)
-
-
 _FLAGS = frozenset({"smoke", "water_leak", "occupancy"})
 
-SENSORS: Mapping[str, _Sensor] = MappingProxyType(
-    {
-        "smoke": _Sensor("alarm", "smoke", "smoke_co_alarm"),
-        "flood": _Sensor("alarm", "water_leak", "water_leak_detector"),
-        "presencezone": _Sensor("state", "occupancy", "occupancy_sensor"),
-        "temperature": _Sensor("tC", "temperature", "temperature_sensor"),
-        "humidity": _Sensor("rh", "humidity", "humidity_sensor"),
-        "illuminance": _Sensor("lux", "illuminance", "light_sensor"),
-        "voltmeter": _Sensor("voltage", "voltage", "electrical_meter"),
-    }
-)
-"""The components that are one sensor each."""
+SENSORS: Mapping[str, tuple[str, str]] = {
+    "smoke": ("alarm", "smoke"),
+    "flood": ("alarm", "water_leak"),
+    "presencezone": ("state", "occupancy"),
+    "temperature": ("tC", "temperature"),
+    "humidity": ("rh", "humidity"),
+    "illuminance": ("lux", "illuminance"),
+    "voltmeter": ("voltage", "voltage"),
+}
+"""The components that are one sensor each: the field of its value, and the capability."""
 
 PRESSES: Mapping[str, str] = {
     "single_push": "single",
@@ -59,10 +42,10 @@ PRESSES: Mapping[str, str] = {
 
 def build_sensor(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a component that is one sensor."""
-    sensor = SENSORS[component.kind]
-    part = component.part("", sensor.service_type, category=sensor.category)
-    component.read_status(part, sensor.decoder)
-    part.add_capability(sensor.capability)
+    field, capability = SENSORS[component.kind]
+    part = component.part("", sensor_type(capability))
+    component.read_status(part, (flag if capability in _FLAGS else measured)(field, capability))
+    part.add_capability(capability)
     return (part,)
 
 
@@ -114,8 +97,7 @@ def _decode_power(status: Fields) -> Readings:
     found: dict[str, PlainValue] = {}
     battery, external = status.get("battery"), status.get("external")
     if isinstance(battery, dict) and "percent" in battery:
-        percent = to_number(battery["percent"])
-        found["battery"] = percent if percent is not None and 0 <= percent <= 100 else None
+        found["battery"] = percent_of(battery["percent"])
     if isinstance(battery, dict) and "V" in battery:
         found["voltage"] = to_number(battery["V"])
     if isinstance(external, dict) and isinstance(present := external.get("present"), bool):
@@ -148,8 +130,7 @@ def build_meters(component: ShellyComponent) -> tuple[JsonPart, ...]:
     part = component.part("" if is_meter else "meter", "electrical_meter")
     for field, capability in _ELECTRICAL:
         if field in component.status:
-            component.read_status(part, measured(field, capability))
-            part.add_capability(capability)
+            component.add_measure(part, field, capability)
     for field, capability in _COUNTED:
         if isinstance(component.status.get(field), dict):
             component.read_status(part, partial(_decode_energy, field, capability))
@@ -178,8 +159,7 @@ def build_own_temperature(component: ShellyComponent) -> tuple[JsonPart, ...]:
 def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
     total = component.part("", "electrical_meter")
     for field, capability in _TOTALS:
-        component.read_status(total, measured(field, capability))
-        total.add_capability(capability)
+        component.add_measure(total, field, capability)
     data = f"emdata:{component.index}"
     _count(component, total, data, "total_act", "total_act_ret")
     parts = [total]
@@ -188,8 +168,7 @@ def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
             continue
         part = component.part(phase, "electrical_meter", tag=f"phase_{phase}")
         for field, capability in (("act_power", "power"), ("voltage", "voltage"), ("current", "current")):
-            component.read_status(part, measured(f"{phase}_{field}", capability))
-            part.add_capability(capability)
+            component.add_measure(part, f"{phase}_{field}", capability)
         _count(component, part, data, f"{phase}_total_act_energy", f"{phase}_total_act_ret_energy")
         parts.append(part)
     return tuple(parts)
@@ -198,8 +177,7 @@ def _build_phases(component: ShellyComponent) -> tuple[JsonPart, ...]:
 def _count(component: ShellyComponent, part: JsonPart, key: str, drawn: str, returned: str) -> None:
     """Have *part* tell the energy that the component *key* counts both ways."""
     for field, capability in ((drawn, "energy"), (returned, "energy_returned")):
-        component.read_status(part, measured(field, capability, _ENERGY), key)
-        part.add_capability(capability)
+        component.add_measure(part, field, capability, _ENERGY, key)
 
 
 def _decode_energy(field: str, capability: str, status: Fields) -> Readings:

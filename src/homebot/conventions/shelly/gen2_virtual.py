@@ -8,11 +8,18 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.description import Publication
+from homebot.conventions.command_values import (
+    Publications,
+    option_writer,
+    push_writer,
+    require_bool,
+    require_number,
+    require_option,
+)
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, shown
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
+from homebot.conventions.units import sensor_type
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.numbers import to_number
@@ -44,7 +51,7 @@ def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
         value = _plain(component.kind, status.get("value"))
         return NO_READINGS if value is None else {capability: value}
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
+    def write(value: PlainValue, _transition: float) -> Publications:
         method = f"{component.kind.capitalize()}.Set"
         match component.kind:
             case "boolean":
@@ -72,9 +79,6 @@ def build_virtual(component: ShellyComponent) -> tuple[JsonPart, ...]:
 def _build_zone(component: ShellyComponent) -> JsonPart:
     """Describe a zone of an irrigation controller: a valve that is open while the zone is watered."""
 
-    def write(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        return component.call("Boolean.Set", value=require_option("valve", value, _VALVES) == "open")
-
     def decode(status: Fields) -> Readings:
         value = status.get("value")
         return {"valve": "open" if value else "closed"} if isinstance(value, bool) else NO_READINGS
@@ -82,19 +86,20 @@ def _build_zone(component: ShellyComponent) -> JsonPart:
     part = component.part("", "water_valve", tag=_role(component.config))
     component.read_status(part, decode)
     component.add_command_topic(part)
-    part.add_capability("valve", writer=write, options=_VALVES)
+    writer = option_writer("valve", _VALVES, lambda state: component.call("Boolean.Set", value=state == "open"))
+    part.add_capability("valve", writer=writer, options=_VALVES)
     return part
 
 
 def _build_watched(component: ShellyComponent, role: str) -> JsonPart:
     """Describe a value that is only told."""
-    service_type, capability, unit = _WATCHED.get(role, ("x_sensor", _READ_ONLY[component.kind], ""))
+    capability, unit = _WATCHED.get(role, (_READ_ONLY[component.kind], ""))
 
     def decode(status: Fields) -> Readings:
         value = _plain(component.kind, status.get("value"))
         return NO_READINGS if value is None else {capability: value}
 
-    part = component.part("", "x_binary_sensor" if capability == "state" else service_type)
+    part = component.part("", sensor_type(capability))
     component.read_status(part, decode)
     part.add_capability(capability, unit=unit)
     return part
@@ -103,9 +108,9 @@ def _build_watched(component: ShellyComponent, role: str) -> JsonPart:
 _VALVES = ("open", "closed")
 _ZONE = re.compile(r"zone[0-9]{1,2}")
 _READ_ONLY: Mapping[str, str] = {"boolean": "state", "number": "measurement", "text": "value", "enum": "value"}
-_WATCHED: Mapping[str, tuple[str, str, str]] = {
-    "average_temperature": ("temperature_sensor", "temperature", ""),
-    "last_precipitation": ("x_sensor", "measurement", "mm"),
+_WATCHED: Mapping[str, tuple[str, str]] = {
+    "average_temperature": ("temperature", ""),
+    "last_precipitation": ("measurement", "mm"),
 }
 """Capabilities of the numbers of a maker's service, by their roles."""
 
@@ -119,15 +124,13 @@ def _role(config: Fields) -> str:
 
 def build_virtual_button(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a button that can be pressed by command."""
-
-    def push(value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-        if not require_bool("push", value):
-            raise RefusedError("push False", "it takes true")
-        return component.call("Button.Trigger", event="single_push")
-
     part = component.part("", "generic_switch")
     component.add_command_topic(part)
-    part.add_capability("push", readable=False, writer=push)
+    part.add_capability(
+        "push",
+        readable=False,
+        writer=push_writer("push", lambda: component.call("Button.Trigger", event="single_push")),
+    )
     return (part,)
 
 

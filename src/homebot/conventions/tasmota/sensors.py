@@ -15,7 +15,7 @@ from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, is_unknown
 from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
-from homebot.conventions.units import Conversion, Quantity, conversion_of
+from homebot.conventions.units import Quantity, quantity
 from homebot.numbers import finite_number
 
 __all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "quantity_of", "read_leaves"]
@@ -47,69 +47,41 @@ _SHORTEST = 2
 _OTHER_ENERGY = frozenset({"AS3935", "LD2410"})
 """Sensors whose energy is that of lightning or of a radar's echo."""
 
-_AIR = "air_quality_sensor"
 _PLAIN = Quantity("x_sensor", "measurement")
-_ENERGY = Quantity("electrical_meter", "energy")
-_CURRENT = Quantity("electrical_meter", "current")
-_POWER = Quantity("electrical_meter", "power")
-_LIGHT = Quantity("light_sensor", "illuminance")
-
-
-def _converted(service_type: str, capability: str, unit: str) -> Quantity:
-    return Quantity(service_type, capability, "", conversion_of(capability, unit) or Conversion())
 
 
 def _plain(unit: str) -> Quantity:
     return Quantity("x_sensor", "measurement", unit)
 
 
+_ENERGIES = ("Energy", "ExportActive", "ExportTariff", "ImportActive", "Today", "Total", "TotalTariff", "Yesterday")
 _KNOWN: Mapping[str, Quantity] = {
-    "ActivePower": _POWER,
-    "Ambient": _LIGHT,
+    **dict.fromkeys(_ENERGIES, quantity("energy")),
+    **dict.fromkeys(("ActivePower", "Power"), quantity("power")),
+    **dict.fromkeys(("Current", "CurrentNeutral"), quantity("current")),
+    "Voltage": quantity("voltage"),
+    "Frequency": quantity("frequency"),
+    **dict.fromkeys(("Ambient", "Illuminance"), quantity("illuminance")),
+    "Battery": quantity("battery"),
+    "CarbonDioxide": quantity("carbon_dioxide"),
+    "Humidity": quantity("humidity"),
+    "Moisture": quantity("soil_moisture"),
+    "PM1": quantity("pm1"),
+    "PM10": quantity("pm10"),
+    "PM2.5": quantity("pm25"),
     "ApparentPower": _plain("VA"),
-    "Battery": Quantity("x_battery", "battery"),
-    "CarbonDioxide": Quantity(_AIR, "carbon_dioxide"),
     "CCT": _plain("K"),
-    "CF1": _plain("µg/m³"),
-    "CF10": _plain("µg/m³"),
-    "CF2.5": _plain("µg/m³"),
-    "Current": _CURRENT,
-    "CurrentNeutral": _CURRENT,
+    **dict.fromkeys(("CF1", "CF10", "CF2.5"), _plain("µg/m³")),
     "Distance": _plain("cm"),
     "eCO2": _plain("ppm"),
-    "Energy": _ENERGY,
-    "ExportActive": _ENERGY,
-    "ExportReactive": _plain("kvarh"),
-    "ExportTariff": _ENERGY,
-    "Frequency": Quantity("electrical_meter", "frequency"),
-    "Humidity": Quantity("humidity_sensor", "humidity"),
-    "Illuminance": _LIGHT,
-    "ImportActive": _ENERGY,
-    "ImportReactive": _plain("kvarh"),
-    "Moisture": Quantity("soil_sensor", "soil_moisture"),
+    **dict.fromkeys(("ExportReactive", "ImportReactive"), _plain("kvarh")),
     "PhaseAngle": _plain("°"),
-    "PM1": Quantity(_AIR, "pm1"),
-    "PM10": Quantity(_AIR, "pm10"),
-    "PM2.5": Quantity(_AIR, "pm25"),
-    "Power": _POWER,
     "ReactivePower": _plain("var"),
-    "Today": _ENERGY,
-    "Total": _ENERGY,
-    "TotalTariff": _ENERGY,
     "TVOC": _plain("ppb"),
-    "Voltage": Quantity("electrical_meter", "voltage"),
     "Weight": _plain("kg"),
-    "Yesterday": _ENERGY,
 }
-
-_TEMPERATURES: Mapping[str, Quantity] = {
-    "C": Quantity("temperature_sensor", "temperature"),
-    "F": _converted("temperature_sensor", "temperature", "°F"),
-}
-_PRESSURES: Mapping[str, Quantity] = {
-    "hPa": Quantity("pressure_sensor", "pressure"),
-    "mmHg": _converted("pressure_sensor", "pressure", "mmHg"),
-}
+_TEMPERATURES: Mapping[str, Quantity] = {unit: quantity("temperature", f"°{unit}") for unit in ("C", "F")}
+_PRESSURES: Mapping[str, Quantity] = {unit: quantity("pressure", unit) for unit in ("hPa", "mmHg")}
 _SPEEDS: Mapping[str, Quantity] = {unit: _plain(unit) for unit in ("m/s", "km/h", "kn", "mph", "ft/s", "yd/s")}
 
 _WITH_UNITS: Mapping[str, tuple[str, Mapping[str, Quantity]]] = {

@@ -11,11 +11,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
-from homebot.conventions.command_values import require_bool
-from homebot.conventions.description import DescribedPart, Publication
+from homebot.conventions.command_values import Publications, push_writer
+from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, shown
-from homebot.conventions.units import SENSOR_TYPES, Quantity, conversion_of
+from homebot.conventions.units import Quantity, conversion_of, sensor_type
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import (
     MAX_VALUE,
@@ -34,37 +34,27 @@ from homebot.numbers import finite_number
 __all__ = ["CONDITIONS", "TRUE_IS_CLOSED", "build_generic", "measure"]
 
 
-CONDITIONS: Mapping[str, tuple[str, str]] = {
-    "contact": ("contact_sensor", "contact"),
-    "garage_door_contact": ("contact_sensor", "contact"),
-    "window": ("contact_sensor", "contact"),
-    "window_open": ("contact_sensor", "contact"),
-    "valve_state": ("contact_sensor", "contact"),
-    "occupancy": ("occupancy_sensor", "occupancy"),
-    "presence": ("occupancy_sensor", "occupancy"),
-    "area1Occupancy": ("occupancy_sensor", "occupancy"),
-    "area2Occupancy": ("occupancy_sensor", "occupancy"),
-    "area3Occupancy": ("occupancy_sensor", "occupancy"),
-    "area4Occupancy": ("occupancy_sensor", "occupancy"),
-    "smoke": ("smoke_co_alarm", "smoke"),
-    "carbon_monoxide": ("smoke_co_alarm", "carbon_monoxide_alarm"),
-    "gas": ("smoke_co_alarm", "gas"),
-    "water_leak": ("water_leak_detector", "water_leak"),
-    "rain": ("rain_sensor", "rain"),
-    "rain_status": ("rain_sensor", "rain"),
-    "battery_low": ("x_battery", "battery_low"),
-    "is_charging": ("x_battery", "battery_charging"),
-    "tamper": ("x_binary_sensor", "tamper"),
-    "vibration": ("x_binary_sensor", "vibration"),
-    "noise_detected": ("x_binary_sensor", "sound"),
-    "moving": ("x_binary_sensor", "moving"),
-    "running": ("x_binary_sensor", "running"),
-    "valve_alarm": ("x_binary_sensor", "problem"),
-    "sos": ("x_binary_sensor", "safety"),
-    "consumer_connected": ("x_binary_sensor", "plugged_in"),
-    "is_plug_connected": ("x_binary_sensor", "plugged_in"),
+_CONDITION_NAMES: Mapping[str, tuple[str, ...]] = {
+    "contact": ("contact", "garage_door_contact", "window", "window_open", "valve_state"),
+    "occupancy": ("occupancy", "presence", *(f"area{number}Occupancy" for number in range(1, 5))),
+    "smoke": ("smoke",),
+    "carbon_monoxide_alarm": ("carbon_monoxide",),
+    "gas": ("gas",),
+    "water_leak": ("water_leak",),
+    "rain": ("rain", "rain_status"),
+    "battery_low": ("battery_low",),
+    "battery_charging": ("is_charging",),
+    "tamper": ("tamper",),
+    "vibration": ("vibration",),
+    "sound": ("noise_detected",),
+    "moving": ("moving",),
+    "running": ("running",),
+    "problem": ("valve_alarm",),
+    "safety": ("sos",),
+    "plugged_in": ("consumer_connected", "is_plug_connected"),
 }
-"""Service type and capability of a binary that is said and cannot be set; true is what its ``value_on`` says."""
+CONDITIONS: Mapping[str, str] = {name: capability for capability, names in _CONDITION_NAMES.items() for name in names}
+"""Capability of a binary that is reported and cannot be set; true is its ``value_on``."""
 
 TRUE_IS_CLOSED = frozenset({"garage_door_contact"})
 """Binaries whose ``value_on`` is true where it should be false: what they say is whether the contact is closed."""
@@ -76,7 +66,7 @@ def measure(name: str, unit: str) -> Quantity:
     conversion = conversion_of(capability, unit) if capability else None
     if conversion is None:
         return Quantity(_SERVICES_OF_PLAIN.get(name, "x_sensor"), "measurement", unit)
-    return Quantity(SENSOR_TYPES[capability], capability, "", conversion)
+    return Quantity(sensor_type(capability), capability, "", conversion)
 
 
 _AIR = "air_quality_sensor"
@@ -150,7 +140,8 @@ def _read_action(key: str, message: JsonMessage) -> Readings:
 def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> JsonPart:
     category: Category = "diagnostic" if expose.category else ""
     if expose.type == "binary":
-        service_type, capability = CONDITIONS.get(expose.name, ("x_binary_sensor", "state"))
+        capability = CONDITIONS.get(expose.name, "state")
+        service_type = "x_battery" if capability == "battery_charging" else sensor_type(capability)
         if expose.name in TRUE_IS_CLOSED:
             expose = replace(expose, value_on=False, value_off=True)
         part = _part(expose, service_type, category)
@@ -178,7 +169,9 @@ def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> JsonPart | None:
         case "numeric":
             add_number(part, topics, expose, "number", unit=expose.unit)
         case "enum" if len(expose.options) == 1:
-            part.add_capability(_push_of(expose), readable=False, writer=partial(_push, topics, expose))
+            push = "locate" if expose.name == "identify" else "push"
+            writer = push_writer(push, lambda: topics.publish({expose.key: expose.values[0]}))
+            part.add_capability(push, readable=False, writer=writer)
             part.add_command_topics(topics.command)
         case "enum":
             add_enum(part, topics, expose, "option")
@@ -208,19 +201,7 @@ def _json_text(value: object) -> str:
     return clean_text(json.dumps(value, ensure_ascii=False), MAX_VALUE) if text is None else text
 
 
-def _push_of(expose: Expose) -> str:
-    return "locate" if expose.name == "identify" else "push"
-
-
-def _push(topics: Zigbee2MqttTopics, expose: Expose, value: PlainValue, _transition: float) -> tuple[Publication, ...]:
-    if not require_bool(_push_of(expose), value):
-        raise RefusedError(f"{_push_of(expose)} {shown(value)}", "it takes true")
-    return topics.publish({expose.key: expose.values[0]})
-
-
-def _write_text(
-    topics: Zigbee2MqttTopics, expose: Expose, value: PlainValue, _transition: float
-) -> tuple[Publication, ...]:
+def _write_text(topics: Zigbee2MqttTopics, expose: Expose, value: PlainValue, _transition: float) -> Publications:
     if not isinstance(value, str) or len(value) > _MAX_TEXT:
         raise RefusedError(f"text {shown(value)}", f"it takes a text of at most {_MAX_TEXT} characters")
     return topics.publish({expose.key: value})
