@@ -41,6 +41,8 @@ class ChangeQueue:
     Attributes:
         sequence: Number of the last change that was taken.
         states_lost: Changes of states that were dropped because nobody took them.
+        pending: Changes that wait to be taken.
+        states: Changes of states that wait to be taken.
     """
 
     def __init__(self, entries: Mapping[str, Entry], topics: TopicOwnership, first_sequence: int) -> None:
@@ -49,9 +51,9 @@ class ChangeQueue:
         self._events = 0
         self._entries = entries
         self._topics = topics
-        self._pending: list[_PendingChange] = []
+        self.pending: list[_PendingChange] = []
         self._last: dict[str, _PendingChange] = {}
-        self._states: list[tuple[Entry, MergedParts, State]] = []
+        self.states: list[tuple[Entry, MergedParts, State]] = []
 
     def note(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
         """Note a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
@@ -59,35 +61,30 @@ class ChangeQueue:
         if kind == "changed" and pending is not None and pending.kind != "stale":
             return
         change = _PendingChange(kind, entry, why, other)
-        self._pending.append(change)
+        self.pending.append(change)
         self._last[entry.id] = change
 
     def note_removed(self, entry: Entry, why: str, other: str = "") -> None:
         """Note that *entry* goes; it is published as it is now."""
         device = entry.to_device(self._topics)
         if self._last.pop(entry.id, None) is not None:
-            for one in self._pending:
+            for one in self.pending:
                 if one.entry is entry and one.device is None:
                     one.device = device
-        self._pending.append(_PendingChange("removed", entry, why, other, device))
+        self.pending.append(_PendingChange("removed", entry, why, other, device))
 
     def note_state(self, entry: Entry, parts: MergedParts, state: State) -> None:
         """Note a new value of one of the *parts* of *entry*; while 10,000 wait, it is dropped and counted."""
-        if len(self._states) >= _MAX_STATES:
+        if len(self.states) >= _MAX_STATES:
             self.states_lost += 1
         else:
-            self._states.append((entry, parts, state))
+            self.states.append((entry, parts, state))
 
     def take(self, at_most: int | None) -> tuple[DeviceChange, ...]:
         """Return the oldest changes, and what they made disputed, and forget them."""
-        taken = self._pending if at_most is None else self._pending[:at_most]
-        self._pending = [] if at_most is None else self._pending[at_most:]
+        taken = self.pending if at_most is None else self.pending[:at_most]
+        self.pending = [] if at_most is None else self.pending[at_most:]
         return tuple(change for one in taken for change in self._changes(one))
-
-    @property
-    def has_states(self) -> bool:
-        """True if changes of states wait to be taken."""
-        return bool(self._states)
 
     def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
         """Return the changes of states, oldest first, and forget them; what is of a part that went is left out.
@@ -95,8 +92,8 @@ class ChangeQueue:
         Args:
             at_most: How many to look at; None for all.
         """
-        taken = self._states if at_most is None else self._states[:at_most]
-        self._states = [] if at_most is None else self._states[at_most:]
+        taken = self.states if at_most is None else self.states[:at_most]
+        self.states = [] if at_most is None else self.states[at_most:]
         return tuple(
             self._state_change(entry, state) for entry, parts, state in taken if self._is_current(entry, parts, state)
         )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from homebot.devices import Device
 from homebot.devices.device import ChangeKind
 from homebot.discovery.change_queue import ChangeQueue
 from homebot.discovery.entry import Entry
@@ -93,7 +92,3 @@ class DeviceTable:
         self.outdated.pop(entry.id, None)
         self.postings.discard(entry.id)
         self.unsaved.add(entry.id)
-
-    def device(self, entry: Entry) -> Device:
-        """Return the message that describes *entry*."""
-        return entry.to_device(self.topics)

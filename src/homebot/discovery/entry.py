@@ -31,6 +31,8 @@ from homebot.messages import Time
 
 __all__ = ["MAX_FACTS", "Entry"]
 
+_NOT_REPORTED = Reachability()
+
 MAX_FACTS = 200
 """Facts of one device that are published; those of the preferred announcements first."""
 
@@ -149,7 +151,10 @@ class Entry:
 
     def reachability(self) -> Reachability:
         """Return whether it can be reached, as its parts are together."""
-        return reachability(self.sources.values())
+        for source in self.sources.values():
+            if source.reach:
+                return reachability(self.sources.values())
+        return _NOT_REPORTED
 
     def offline_parts(self, merged: MergedParts) -> tuple[str, ...]:
         """Return the ids of its parts that cannot be reached."""

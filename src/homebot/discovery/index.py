@@ -11,7 +11,7 @@ from dataclasses import asdict
 from typing import final
 
 from homebot.devices import Device, DeviceChange, Sighting, StateChange
-from homebot.devices.query import Query, type_is
+from homebot.devices.query import Query, facets_of, type_is
 from homebot.devices.report import Report
 from homebot.discovery.device_table import DeviceTable, IndexCounters
 from homebot.discovery.entry import Entry
@@ -20,7 +20,6 @@ from homebot.discovery.merging.intake import SightingIntake
 from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import Postings
-from homebot.discovery.search.search_index import SearchIndex
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.state_recorder import StateRecorder
 
@@ -54,7 +53,6 @@ class DeviceIndex:
         self._merger = DeviceMerger(table, self._liveness, self._pending)
         self._intake = SightingIntake(table, self._liveness, self._merger, self._pending, max_devices)
         self._states = StateRecorder(table, self._liveness)
-        self._search = SearchIndex(table)
 
     def __len__(self) -> int:
         return len(self._table.entries)
@@ -154,6 +152,12 @@ class DeviceIndex:
         """Return when :meth:`expire` has something to do, in seconds of its clock; None for never."""
         return self._liveness.next_deadline()
 
+    @property
+    def is_behind(self) -> bool:
+        """True if changes wait to be taken, or devices to be made findable."""
+        table = self._table
+        return bool(table.changes.pending or table.changes.states or table.outdated)
+
     def take_changes(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
         """Return what happened, oldest first, and forget it; what became of one device meanwhile is in its change.
 
@@ -165,7 +169,7 @@ class DeviceIndex:
     @property
     def has_states(self) -> bool:
         """True if changes of states wait to be taken."""
-        return self._table.changes.has_states
+        return bool(self._table.changes.states)
 
     def take_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
         """Return the changes of states, oldest first, and forget them; to be called after :meth:`take_changes`.
@@ -181,28 +185,41 @@ class DeviceIndex:
         """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""
         entries = self._table.entries
         ids = self.find(type_is(service_type)) if service_type else entries
-        return tuple(self._table.device(entries[device_id]) for device_id in sorted(ids))
+        return tuple(entries[device_id].to_device(self._table.topics) for device_id in sorted(ids))
 
     def get(self, device_id: str) -> Device | None:
         """Return the device *device_id*, or None."""
         entry = self._table.entries.get(device_id)
-        return self._table.device(entry) if entry is not None else None
+        return entry.to_device(self._table.topics) if entry is not None else None
 
     def find(self, query: Query) -> frozenset[str] | set[str]:
         """Return the ids of the devices that fit *query*; not to be changed."""
-        return self._search.find(query)
+        if self._table.outdated:
+            self.sort()
+        return self._table.postings.find(query)
 
     @property
     def postings(self) -> Postings:
         """Postings by which devices are found; up to date after :meth:`sort`."""
-        return self._search.postings
+        return self._table.postings
 
     def sort(self, at_most: int | None = None) -> bool:
         """Make devices that changed findable, at most so many; return whether some are left.
 
         :meth:`find` does it by itself; done before, the answer comes sooner.
         """
-        return self._search.sort(at_most)
+        table = self._table
+        outdated, topics = table.outdated, table.topics
+        done = 0
+        while outdated and (at_most is None or done < at_most):
+            device_id = next(iter(outdated))
+            del outdated[device_id]
+            device = table.entries[device_id].to_device(topics)
+            facets = facets_of(device)
+            values = zip(device.states, facets.values, strict=True)
+            table.postings.put(facets, [(state.part, *value) for state, value in values])
+            done += 1
+        return bool(outdated)
 
     def forget(self, device_id: str, now: float) -> tuple[tuple[str, str], ...] | None:
         """Remove the device; announcements of it that the broker keeps do not bring it back, its own messages do.

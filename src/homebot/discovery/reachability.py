@@ -22,11 +22,7 @@ def reachability(sources: Iterable[SourceRecord]) -> Reachability:
     One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing is known,
     reported since, it is unknown.
     """
-    sources = tuple(sources)
-    for source in sources:
-        if source.reach:
-            return _combined(_source_reaches(sources))
-    return _NOT_REPORTED
+    return _combined(_source_reaches(sources))
 
 
 def offline_parts(

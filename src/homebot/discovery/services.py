@@ -152,10 +152,13 @@ class DirectoryServices:
         )
 
     async def _catch_up(self) -> None:
-        """Tell what waits, and make it findable, in small steps; what came after the last one is little."""
+        """Publish the changes that wait, and make them findable, in small steps; few come after the last one."""
+        if not self._index.is_behind:
+            return
         for _ in range(_MOST_TURNS):
-            has_more, is_unsorted = self._publish_some(_FEW), self._index.sort(_FEW)
-            if not has_more and not is_unsorted:
+            self._publish_some(_FEW)
+            self._index.sort(_FEW)
+            if not self._index.is_behind:
                 return
             await anyio.lowlevel.checkpoint()
         self._publish_all()

@@ -5,7 +5,7 @@ Anybody may announce anything, also a lamp whose command topic is a lock's. So i
 - What is below a topic that is a device's own, as the bridge that speaks for it says, is that device's alone. Another
   announcement may name such a topic where it is about the same device and was made at a place that names it.
 - Any other topic belongs to who was announced at the place that names it best; see
-  :mod:`homebot.discovery.topics.places`. The same goes for topics that a device speaks on, and for what is below its
+  :mod:`homebot.discovery.topics.use`. The same goes for topics that a device speaks on, and for what is below its
   command topics.
 - Where that is a tie, the topic is nobody's, unless it is evidently there for several: they are behind one bridge, or
   do not say who they are, and they are three or more, or their places have a name in common.
@@ -18,8 +18,16 @@ from typing import final
 
 from homebot.devices.part import Part
 from homebot.discovery.source_record import SourceKey, SourceRecord
-from homebot.discovery.topics.rules import is_undisputed, verdicts_of
-from homebot.discovery.topics.tree import TopicNode, all_uses, has_use, used_below, with_use, without_use
+from homebot.discovery.topics.tree import (
+    TopicNode,
+    all_uses,
+    has_use,
+    is_undisputed,
+    used_below,
+    verdicts_of,
+    with_use,
+    without_use,
+)
 from homebot.discovery.topics.use import TopicUse
 
 __all__ = ["MAX_BELOW", "MAX_LEVELS", "MAX_TOPICS", "MAX_USERS", "NOBODY", "TopicOwnership"]

@@ -1,15 +1,27 @@
-"""The tree of the topics that announcements name, and who names them. Pure."""
+"""Tree of the topics that announcements name, and the rules by which a topic belongs to one of them. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from homebot.discovery.source_record import SourceKey
-from homebot.discovery.topics.use import TopicUse
+from homebot.discovery.topics.use import TopicUse, aliases_of, is_called, place_of
 
-__all__ = ["TopicNode", "Uses", "all_uses", "has_use", "used_below", "with_use", "without_use"]
+__all__ = [
+    "TopicNode",
+    "Uses",
+    "all_uses",
+    "has_use",
+    "is_undisputed",
+    "used_below",
+    "verdicts_of",
+    "with_use",
+    "without_use",
+]
+
+_COMMON = 3
 
 Uses: TypeAlias = TopicUse | dict[SourceKey, TopicUse]
 """Uses of a topic by announcements; most topics have one, which takes no dict."""
@@ -88,3 +100,103 @@ def used_below(node: TopicNode, most: int | None = None) -> Iterator[TopicNode]:
             yield one
         if one.children:
             waiting.extend(one.children.values())
+
+
+def is_undisputed(node: TopicNode) -> bool:
+    """Return whether nobody but one device names the topic or one above it; most topics are such."""
+    use, speakers = node.users, node.speakers
+    if use is None:
+        return True
+    if isinstance(use, dict) or node.owners is not None:
+        return False
+    if speakers is not None and (isinstance(speakers, dict) or speakers.device != use.device):
+        return False
+    above = node.parent
+    while above is not None:
+        if above.users is not None or above.owners is not None:
+            return False
+        above = above.parent
+    return True
+
+
+def verdicts_of(node: TopicNode) -> dict[SourceKey, str]:
+    """Return which announcements may not use a topic, each with the device that has it."""
+    users = tuple(all_uses(node.users))
+    if not users:
+        return {}
+    owners = _owners(node)
+    if owners:
+        return _not_of(owners, users)
+    holders = _holders(node)
+    if len(users) == 1 and all(one.device == users[0].device for one, _ in holders):
+        return {}
+    return _by_place(node.topic, users, [(one, one.rank(where)) for one, where in holders])
+
+
+def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[TopicUse, int]]) -> dict[SourceKey, str]:
+    holders.sort(key=lambda held: -held[1])
+    ranks = [(one, one.rank(topic)) for one in users]
+    top = max(rank for _, rank in ranks)
+    best = [one for one, rank in ranks if rank == top]
+    winners = {one.key for one in _winners(best)}
+    found: dict[SourceKey, str] = {}
+    for use, rank in ranks:
+        stronger = next((one.device for one, held in holders if held > rank and one.device != use.device), "")
+        if stronger:
+            found[use.key] = stronger
+        elif rank < top:
+            if not _has_a_name_of(use, (one for one in best if one.device == use.device)):
+                found[use.key] = best[0].device
+        elif use.key not in winners:
+            found[use.key] = next((one.device for one in best if one.device != use.device), use.device)
+    return found
+
+
+def _owners(node: TopicNode | None) -> tuple[TopicUse, ...]:
+    """Return the owners of the topic; of those that are above each other the nearest."""
+    while node is not None:
+        if node.owners:
+            return tuple(all_uses(node.owners))
+        node = node.parent
+    return ()
+
+
+def _holders(node: TopicNode) -> list[tuple[TopicUse, str]]:
+    """Return those that publish on the topic, and those that take commands on one above it, with that topic."""
+    found = [(one, node.topic) for one in all_uses(node.speakers)]
+    above = node.parent
+    while above is not None:
+        if above.users:
+            found += [(one, above.topic) for one in all_uses(above.users)]
+        above = above.parent
+    return found
+
+
+def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[SourceKey, str]:
+    """Those of *users* that are not the owners' device, or were announced at a place that does not name it."""
+    found: dict[SourceKey, str] = {}
+    for use in users:
+        own = [one for one in owners if one.device == use.device]
+        place = place_of(use.announced_on)
+        if not any(is_called(place, aliases_of(one.owns, one.identifiers)) for one in own):
+            found[use.key] = (own or owners)[0].device
+    return found
+
+
+def _winners(best: list[TopicUse]) -> list[TopicUse]:
+    """Of those that are named equally well, the ones that may use the topic: all, or none, or the device's own."""
+    if len(best) == 1:
+        return best
+    devices = {one.device for one in best}
+    is_one_sender = bool(frozenset.intersection(*(one.names() for one in best)))
+    if len(devices) == 1:
+        return best if is_one_sender else [one for one in best if one.is_native]
+    bridges = {one.bridge for one in best}
+    has_one_bridge = len(bridges) == 1 and "" not in bridges
+    is_shared = has_one_bridge or all(one.is_anonymous for one in best)
+    return best if is_shared and (is_one_sender or len(devices) >= _COMMON) else []
+
+
+def _has_a_name_of(use: TopicUse, others: Iterable[TopicUse]) -> bool:
+    own = use.names()
+    return any(not own.isdisjoint(one.names()) for one in others)

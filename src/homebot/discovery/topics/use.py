@@ -1,13 +1,132 @@
-"""The use that an announcement makes of topics: where it sends, reads, and what is its own. Pure."""
+"""Use of topics by an announcement, and the names in the place where it was made. Pure.
+
+Who may publish where is the broker's to decide, and the place of an announcement is the one thing in it that its sender
+cannot choose freely: ``…/kitchen_lamp/config`` speaks for ``kitchen_lamp/set`` rather than ``…/intruder/config`` does.
+"""
 
 from __future__ import annotations
 
+import re
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.discovery.merging.identity import is_generic
 from homebot.discovery.source_record import SourceKey, SourceRecord
-from homebot.discovery.topics.places import names, place_of, score
 
-__all__ = ["TopicUse", "topic_use"]
+__all__ = ["Place", "TopicUse", "aliases_of", "is_called", "names", "place_of", "score", "topic_use"]
+
+_SHORTEST = 4
+_HARDWARE_TAIL = 6
+_ADDRESS = 12
+_MORE_WORDS = """
+config command commands status state states stat tele cmnd gateway bridge event events button switch binary sensor
+number select text cover fan climate lock valve siren vacuum update scene camera image automation tracker alarm panel
+heater humidifier light lights bulb plug plugs socket outlet dimmer thing things home room set get
+in out on off to all main
+"""
+_COMMON = frozenset(_MORE_WORDS.split()) | {word for name in DEVICE_TYPES for word in name.split("_")}
+_WORD = re.compile(r"[0-9a-z\u0080-\U0010ffff]+")
+_HEX = re.compile(r"(?:0x)?([0-9a-f]{12,16})")
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """The place of an announcement, which hints at its sender.
+
+    Attributes:
+        levels: Whole levels of the topic that name somebody.
+        words: All words in it that do.
+        leads: For each level the first of them, which devices name their announcements by.
+        numbers: Those of the words that are a number of the device, such as a hardware address.
+    """
+
+    levels: frozenset[str] = frozenset()
+    words: frozenset[str] = frozenset()
+    leads: frozenset[str] = frozenset()
+    numbers: frozenset[str] = frozenset()
+
+
+_NOWHERE = Place()
+
+
+@lru_cache(maxsize=4096)
+def place_of(topic: str) -> Place:
+    """Return what the place *topic* says; nothing where it names nobody."""
+    if not topic:
+        return _NOWHERE
+    levels: set[str] = set()
+    words: set[str] = set()
+    leads: set[str] = set()
+    for level in topic.casefold().split("/"):
+        if _is_name(level):
+            levels.add(level)
+        found = [word for word in _WORD.findall(level) if _names_somebody(word)]
+        for word in found:
+            words |= _spellings(word)
+        if found:
+            leads |= _spellings(found[0])
+    numbers = {word for word in words if len(word) >= _HARDWARE_TAIL and not word.isalpha()}
+    return Place(frozenset(levels), frozenset(words), frozenset(leads), frozenset(numbers))
+
+
+def score(place: Place, topic: str) -> int:
+    """Return how many words and levels of *topic* name who speaks at *place*: the more, the more it is its own."""
+    if not place.words and not place.levels:
+        return 0
+    words, levels = _words_of(topic)
+    return len(place.words & words) + len(place.levels & levels)
+
+
+def names(place: Place) -> frozenset[str]:
+    """Return by which names another place may be the same device's."""
+    return place.levels | place.leads
+
+
+def is_called(place: Place, aliases: frozenset[str]) -> bool:
+    """Return whether who speaks at *place* has one of these names of a device; see :func:`aliases_of`."""
+    return not aliases.isdisjoint(place.levels) or not aliases.isdisjoint(place.numbers)
+
+
+def aliases_of(owns: tuple[str, ...], identifiers: tuple[str, ...]) -> frozenset[str]:
+    """Return what a device with all topics below *owns* is called: their last levels, and its hardware addresses."""
+    found = {prefix.rpartition("/")[2].casefold() for prefix in owns}
+    for identifier in identifiers:
+        kind, _, address = identifier.partition(":")
+        if kind != "id":
+            found |= _spellings(address.casefold())
+    return frozenset(one for one in found if _names_somebody(one))
+
+
+@lru_cache(maxsize=4096)
+def _words_of(topic: str) -> tuple[frozenset[str], frozenset[str]]:
+    """The words and whole levels of a topic that name somebody."""
+    folded = topic.casefold()
+    found: set[str] = set()
+    for word in _WORD.findall(folded):
+        if _names_somebody(word):
+            found |= _spellings(word)
+    return frozenset(found), frozenset(level for level in folded.split("/") if _is_name(level))
+
+
+def _is_name(level: str) -> bool:
+    """Return whether a whole level names somebody: ``ems-esp`` does, ``light_1`` does not."""
+    return any(not word.isdigit() and word not in _COMMON and not is_generic(word) for word in _WORD.findall(level))
+
+
+def _spellings(word: str) -> set[str]:
+    """A hardware address is also written without its 0x, and its last six digits stand for it."""
+    match = _HEX.fullmatch(word)
+    if match is None:
+        return {word}
+    digits = match[1]
+    tail = {digits[-_HARDWARE_TAIL:]} if len(digits) == _ADDRESS else set()
+    return {digits, *tail}
+
+
+def _names_somebody(word: str) -> bool:
+    return len(word) >= _SHORTEST and word not in _COMMON and not is_generic(word)
 
 
 class TopicUse(NamedTuple):
