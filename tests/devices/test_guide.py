@@ -29,8 +29,9 @@ from homebot.testing.virtual_house import virtual_house_of
 
 FILE = Path(__file__).parents[2] / "docs" / "devices.md"
 
+_NAMED = [getattr(handles, name) for name in handles.__all__]
 KINDS = sorted(
-    (one for one in vars(handles).values() if isinstance(one, type) and issubclass(one, Handle) and one is not Handle),
+    (one for one in _NAMED if isinstance(one, type) and issubclass(one, Handle) and one is not Handle),
     key=lambda kind: kind.__name__,
 )
 

@@ -14,7 +14,8 @@ from homebot.devices import Devices, handles
 from homebot.devices.handles import CommonFilters, DoorLock, Handle, Light, Thermostat
 from homebot.graph import Graph, Node
 
-KINDS = [one for one in vars(handles).values() if isinstance(one, type) and issubclass(one, Handle)]
+_NAMED = [getattr(handles, name) for name in handles.__all__]
+KINDS = [one for one in _NAMED if isinstance(one, type) and issubclass(one, Handle)]
 
 UNKNOWN: dict[str, tuple[type[Any], dict[str, object], str]] = {
     "another word for a room": (Light, {"room": "Office"}, "Light cannot be asked for by 'room': did you mean area?"),

@@ -5,8 +5,9 @@ An app may publish there by itself, where it has reason to; a command to a devic
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
@@ -18,6 +19,9 @@ __all__ = ["ReservedTopics"]
 
 OWN = "homebot"
 _BRIDGE_REQUEST = "/bridge/request/"
+
+_CACHED = 1024
+"""Topics whose reason is kept: devices get commands on the same ones again and again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +40,7 @@ class ReservedTopics:
     """
 
     def __init__(self, conventions: Iterable[Convention]) -> None:
+        self._reason: Callable[[str, str], str] = lru_cache(_CACHED)(self._find_reason)
         self._texts: list[TextConvention] = []
         self._rules: FilterIndex[_Rule] = FilterIndex()
         for one in conventions:
@@ -52,6 +57,20 @@ class ReservedTopics:
 
     def why(self, topic: str, convention: str = "") -> str:
         """Return why no device of *convention* may be told anything on *topic*; empty where that is not reserved."""
+        return self._reason(topic, convention)
+
+    def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
+        """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
+
+        Such a part stays, and can be read; it cannot be told anything.
+        """
+        refused: dict[str, str] = {}
+        parts = tuple([self._part(described.convention, part, refused) for part in described.parts])
+        if not refused:
+            return described, ()
+        return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
+
+    def _find_reason(self, topic: str, convention: str) -> str:
         if topic.startswith("$"):
             return "it is the broker's own"
         if topic == OWN or topic.startswith(f"{OWN}/"):
@@ -65,17 +84,6 @@ class ReservedTopics:
             if _speaks(one, topic):
                 return "another device publishes there"
         return ""
-
-    def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
-        """Return *described* without what is to be told on reserved topics, and these topics with the reasons.
-
-        Such a part stays, and can be read; it cannot be told anything.
-        """
-        refused: dict[str, str] = {}
-        parts = tuple([self._part(described.convention, part, refused) for part in described.parts])
-        if not refused:
-            return described, ()
-        return replace(described, parts=parts), tuple(f"{topic}: {why}" for topic, why in refused.items())
 
     def _part(self, convention: str, described: DescribedPart, refused: dict[str, str]) -> DescribedPart:
         found = {one: why for one in described.part.writes if (why := self.why(one, convention))}
